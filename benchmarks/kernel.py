@@ -117,14 +117,14 @@ def scattered(count: int, rng: np.random.Generator) -> planning.Scene:
 def _scene_rows(
     name: str, scene: planning.Scene, rng: np.random.Generator, rounds: int
 ) -> Iterator[Row]:
-    world = planning.load_world(scene, most_in_model=len(scene.objects))
+    world = planning.load_world(scene, max_objects_in_model=len(scene.objects))
     group = world.group("panda")
     limits, margins = world.limits(group), world.margins()
     kernel = world.collision_oracle(group, margins)
     drake = DrakeCollisionOracle(world.drake, group, world.state, margins)
     qs = rng.uniform(limits.lower, limits.upper, (max(BATCHES), group.num_positions))
     free = kernel.are_free(qs)
-    unsure = kernel.num_left / len(qs) if isinstance(kernel, KernelCollisionOracle) else 1.0
+    unsure = kernel.num_undecided / len(qs) if isinstance(kernel, KernelCollisionOracle) else 1.0
     for size in BATCHES:
         batch = qs[: max(size, 64)]
         kernel_us, drake_us = _in_turns(

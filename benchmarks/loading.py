@@ -90,7 +90,7 @@ def measured(document: dict[str, Any], clock: Callable[[], float]) -> dict[str, 
     times.append(clock())
     pose = planning.Pose.from_parts((0.6, 0.2, 0.9))
     edited = planning.edit_scene(world.scene, [planning.MoveObject("box_0", pose)])
-    world = planning.load_world(edited, like=world)
+    world = planning.load_world(edited, previous=world)
     times.append(clock())
     planning.check_configurations(world, group.name, q)
     times.append(clock())

@@ -76,7 +76,7 @@ from .domain.request.options import (
     CertifyOptions as CertifyOptions,
 )
 from .domain.request.options import (
-    ClearanceWish as ClearanceWish,
+    ClearanceObjective as ClearanceObjective,
 )
 from .domain.request.options import (
     IkOptions as IkOptions,

@@ -12,7 +12,7 @@ from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import RETIMERS, retime
-from planning.retime.smooth import smoothed
+from planning.retime.smooth import smooth_path
 
 # How far a curve may be from the path, as plans have it (joint-space length).
 _ALLOWED = 0.1
@@ -74,7 +74,7 @@ def _timed(
     for question in questions:
         begun = time.perf_counter()
         rounded = blend_corners(question.path, _ALLOWED, smoothness)
-        near = smoothed(question.path, [_ALLOWED]) if method == "ruckig" else []
+        near = smooth_path(question.path, [_ALLOWED]) if method == "ruckig" else []
         durations: list[Any] = [
             retime(curve, question.limits, options)[0].duration
             for curve in (rounded, *(curve for _, curve in near))

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from planning.certify.certifier import certify, certify_places, unchecked_of
+from planning.certify.certifier import certify, certify_polyline, skipped_checks
 from planning.certify.clearance.first_unproven import with_first_unproven
 from planning.certify.request import CertifyRequest
 from planning.domain.curves.curve import TimedTrajectory
@@ -18,9 +18,9 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
 from planning.pipeline.certification import certify_request
-from planning.pipeline.timing_options import validate_timing
+from planning.pipeline.timing_options import resolve_retiming
 from planning.world.constraints.validate_constraints import validate_constraints
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
@@ -35,7 +35,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
     goal: Any = None,
     margin: float | None = None,
     constraints: tuple[PathConstraint, ...] = (),
-    wanted: CertifyOptions | None = None,
+    certify_options: CertifyOptions | None = None,
 ) -> tuple[Certificate, CertifyReport]:
     """Hold a trajectory against limits, ends and margins, on its whole interval.
 
@@ -50,7 +50,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         goal: Where it shall end, shape (nq,); None for where it does.
         margin: Distance to keep [m]; None for the scene's.
         constraints: What it shall keep; what counts from the start counts from `start`.
-        wanted: What else to find out, if it is proven; None for nothing.
+        certify_options: What else to find out, if it is proven; None for nothing.
 
     Returns:
         The certificate, `proven` or with failed checks, and what it took. If clearance is not
@@ -63,9 +63,9 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         DeadlineExceeded: Time ran out before the verdict.
         Canceled: The end was asked for.
     """
-    request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
-    request = replace(request, options=wanted or CertifyOptions())
-    with _timed(deadline):
+    request = _make_request(world, group, trajectory, options, (start, goal), margin, constraints)
+    request = replace(request, options=certify_options or CertifyOptions())
+    with _timing_failures(deadline):
         certificate, report = certify(world.drake, request, deadline)
         return with_first_unproven(world.drake, request, certificate, deadline), report
 
@@ -108,22 +108,22 @@ def certify_positions(  # noqa: PLR0913  (a question in full)
         DeadlineExceeded: Time ran out before the verdict.
         Canceled: The end was asked for.
     """
-    request = _request(world, group, trajectory, options, (start, goal), margin, constraints)
-    with _timed(deadline):
-        certificate, report = certify_places(world.drake, request, deadline)
-        told = with_first_unproven(world.drake, request, certificate, deadline)
-        return told, report, unchecked_of(request)
+    request = _make_request(world, group, trajectory, options, (start, goal), margin, constraints)
+    with _timing_failures(deadline):
+        certificate, report = certify_polyline(world.drake, request, deadline)
+        located = with_first_unproven(world.drake, request, certificate, deadline)
+        return located, report, skipped_checks(request)
 
 
 @contextmanager
-def _timed(deadline: Deadline) -> Generator[None]:
+def _timing_failures(deadline: Deadline) -> Generator[None]:
     """Have failures from inside tell how long the proof took."""
     watch = Stopwatch(deadline.clock)
     with watch.timing_failures(), watch.stage("certify"):
         yield
 
 
-def _request(  # noqa: PLR0913, PLR0917  (a question in full)
+def _make_request(  # noqa: PLR0913, PLR0917  (a question in full)
     world: World,
     group: str,
     trajectory: TimedTrajectory,
@@ -134,15 +134,15 @@ def _request(  # noqa: PLR0913, PLR0917  (a question in full)
 ) -> CertifyRequest:
     """Return what to prove, once it makes sense."""
     joints = world.group(group)
-    require_joints(joints, trajectory, "trajectory")
+    validate_joints(joints, trajectory, "trajectory")
     begin, end = (
-        reached if asked is None else require_positions(joints, asked, field)
-        for asked, reached, field in zip(
+        actual if requested is None else validate_positions(joints, requested, field)
+        for requested, actual, field in zip(
             ends, (trajectory.start, trajectory.end), ("start", "goal"), strict=True
         )
     )
     validate_constraints(world, joints, constraints)
-    options = validate_timing(world, joints, options or RetimeOptions(), begin, within="")
+    options = resolve_retiming(world, joints, options or RetimeOptions(), begin, field_prefix="")
     return replace(
         certify_request(world, joints, trajectory, options, world.margins(margin)),
         start=begin,
@@ -151,7 +151,7 @@ def _request(  # noqa: PLR0913, PLR0917  (a question in full)
     )
 
 
-def require_joints(group: JointGroup, trajectory: TimedTrajectory, field: str) -> None:
+def validate_joints(group: JointGroup, trajectory: TimedTrajectory, field: str) -> None:
     """Go on only if a trajectory is one of a group's joints.
 
     Args:

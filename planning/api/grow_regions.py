@@ -16,7 +16,7 @@ from planning.domain.planner.regions import RegionOptions, Regions
 from planning.domain.report.motion_plan import Progress, ignore_progress
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import IkOptions, SearchOptions
-from planning.domain.request.region_request import require_convex, require_one_turn
+from planning.domain.request.region_request import validate_convex, validate_one_turn
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import steering_of
@@ -33,14 +33,14 @@ from planning.errors import (
 from planning.regions.grow import GrowRequest, Growth, grow
 from planning.search.request import SearchTask
 from planning.search.solver import search
-from planning.world.world import CollisionJudge, World
+from planning.world.world import CollisionChecker, World
 
 # Between two configurations of a path that get a region if no other holds them [rad or m].
-_STRIDE = 0.1
+_MAX_STEP = 0.1
 # Share of the time that is left for finding one path.
-_PATH_SHARE = 0.1
+_PATH_TIME_FRACTION = 0.1
 # Why a frame of the scene is left out.
-_NO_GOAL = (GoalInCollision, GoalTooNear, GoalUnreachable, GoalOutOfLimits, DeadlineExceeded)
+_GOAL_FAILURES = (GoalInCollision, GoalTooNear, GoalUnreachable, GoalOutOfLimits, DeadlineExceeded)
 
 
 def grow_regions(
@@ -72,29 +72,33 @@ def grow_regions(
             nothing bounds, or an option makes no sense.
         Canceled: The end was asked for.
     """
-    joints, chosen = world.group(group), options or RegionOptions()
-    _require_sense(chosen)
-    lower, upper = domain_of(world, joints, chosen)
-    margins = world.margins(chosen.margin, chosen.padding)
-    judge = world.collision_oracle(joints, margins)
+    joints, region_options = world.group(group), options or RegionOptions()
+    _validate_options(region_options)
+    lower, upper = domain_of(world, joints, region_options)
+    margins = world.margins(region_options.margin, region_options.padding)
+    checker = world.collision_oracle(joints, margins)
     limits = replace(world.limits(joints), lower=lower, upper=upper)
     on_progress(Progress("regions", 0.0, "looking for paths"))
     paths = (
-        [] if chosen.along == "nothing" else list(_paths(world, joints, limits, judge, deadline))
+        []
+        if region_options.along == "nothing"
+        else list(_paths(world, joints, limits, checker, deadline))
     )
-    request = GrowRequest(judge, lower, upper, paths, chosen, seed)
+    request = GrowRequest(checker, lower, upper, paths, region_options, seed)
 
-    def tell(growth: Growth) -> None:
+    def report_growth(growth: Growth) -> None:
         count = len(growth.regions)
-        share = max(count / chosen.num_regions, growth.coverage / chosen.coverage)
+        fraction = max(
+            count / region_options.num_regions, growth.coverage / region_options.coverage
+        )
         detail = f"{count} regions cover {growth.coverage:.1%} of what is free"
-        on_progress(Progress("regions", min(0.99, 0.05 + 0.94 * share), detail))
+        on_progress(Progress("regions", min(0.99, 0.05 + 0.94 * fraction), detail))
 
-    growth = grow(request, deadline, tell)
+    growth = grow(request, deadline, report_growth)
     return Regions(
         scene=world.digest,
         group=joints.name,
-        margin=world.margins(chosen.margin).default,
+        margin=world.margins(region_options.margin).default,
         seed=seed,
         lower=lower,
         upper=upper,
@@ -119,16 +123,16 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
         UnknownName: The group has no coordinate that the bounds name.
     """
     kinds = {joint.name: joint.type for joint in group.joints}
-    require_convex(kinds, steering_of(group), "group")
-    require_one_turn(group.joints, options.bounds)
+    validate_convex(kinds, steering_of(group), "group")
+    validate_one_turn(group.joints, options.bounds)
     limits = world.limits(group)
     lower, upper = np.array(limits.lower), np.array(limits.upper)
-    turns = np.array([
-        _turns(joint.type, k) and joint.name not in group.winding
+    is_angle = np.array([
+        _is_angle(joint.type, k) and joint.name not in group.winding
         for joint in group.joints
         for k in range(joint.num_positions)
     ])
-    is_wide = turns & (upper - lower > 2 * np.pi)
+    is_wide = is_angle & (upper - lower > 2 * np.pi)
     lower, upper = np.where(is_wide, -np.pi, lower), np.where(is_wide, np.pi, upper)
     for name, (low, high) in options.bounds.items():
         if name not in group.position_names:
@@ -137,11 +141,15 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
         lower[k], upper[k] = max(low, limits.lower[k]), min(high, limits.upper[k])
     for k, name in enumerate(group.position_names):
         if not (np.isfinite([lower[k], upper[k]]).all() and lower[k] < upper[k]):
-            raise _no_interval(name, options, float(limits.lower[k]), float(limits.upper[k]))
+            raise _unbounded_coordinate(
+                name, options, float(limits.lower[k]), float(limits.upper[k])
+            )
     return lower, upper
 
 
-def _no_interval(name: str, options: RegionOptions, low: float, high: float) -> ProblemInvalid:
+def _unbounded_coordinate(
+    name: str, options: RegionOptions, low: float, high: float
+) -> ProblemInvalid:
     """Return the error of a coordinate whose limits and bounds, if any, leave none to grow in."""
     evidence: dict[str, Any] = {"field": f"bounds.{name}"}
     limits = f"limits [{low:g}, {high:g}]"
@@ -157,13 +165,13 @@ def _no_interval(name: str, options: RegionOptions, low: float, high: float) -> 
     return ProblemInvalid(message, evidence)
 
 
-def _turns(kind: JointType, coordinate: int) -> bool:
+def _is_angle(kind: JointType, coordinate: int) -> bool:
     """Whether a position coordinate is an angle."""
     is_yaw = kind is JointType.PLANAR and coordinate == 2
     return is_yaw or kind in {JointType.REVOLUTE, JointType.CONTINUOUS}
 
 
-def _require_sense(options: RegionOptions) -> None:
+def _validate_options(options: RegionOptions) -> None:
     faults = {
         "num_regions": options.num_regions < 1,
         "coverage": not 0 < options.coverage <= 1,
@@ -178,29 +186,37 @@ def _require_sense(options: RegionOptions) -> None:
 
 
 def _paths(
-    world: World, group: JointGroup, limits: JointLimits, judge: CollisionJudge, deadline: Deadline
+    world: World,
+    group: JointGroup,
+    limits: JointLimits,
+    checker: CollisionChecker,
+    deadline: Deadline,
 ) -> Iterator[Array]:
     """Yield paths from the scene's state to what it names, each shape (n, nq).
 
     Where there is no path, or nothing starts at the state, what is named comes by itself.
     """
-    places = [q for q in _places(world, group, deadline) if judge.is_free(q)]
-    inside = [q for q in places if ((limits.lower <= q) & (q <= limits.upper)).all()]
+    configurations = [
+        q for q in _scene_configurations(world, group, deadline) if checker.is_free(q)
+    ]
+    inside = [q for q in configurations if ((limits.lower <= q) & (q <= limits.upper)).all()]
     manifold = Manifold(group.joints)
     for q in inside[1:]:
         task = SearchTask(inside[0], q[None], SearchOptions(), 0.05, 0.0, 0)
         try:
-            found = search(group, limits, judge, task, deadline.share(_PATH_SHARE)).path
+            path = search(
+                group, limits, checker, task, deadline.at_fraction(_PATH_TIME_FRACTION)
+            ).path
         except (NoPathFound, DeadlineExceeded):
             yield q[None]
             continue
-        along = _sampled(found.continuous, manifold)
-        yield along[((limits.lower <= along) & (along <= limits.upper)).all(axis=1)]
+        samples = _sample_path(path.continuous, manifold)
+        yield samples[((limits.lower <= samples) & (samples <= limits.upper)).all(axis=1)]
     if len(inside) == 1:
         yield inside[0][None]
 
 
-def _places(world: World, group: JointGroup, deadline: Deadline) -> Iterator[Array]:
+def _scene_configurations(world: World, group: JointGroup, deadline: Deadline) -> Iterator[Array]:
     """Yield the scene's state, the named configurations, and one for each of the scene's frames."""
     yield np.array(world.positions(group))
     yield from (np.array(q) for q in world.configurations(group).values())
@@ -210,22 +226,22 @@ def _places(world: World, group: JointGroup, deadline: Deadline) -> Iterator[Arr
     for frame in world.scene.frames:
         goal = PoseGoal((PoseTarget(Pose.identity(), frame.name),), "", exact, exact)
         try:
-            found = solve_ik(
+            solutions = solve_ik(
                 world,
                 group.name,
                 goal,
-                deadline=deadline.share(_PATH_SHARE),
+                deadline=deadline.at_fraction(_PATH_TIME_FRACTION),
                 options=IkOptions(max_configurations=8),
             )
-        except _NO_GOAL:
+        except _GOAL_FAILURES:
             continue
-        yield np.array(found.positions[0])
+        yield np.array(solutions.positions[0])
 
 
-def _sampled(path: JointPath, manifold: Manifold) -> Array:
+def _sample_path(path: JointPath, manifold: Manifold) -> Array:
     """Return configurations along a path, both ends included."""
     rows = [path.waypoints[:1]]
     for q0, q1 in pairwise(path.waypoints):
-        count = max(1, int(np.ceil(float(manifold.distance(q1, q0)) / _STRIDE)))
+        count = max(1, int(np.ceil(float(manifold.distance(q1, q0)) / _MAX_STEP)))
         rows.append(manifold.interpolate(q0, q1, np.arange(1, count + 1) / count))
     return np.concatenate(rows)

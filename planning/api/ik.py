@@ -18,7 +18,7 @@ from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
 from planning.pipeline.constrained_search import filter_goals
 from planning.world.constraints.path_constraints import PathConstraints
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
@@ -62,14 +62,18 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
     """
     joints = world.group(group)
     given = world.positions(joints) if start is None else start
-    q = require_positions(joints, given, "start")
-    chosen = options or IkOptions()
-    rules = PathConstraints.compiled(world, joints, constraints, q) if constraints else None
-    query = GoalQuery(joints, goal, q, world.margins(margin), chosen, chosen.max_trials, rules)
+    q = validate_positions(joints, given, "start")
+    ik_options = options or IkOptions()
+    path_constraints = (
+        PathConstraints.compiled(world, joints, constraints, q) if constraints else None
+    )
+    query = GoalQuery(
+        joints, goal, q, world.margins(margin), ik_options, ik_options.max_trials, path_constraints
+    )
     watch = Stopwatch(deadline.clock)
     with watch.timing_failures(), watch.stage("goals"):
-        found = find_goals(world, query, np.random.default_rng(seed), deadline)
-        return filter_goals(world, query, found, seed, deadline)
+        goals = find_goals(world, query, np.random.default_rng(seed), deadline)
+        return filter_goals(world, query, goals, seed, deadline)
 
 
 def assess_configurations(
@@ -97,12 +101,12 @@ def assess_configurations(
     """
     joints = world.group(group)
     given = world.positions(joints) if start is None else start
-    origin = require_positions(joints, given, "start")
+    origin = validate_positions(joints, given, "start")
     tool = frame or joints.tool_frames[0]
-    world.require_frame(tool)
+    world.validate_frame(tool)
     metric = JointMetric.from_names(joints, joint_weights or {})
     probe = QualityProbe(world, joints, tool, metric)
     return tuple(
-        probe.of(require_positions(joints, row, f"configurations.{i}"), origin)
+        probe.evaluate(validate_positions(joints, row, f"configurations.{i}"), origin)
         for i, row in enumerate(configurations)
     )

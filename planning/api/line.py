@@ -8,10 +8,10 @@ from planning.domain.goals.linear_moves import Displacement, ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import ProblemInvalid
-from planning.goals.lines.line_stop import traced
+from planning.goals.lines.line_stop import make_line_trace
 from planning.goals.lines.line_tracer import LineTracer, TraceResolution
 from planning.goals.targets.tool_target import line_end
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 __all__ = ["TraceResolution", "trace_line"]
@@ -54,18 +54,18 @@ def trace_line(  # noqa: PLR0913  (a question in full)
     """
     joints = world.group(group)
     given = world.positions(joints) if start is None else start
-    q = require_positions(joints, given, "start")
-    fine = fineness or TraceResolution()
-    if not min(fine.max_shift, fine.max_turn, fine.max_step) > 0:
+    q = validate_positions(joints, given, "start")
+    resolution = fineness or TraceResolution()
+    if not min(resolution.max_shift, resolution.max_turn, resolution.max_step) > 0:
         message = "max_shift, max_turn and max_step of a line must be positive"
         raise ProblemInvalid(message, {"field": "fineness"})
     margins = world.margins(margin)
     tool = frame or joints.tool_frames[0]
-    tracer = LineTracer(world, joints, tool, margins, fine)
+    tracer = LineTracer(world, joints, tool, margins, resolution)
     full = world.embed(joints, q)
     begin = world.frame_pose(tool, full)
     line = ToolLine(tool, begin, line_end(world, full, begin, to))
     watch = Stopwatch(deadline.clock)
     with watch.timing_failures(), watch.stage("line"):
-        course = tracer.trace([line], q[None], deadline)[0]
-        return traced(world, joints, margins, tracer.kinematics, course)
+        trace_state = tracer.trace([line], q[None], deadline)[0]
+        return make_line_trace(world, joints, margins, tracer.kinematics, trace_state)

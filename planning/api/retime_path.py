@@ -22,10 +22,10 @@ from planning.pipeline.candidates import Candidate, candidates
 from planning.pipeline.certification import Refusals, certify_request, first_certified
 from planning.pipeline.motion import Motion
 from planning.pipeline.segments import free_segment
-from planning.pipeline.timing_options import validate_timing
+from planning.pipeline.timing_options import resolve_retiming
 from planning.retime.limits.request_limits import path_limits
 from planning.world.constraints.validate_constraints import validate_constraints
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
@@ -59,7 +59,7 @@ def retime_path(  # noqa: PLR0913  (a question in full)
     options: RetimeOptions | None = None,
     margin: float | None = None,
     constraints: tuple[PathConstraint, ...] = (),
-    wanted: CertifyOptions | None = None,
+    certify_options: CertifyOptions | None = None,
 ) -> RetimedPath:
     """Return the quickest proven motion along waypoints.
 
@@ -74,7 +74,7 @@ def retime_path(  # noqa: PLR0913  (a question in full)
         options: How to time it.
         margin: Distance to keep [m]; None for the scene's.
         constraints: What it shall keep; what counts from the start counts from the first waypoint.
-        wanted: What to find out about the motion besides its proof; None for nothing.
+        certify_options: What to find out about the motion besides its proof; None for nothing.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
@@ -86,13 +86,13 @@ def retime_path(  # noqa: PLR0913  (a question in full)
         Canceled: The end was asked for.
     """
     joints = world.group(group)
-    rows = [require_positions(joints, q, f"waypoints.{i}") for i, q in enumerate(waypoints)]
+    rows = [validate_positions(joints, q, f"waypoints.{i}") for i, q in enumerate(waypoints)]
     if len(rows) < 2:
         message = f"waypoints: at least 2 are needed, got {len(rows)}"
         raise ProblemInvalid(message, {"field": "waypoints", "got": len(rows)})
     path = JointPath(joints, np.array(rows)).continuous
     validate_constraints(world, joints, constraints)
-    timing = validate_timing(world, joints, options or RetimeOptions(), path.waypoints[0])
+    timing = resolve_retiming(world, joints, options or RetimeOptions(), path.waypoints[0])
     problem = PlanningProblem(
         group,
         JointGoal(path.waypoints[-1:]),
@@ -104,44 +104,50 @@ def retime_path(  # noqa: PLR0913  (a question in full)
     )
     watch = Stopwatch(deadline.clock)
     with watch.timing_failures():
-        return _first_proven(
+        return _first_certified(
             world,
             path,
             problem,
-            wanted or CertifyOptions(),
-            deadline.cutting(watch.note_cut),
+            certify_options or CertifyOptions(),
+            deadline.with_on_expiry(watch.record_cut),
             watch,
         )
 
 
-def _first_proven(
+def _first_certified(
     world: World,
     path: JointPath,
     problem: PlanningProblem,
-    wanted: CertifyOptions,
+    certify_options: CertifyOptions,
     deadline: Deadline,
     watch: Stopwatch,
 ) -> RetimedPath:
     joints, timing, margins = path.group, problem.retime, world.margins(problem.margin)
-    others = path_limits(world, joints, timing)
-    made = candidates(world, path, problem, margins, deadline, watch, path_limits=others)
+    limits_along_path = path_limits(world, joints, timing)
+    all_candidates = candidates(
+        world, path, problem, margins, deadline, watch, path_limits=limits_along_path
+    )
 
-    def certified(candidate: Candidate) -> tuple[Certificate, CertifyReport]:
+    def certify_candidate(candidate: Candidate) -> tuple[Certificate, CertifyReport]:
         request = replace(
             certify_request(world, joints, candidate.trajectory, timing, margins),
             start=path.waypoints[0],
             goals=path.waypoints[-1:],
             constraints=problem.constraints,
-            options=wanted,
+            options=certify_options,
         )
         with watch.stage("certify"):
             return certify(world.drake, request, deadline)
 
-    named = ((candidate.name, candidate) for candidate in made)
-    candidate, certificate, report = first_certified(named, certified, Refusals())
+    named_candidates = ((candidate.name, candidate) for candidate in all_candidates)
+    candidate, certificate, report = first_certified(
+        named_candidates, certify_candidate, Refusals()
+    )
     motion = Motion((free_segment(path, candidate),))
     if timing.explain:
         with watch.stage("explain"):
-            motion = motion.explained(world.limits(joints), timing, others, deadline)
-    timed = motion.trajectory, certificate, motion.report, report
-    return RetimedPath(path, *timed, watch.cut_short)
+            motion = motion.with_explanation(
+                world.limits(joints), timing, limits_along_path, deadline
+            )
+    outcome = motion.trajectory, certificate, motion.report, report
+    return RetimedPath(path, *outcome, watch.cut_short)

@@ -18,15 +18,15 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.pipeline.certification import certify_request
-from planning.pipeline.segment_lines import part_lines
+from planning.pipeline.segment_lines import line_sections
 from planning.pipeline.segments import empty_search_report
-from planning.pipeline.timing_options import validate_timing
+from planning.pipeline.timing_options import resolve_retiming
 from planning.search.space_options import resolve_space
 from planning.world.world import World
 
-_KINDS = {"approach": "retreat", "retreat": "approach"}
+_REVERSED_KINDS = {"approach": "retreat", "retreat": "approach"}
 # What the certificate has checks for, and the report of a timing its share.
-_LIMITS = (
+_TIMING_CHECKS = (
     "velocity",
     "acceleration",
     "jerk",
@@ -67,23 +67,23 @@ def reverse_plan(
         Canceled: The end was asked for.
     """
     watch = Stopwatch(deadline.clock)
-    deadline = deadline.cutting(watch.note_cut)
+    deadline = deadline.with_on_expiry(watch.record_cut)
     group = resolve_space(world.group(problem.group), problem.search.spaces)
-    back = trajectory.reverse
-    turned = tuple(
+    reversed_motion = trajectory.reverse
+    reversed_parts = tuple(
         replace(
             part,
-            kind=_KINDS.get(part.kind, part.kind),
+            kind=_REVERSED_KINDS.get(part.kind, part.kind),
             begin=trajectory.duration - part.end,
             end=trajectory.duration - part.begin,
         )
         for part in reversed(parts)
     )
-    options = validate_timing(world, group, problem.retime, back.start)
+    options = resolve_retiming(world, group, problem.retime, reversed_motion.start)
     request = replace(
-        certify_request(world, group, back, options, world.margins(problem.margin)),
+        certify_request(world, group, reversed_motion, options, world.margins(problem.margin)),
         constraints=problem.constraints,
-        lines=part_lines(world, group, problem, back, turned),
+        lines=line_sections(world, group, problem, reversed_motion, reversed_parts),
         options=problem.certify,
     )
     with watch.timing_failures():
@@ -91,48 +91,51 @@ def reverse_plan(
             certificate, report = certify(world.drake, request, deadline)
         if not certificate.proven:
             raise not_certified(certificate, ["the motion backwards"])
-    way = JointPath(group, path.waypoints[::-1])
+    reversed_path = JointPath(group, path.waypoints[::-1])
     stages = StageReports(
-        GoalConfigurations(back.end[None], (0,), Funnel(1, 1, 1, 1, 1)),
-        empty_search_report(way),
+        GoalConfigurations(reversed_motion.end[None], (0,), Funnel(1, 1, 1, 1, 1)),
+        empty_search_report(reversed_path),
         RefineReport("none", improved=False, reason="the motion of another plan, backwards"),
-        _timing(options.method, back, certificate, turned),
+        _retime_report(options.method, reversed_motion, certificate, reversed_parts),
         report,
     )
     return MotionPlan(
         group=group,
-        start=back.start,
+        start=reversed_motion.start,
         start_clipped=np.zeros(group.num_positions),
-        goal_configuration=back.end,
+        goal_configuration=reversed_motion.end,
         goal_index=0,
-        path=way,
-        trajectory=back,
+        path=reversed_path,
+        trajectory=reversed_motion,
         certificate=certificate,
         stages=stages,
         timings=watch.seconds,
         cut_short=watch.cut_short,
-        parts=turned,
+        parts=reversed_parts,
     )
 
 
-def _timing(
-    method: str, back: TimedTrajectory, certificate: Certificate, parts: Sequence[PlanPart]
+def _retime_report(
+    method: str,
+    reversed_motion: TimedTrajectory,
+    certificate: Certificate,
+    parts: Sequence[PlanPart],
 ) -> RetimeReport:
     """Return what the certificate says of the timing, which nobody chose anew."""
     binding: dict[str, str] = {}
-    used: dict[str, float] = {}
+    utilisation: dict[str, float] = {}
     for check in certificate.checks:
         # Checks of frames and zones are named after them.
-        kind, _, named = check.name.partition(" ")
-        if kind in _LIMITS:
-            share = check.value if check.unit == "1" else check.value / check.bound
-            if share > used.get(kind, -1.0):
-                binding[kind], used[kind] = named or check.where, share
+        kind, _, limited_frame = check.name.partition(" ")
+        if kind in _TIMING_CHECKS:
+            ratio = check.value if check.unit == "1" else check.value / check.bound
+            if ratio > utilisation.get(kind, -1.0):
+                binding[kind], utilisation[kind] = limited_frame or check.where, ratio
     return RetimeReport(
         method=method,
-        duration=back.duration,
+        duration=reversed_motion.duration,
         slowed=1.0,
         binding=binding,
-        utilisation=used,
+        utilisation=utilisation,
         stops=max(0, len(parts) - 1),
     )

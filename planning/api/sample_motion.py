@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from planning.api.certify_trajectory import require_joints
+from planning.api.certify_trajectory import validate_joints
 from planning.certify.intervals.hermite_errors import HermiteErrors
 from planning.certify.request import CertifyRequest
 from planning.certify.samples.interpolants import KINDS, prove_interpolants
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation_proof import InterpolationProof
-from planning.domain.curves.sampling import SampledTrajectory, Sampling, sampled
+from planning.domain.curves.sampling import SampledTrajectory, Sampling, sample_trajectory
 from planning.domain.report.motion_plan import PlanPart
 from planning.domain.request.constraint import PathConstraint
 from planning.domain.request.deadline import Deadline
@@ -20,8 +20,8 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.value import Value
 from planning.pipeline.certification import certify_request
-from planning.pipeline.segment_lines import part_lines
-from planning.pipeline.timing_options import validate_timing
+from planning.pipeline.segment_lines import line_sections
+from planning.pipeline.timing_options import resolve_retiming
 from planning.search.space_options import resolve_space
 from planning.world.constraints.validate_constraints import validate_constraints
 from planning.world.world import World
@@ -74,16 +74,16 @@ def sample_motion(  # noqa: PLR0913  (a question in full)
         Canceled: The caller canceled.
     """
     joints = world.group(group)
-    require_joints(joints, trajectory, "trajectory")
+    validate_joints(joints, trajectory, "trajectory")
     validate_constraints(world, joints, constraints)
     begin = trajectory.start if origin is None else origin
-    timing = validate_timing(world, joints, options or RetimeOptions(), begin, within="")
+    timing = resolve_retiming(world, joints, options or RetimeOptions(), begin, field_prefix="")
     request = replace(
         certify_request(world, joints, trajectory, timing, world.margins(margin)),
         constraints=constraints,
         origin=origin,
     )
-    return _sampled(world, request, sampling, clearance, deadline)
+    return _sample(world, request, sampling, clearance, deadline)
 
 
 def sample_plan(  # noqa: PLR0913  (a question in full)
@@ -114,36 +114,40 @@ def sample_plan(  # noqa: PLR0913  (a question in full)
         Canceled: The caller canceled.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
-    require_joints(group, trajectory, "trajectory")
-    options = validate_timing(world, group, problem.retime, trajectory.start)
+    validate_joints(group, trajectory, "trajectory")
+    options = resolve_retiming(world, group, problem.retime, trajectory.start)
     request = replace(
         certify_request(world, group, trajectory, options, world.margins(problem.margin)),
         constraints=problem.constraints,
-        lines=part_lines(world, group, problem, trajectory, parts),
+        lines=line_sections(world, group, problem, trajectory, parts),
         options=problem.certify,
     )
-    return _sampled(world, request, sampling, clearance, deadline)
+    return _sample(world, request, sampling, clearance, deadline)
 
 
-def _sampled(
-    world: World, asked: CertifyRequest, sampling: Sampling, clearance: float, deadline: Deadline
+def _sample(
+    world: World,
+    original_request: CertifyRequest,
+    sampling: Sampling,
+    clearance: float,
+    deadline: Deadline,
 ) -> ProvenSamples:
     # The very joints of the group: what is the same thing need not be compared by content.
-    trajectory = replace(asked.trajectory, joints=asked.group.joints)
-    request = replace(asked, trajectory=trajectory)
+    trajectory = replace(original_request.trajectory, joints=original_request.group.joints)
+    request = replace(original_request, trajectory=trajectory)
     limits = request.limits.per_coordinate(request.limits.acceleration)
     errors = HermiteErrors.of(request)
-    gaps = None if errors is None else errors.gaps("quintic")
-    samples = sampled(trajectory, sampling, limits, gaps)
+    gaps = None if errors is None else errors.sample_spacing("quintic")
+    samples = sample_trajectory(trajectory, sampling, limits, gaps)
     proofs = prove_interpolants(world.drake, request, samples, clearance, deadline, errors)
     return ProvenSamples(samples, proofs)
 
 
 def unproven_samples(trajectory: TimedTrajectory, sampling: Sampling, reason: str) -> ProvenSamples:
     """Return samples of which nothing is proven, and why, where there is no scene to ask."""
-    nowhere = np.full(trajectory.manifold.num_velocities, np.inf)
+    unlimited = np.full(trajectory.manifold.num_velocities, np.inf)
     proofs = tuple(
         InterpolationProof(kind, proven=False, deviation=np.inf, up_to_period=None, reason=reason)
         for kind in KINDS
     )
-    return ProvenSamples(sampled(trajectory, sampling, nowhere), proofs)
+    return ProvenSamples(sample_trajectory(trajectory, sampling, unlimited), proofs)

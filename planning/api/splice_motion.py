@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planning.api.certify_trajectory import require_joints
+from planning.api.certify_trajectory import validate_joints
 from planning.certify.certifier import certify
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.motion_state import MotionState
@@ -20,7 +20,7 @@ from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.pipeline.certification import Refusals, certify_request, first_certified
-from planning.pipeline.timing_options import validate_timing
+from planning.pipeline.timing_options import resolve_retiming
 from planning.retime.jerk.state_to_state import to_rest, to_state
 from planning.retime.jerk.stop_along_path import stops_along
 from planning.retime.limits.request_limits import path_limits
@@ -28,7 +28,7 @@ from planning.world.constraints.validate_constraints import validate_constraints
 from planning.world.world import World
 
 # Instants of a new motion at which it may be joined.
-_JOINTS = 12
+_NUM_JOIN_TIMES = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,20 +63,20 @@ class _RunningMotion:
         return self.world.limits(self.group).scaled(*factors)
 
     @property
-    def by_sign(self) -> AccelerationBounds:
+    def acceleration_bounds(self) -> AccelerationBounds:
         return self.options.acceleration_bounds
 
-    def first_proven(
-        self, made: Iterable[TimedTrajectory], deadline: Deadline, *, jerk: bool = True
+    def certify_first(
+        self, motions: Iterable[TimedTrajectory], deadline: Deadline, *, has_jerk_limit: bool = True
     ) -> ProvenMotion:
         """Return the first motion that is proven to keep everything from its first instant on."""
         watch = Stopwatch(deadline.clock)
         margins = self.world.margins(self.margin)
 
-        def certified(motion: TimedTrajectory) -> tuple[Certificate, CertifyReport]:
+        def certify_motion(motion: TimedTrajectory) -> tuple[Certificate, CertifyReport]:
             request = replace(
                 certify_request(self.world, self.group, motion, self.options, margins),
-                jerk=jerk,
+                jerk=has_jerk_limit,
                 constraints=self.constraints,
                 origin=self.running.start,
             )
@@ -84,9 +84,9 @@ class _RunningMotion:
                 return certify(self.world.drake, request, deadline)
 
         with watch.timing_failures():
-            timed = watch.each("retime", made)
-            named = ((f"in {motion.duration:.3f} s", motion) for motion in timed)
-            return ProvenMotion(*first_certified(named, certified, Refusals()))
+            timed = watch.each("retime", motions)
+            named_motions = ((f"in {motion.duration:.3f} s", motion) for motion in timed)
+            return ProvenMotion(*first_certified(named_motions, certify_motion, Refusals()))
 
 
 def stop_motion(  # noqa: PLR0913  (a question in full)
@@ -131,15 +131,22 @@ def stop_motion(  # noqa: PLR0913  (a question in full)
         DeadlineExceeded: Time ran out.
         Canceled: The end was asked for.
     """
-    leaving = _leaving(world, group, running, options, constraints, margin)
-    _require_within(running, time)
+    running_motion = _make_running_motion(world, group, running, options, constraints, margin)
+    _validate_time(running, time)
     if along_path:
-        more = path_limits(world, leaving.group, leaving.options)
-        jerk = leaving.options.method == "ruckig"
-        along = stops_along(running, time, leaving.limits, more, deadline, jerk=jerk)
-        return leaving.first_proven(along, deadline, jerk=jerk)
-    made = to_rest(running.joints, leaving.limits, MotionState.of(running, time), leaving.by_sign)
-    return leaving.first_proven([made], deadline)
+        limits_along_path = path_limits(world, running_motion.group, running_motion.options)
+        has_jerk_limit = running_motion.options.method == "ruckig"
+        stops = stops_along(
+            running, time, running_motion.limits, limits_along_path, deadline, jerk=has_jerk_limit
+        )
+        return running_motion.certify_first(stops, deadline, has_jerk_limit=has_jerk_limit)
+    stop = to_rest(
+        running.joints,
+        running_motion.limits,
+        MotionState.of(running, time),
+        running_motion.acceleration_bounds,
+    )
+    return running_motion.certify_first([stop], deadline)
 
 
 def splice_motion(  # noqa: PLR0913  (a question in full)
@@ -181,14 +188,14 @@ def splice_motion(  # noqa: PLR0913  (a question in full)
         DeadlineExceeded: Time ran out.
         Canceled: The end was asked for.
     """
-    leaving = _leaving(world, group, running, options, constraints, margin)
-    _require_within(running, time)
-    _require_motion(leaving.group, onto, "onto")
-    return leaving.first_proven(_ways_over(leaving, time, onto, deadline), deadline)
+    running_motion = _make_running_motion(world, group, running, options, constraints, margin)
+    _validate_time(running, time)
+    _validate_motion(running_motion.group, onto, "onto")
+    return running_motion.certify_first(_splices(running_motion, time, onto, deadline), deadline)
 
 
-def _ways_over(
-    leaving: _RunningMotion, time: float, onto: TimedTrajectory, deadline: Deadline
+def _splices(
+    running_motion: _RunningMotion, time: float, onto: TimedTrajectory, deadline: Deadline
 ) -> Iterator[TimedTrajectory]:
     """Yield ways into the other motion, soonest over first.
 
@@ -197,25 +204,27 @@ def _ways_over(
         DeadlineExceeded: Time ran out.
         Canceled: The end was asked for.
     """
-    running, limits = leaving.running, leaving.limits
+    running, limits = running_motion.running, running_motion.limits
     state = MotionState.of(running, time)
-    made: list[TimedTrajectory] = []
+    splices: list[TimedTrajectory] = []
     failure: RetimingFailed | None = None
-    for instant in np.linspace(0.0, onto.duration, _JOINTS)[:-1]:
+    for instant in np.linspace(0.0, onto.duration, _NUM_JOIN_TIMES)[:-1]:
         deadline.check("retime")
         try:
-            there = MotionState.of(onto, float(instant))
-            over = to_state(running.joints, limits, state, there, leaving.by_sign)
-        except RetimingFailed as fault:
-            failure = fault
+            target_state = MotionState.of(onto, float(instant))
+            transition = to_state(
+                running.joints, limits, state, target_state, running_motion.acceleration_bounds
+            )
+        except RetimingFailed as error:
+            failure = error
             continue
-        made.append(TimedTrajectory.joined([over, onto.after(float(instant))]))
-    if not made and failure is not None:
+        splices.append(TimedTrajectory.joined([transition, onto.after(float(instant))]))
+    if not splices and failure is not None:
         raise failure
-    yield from sorted(made, key=lambda motion: motion.duration)
+    yield from sorted(splices, key=lambda motion: motion.duration)
 
 
-def _leaving(
+def _make_running_motion(
     world: World,
     group: str,
     running: TimedTrajectory,
@@ -225,17 +234,17 @@ def _leaving(
 ) -> _RunningMotion:
     """Return what is left, once it makes sense."""
     joints = world.group(group)
-    _require_motion(joints, running, "running")
+    _validate_motion(joints, running, "running")
     validate_constraints(world, joints, constraints)
-    admitted = validate_timing(
+    retiming = resolve_retiming(
         world, joints, options or RetimeOptions("ruckig"), running.start, "options."
     )
-    return _RunningMotion(world, joints, running, admitted, constraints, margin)
+    return _RunningMotion(world, joints, running, retiming, constraints, margin)
 
 
-def _require_motion(group: JointGroup, motion: TimedTrajectory, field: str) -> None:
+def _validate_motion(group: JointGroup, motion: TimedTrajectory, field: str) -> None:
     """Go on only if a motion is one of a group's joints, and its times begin at 0 and increase."""
-    require_joints(group, motion, field)
+    validate_joints(group, motion, field)
     numbers = (motion.breaks, motion.bases, motion.coefficients)
     is_timed = motion.breaks[0] == 0 and bool((np.diff(motion.breaks) > 0).all())
     if not (is_timed and all(np.isfinite(array).all() for array in numbers)):
@@ -243,7 +252,7 @@ def _require_motion(group: JointGroup, motion: TimedTrajectory, field: str) -> N
         raise ProblemInvalid(message, {"field": field})
 
 
-def _require_within(running: TimedTrajectory, time: float) -> None:
+def _validate_time(running: TimedTrajectory, time: float) -> None:
     if not 0 <= time <= running.duration:
         message = f"time: {time:g} s is not within the motion, from 0 to {running.duration:.9g} s"
         evidence = {"field": "time", "bounds": [0.0, running.duration], "got": time}

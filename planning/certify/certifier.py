@@ -25,7 +25,7 @@ from planning.errors import DeadlineExceeded
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.drake_model import DrakeModel
 
-__all__ = ["CertifyRequest", "certify", "certify_places"]
+__all__ = ["CertifyRequest", "certify", "certify_polyline"]
 
 
 def certify(
@@ -53,12 +53,12 @@ def certify(
     return _certify(model, request, deadline, motion_checks)
 
 
-def certify_places(
+def certify_polyline(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> tuple[Certificate, CertifyReport]:
     """Check a polyline motion (straight segments with corners) as far as corners allow.
 
-    All checks are run but those that `unchecked_of` names. Arguments and results are those of
+    All checks are run but those that `skipped_checks` names. Arguments and results are those of
     `certify`.
 
     Raises:
@@ -66,59 +66,59 @@ def certify_places(
         Canceled: The caller canceled.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
-    return _certify(model, without_bends(request), deadline, place_checks)
+    return _certify(model, without_smoothness_limits(request), deadline, polyline_checks)
 
 
-def without_bends(request: CertifyRequest) -> CertifyRequest:
+def without_smoothness_limits(request: CertifyRequest) -> CertifyRequest:
     """Return the request without the limits that a motion with corners cannot keep."""
-    frames = tuple(replace(limit, acceleration=None) for limit in request.tool_limits)
+    limits = tuple(replace(limit, acceleration=None) for limit in request.tool_limits)
     return replace(
         request,
         jerk=False,
         effort=False,
         acceleration_bounds={},
-        tool_limits=tuple(limit for limit in frames if limit.speed is not None),
+        tool_limits=tuple(limit for limit in limits if limit.speed is not None),
         options=CertifyOptions(),
     )
 
 
-def unchecked_of(request: CertifyRequest) -> tuple[str, ...]:
-    """Return the names of the checks that `certify_places` leaves out."""
-    asked = [
+def skipped_checks(request: CertifyRequest) -> tuple[str, ...]:
+    """Return the names of the checks that `certify_polyline` leaves out."""
+    requested = [
         ("jerk", request.jerk),
         ("acceleration continuity", request.jerk),
         ("torque", request.effort),
-        ("stop", request.options.wants_stops),
+        ("stop", request.options.bounds_stops),
         *(
             (f"tool_acceleration {limit.frame}", limit.acceleration is not None)
             for limit in request.tool_limits
         ),
     ]
     always = ("rest", "velocity continuity", "acceleration")
-    return (*always, *(name for name, is_asked in asked if is_asked))
+    return (*always, *(name for name, is_requested in requested if is_requested))
 
 
 def _certify(
     model: DrakeModel,
     request: CertifyRequest,
     deadline: Deadline,
-    own_checks: Callable[[CertifyRequest], list[Check]],
+    trajectory_checks: Callable[[CertifyRequest], list[Check]],
 ) -> tuple[Certificate, CertifyReport]:
     deadline.check("certify")
     form = form_check(request)
     if not form.passed:
-        return _malformed(form), CertifyReport(0, 0)
-    special = special_checks(model, request, deadline)
+        return _malformed_certificate(form), CertifyReport(0, 0)
+    additional = additional_checks(model, request, deadline)
     clearance = check_clearance(model, request, deadline)
-    checks = (form, *own_checks(request), *special, clearance.check)
-    report = CertifyReport(clearance.intervals, clearance.queries)
+    checks = (form, *trajectory_checks(request), *additional, clearance.check)
+    report = CertifyReport(clearance.num_segments, clearance.num_queries)
     if all(check.passed for check in checks):
-        stop, report = _findings(model, request, report, deadline)
+        stop, report = _optional_results(model, request, report, deadline)
         checks += stop
-    return _verdict(model, request, checks, clearance), report
+    return _certificate(model, request, checks, clearance), report
 
 
-def _malformed(form: Check) -> Certificate:
+def _malformed_certificate(form: Check) -> Certificate:
     return Certificate(
         proven=False,
         min_clearance=float("nan"),
@@ -129,7 +129,7 @@ def _malformed(form: Check) -> Certificate:
     )
 
 
-def _findings(
+def _optional_results(
     model: DrakeModel, request: CertifyRequest, report: CertifyReport, deadline: Deadline
 ) -> tuple[tuple[Check, ...], CertifyReport]:
     """Return the check of stops, if requested, and the report with all requested findings.
@@ -144,7 +144,7 @@ def _findings(
     options = request.options
     checks: tuple[Check, ...] = ()
     try:
-        if options.wants_stops:
+        if options.bounds_stops:
             check, stop = stop_check(model, request, deadline)
             checks, report = (check,), replace(report, stop=stop)
         if options.robustness:
@@ -168,7 +168,7 @@ def motion_checks(request: CertifyRequest) -> list[Check]:
     ]
 
 
-def place_checks(request: CertifyRequest) -> list[Check]:
+def polyline_checks(request: CertifyRequest) -> list[Check]:
     """Return those of the `motion_checks` that a motion with corners can pass."""
     return [
         start_check(request),
@@ -179,7 +179,7 @@ def place_checks(request: CertifyRequest) -> list[Check]:
     ]
 
 
-def special_checks(
+def additional_checks(
     model: DrakeModel, request: CertifyRequest, deadline: Deadline
 ) -> tuple[Check, ...]:
     """Return the checks of requested constraints other than joint limits and clearance.
@@ -191,15 +191,15 @@ def special_checks(
         Canceled: The caller canceled.
         ModelInvalid: The scene has a joint of a kind that cannot be certified.
     """
-    kept = constraint_checks(model, request, deadline)
+    constraints = constraint_checks(model, request, deadline)
     lines = line_checks(model, request, deadline)
     torque = [torque_check(model, request, deadline)] if request.effort else []
     steering = steering_checks(request)
     tools = tool_checks(model, request, deadline)
-    return (*steering, *torque, *tools, *kept, *lines)
+    return (*steering, *torque, *tools, *constraints, *lines)
 
 
-def _verdict(
+def _certificate(
     model: DrakeModel,
     request: CertifyRequest,
     checks: tuple[Check, ...],
@@ -207,11 +207,11 @@ def _verdict(
 ) -> Certificate:
     nearest, check = clearance.nearest, clearance.check
     points, observed = nearest_points(model, request, nearest)
-    least = nearest.distance - check.resolution if check.passed else observed
+    lower_bound = nearest.distance - check.resolution if check.passed else observed
     return Certificate(
         proven=all(check.passed for check in checks),
-        min_clearance=least,
-        observed_clearance=max(observed, least),
+        min_clearance=lower_bound,
+        observed_clearance=max(observed, lower_bound),
         pair=nearest.bodies,
         time=nearest.time,
         checks=checks,

@@ -2,7 +2,7 @@
 
 from planning.certify.clearance.band_check import band_check
 from planning.certify.frames.frame_checks import box_check, cone_check
-from planning.certify.joints.joint_checks import lock_check, tight_check
+from planning.certify.joints.joint_checks import lock_check, tight_limits_check
 from planning.certify.request import CertifyRequest
 from planning.certify.sampled_check import predicate_check
 from planning.domain.report.certificate import Check
@@ -55,6 +55,6 @@ def _check(
         case LockedJoints():
             return lock_check(name, constraint, request)
         case TightLimits():
-            return tight_check(name, constraint, request)
+            return tight_limits_check(name, constraint, request)
         case PathPredicate():
             return predicate_check(name, constraint, request, deadline)

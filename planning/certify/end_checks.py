@@ -2,26 +2,33 @@
 
 import numpy as np
 
-from planning.certify.intervals.jumps import Sums, position_jumps
+from planning.certify.intervals.jumps import JumpSums, position_jumps
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 
 # Tolerance for equal configurations, of follower joints too [rad or m].
-SAME = 1e-6
+CONFIGURATION_TOLERANCE = 1e-6
 # Speed that counts as rest [rad/s or m/s].
-_SLOW = 1e-6
+_REST_SPEED = 1e-6
 # Tolerance for sums of jumps in rates, as a share of the limit: rounding. A jump of acceleration
 # this small is less than the change in 0.1 ms under a jerk limit of ten times the acceleration per
 # second.
-_RATE_JUMP = 1e-5
-_ACCELERATION_JUMP = 1e-3
+_RATE_JUMP_TOLERANCE = 1e-5
+_ACCELERATION_JUMP_TOLERANCE = 1e-3
 
 
 def start_check(request: CertifyRequest) -> Check:
     """Return the check of the distance between the motion's first and the required start."""
     distance = _distance(request, _states(request, 0, 0, slice(1))[0], request.start)
-    return Check("start", distance, SAME, "rad or m", 0.0, distance <= SAME)
+    return Check(
+        "start",
+        distance,
+        CONFIGURATION_TOLERANCE,
+        "rad or m",
+        0.0,
+        distance <= CONFIGURATION_TOLERANCE,
+    )
 
 
 def goal_check(request: CertifyRequest) -> Check:
@@ -29,17 +36,26 @@ def goal_check(request: CertifyRequest) -> Check:
     end = _states(request, 0, -1, slice(-1, None))[0]
     distance = min(_distance(request, end, goal) for goal in request.goals)
     time = request.trajectory.duration
-    return Check("goal", distance, SAME, "rad or m", 0.0, distance <= SAME, "", time)
+    return Check(
+        "goal",
+        distance,
+        CONFIGURATION_TOLERANCE,
+        "rad or m",
+        0.0,
+        distance <= CONFIGURATION_TOLERANCE,
+        "",
+        time,
+    )
 
 
 def rest_check(request: CertifyRequest) -> Check:
     """Return the check of the speed at both ends; at the last alone if the motion begins moving."""
-    rates, duration = request.forms[1], request.trajectory.duration
-    ends = [rates[:, i, i] * request.leverage for i in (0, -1)]
+    rates, duration = request.bernstein_forms[1], request.trajectory.duration
+    ends = [rates[:, i, i] * request.follower_ratios for i in (0, -1)]
     first, last = (float(np.abs(speeds).max()) for speeds in ends)
     is_first = first >= last and request.origin is None
     speed, time = (first, 0.0) if is_first else (last, duration)
-    return Check("rest", speed, _SLOW, "rad/s or m/s", 0.0, speed <= _SLOW, "", time)
+    return Check("rest", speed, _REST_SPEED, "rad/s or m/s", 0.0, speed <= _REST_SPEED, "", time)
 
 
 def continuity_checks(request: CertifyRequest) -> list[Check]:
@@ -48,23 +64,27 @@ def continuity_checks(request: CertifyRequest) -> list[Check]:
     If jerk is limited, jumps of acceleration are checked as well, from and to rest included: a step
     there would be an infinite jerk. A motion that begins moving may begin with any acceleration.
     """
-    curve, limits = request.trajectory, request.shared_limits
+    curve, limits = request.trajectory, request.limits_with_followers
     between = curve.breaks[1:-1]
     jumps = position_jumps(curve, _at_begins(request, 0), _at_ends(request, 0))
     steps = _at_begins(request, 1)[1:] - _at_ends(request, 1)[:-1]
-    both = np.concatenate([jumps * request.leverage, steps], axis=1)
-    places, rates = Sums.of(both).parted(steps.shape[1])
-    apart = float(np.linalg.norm(places.sizes))
-    time = _time(between, places, int(np.argmax(places.sizes)))
-    checks = [_jump("continuity", apart, SAME, "rad or m", time)]
+    all_jumps = np.concatenate([jumps * request.follower_ratios, steps], axis=1)
+    position_sums, velocity_sums = JumpSums.of(all_jumps).split(steps.shape[1])
+    distance = float(np.linalg.norm(position_sums.largest))
+    time = _time(between, position_sums, int(np.argmax(position_sums.largest)))
+    checks = [_jump("continuity", distance, CONFIGURATION_TOLERANCE, "rad or m", time)]
     name = "velocity continuity"
-    checks.append(_rate_jump(request, name, (rates, limits.velocity), _RATE_JUMP, between))
+    checks.append(
+        _rate_jump(request, name, (velocity_sums, limits.velocity), _RATE_JUMP_TOLERANCE, between)
+    )
     if request.jerk:
         after, before = _at_begins(request, 2), _at_ends(request, 2)
         first = after[:1] if request.origin is None else np.zeros_like(after[:1])
         steps = np.concatenate([first, after[1:] - before[:-1], -before[-1:]])
-        what, name = (Sums.of(steps), limits.acceleration), "acceleration continuity"
-        checks.append(_rate_jump(request, name, what, _ACCELERATION_JUMP, curve.breaks))
+        sums_and_limits, name = (JumpSums.of(steps), limits.acceleration), "acceleration continuity"
+        checks.append(
+            _rate_jump(request, name, sums_and_limits, _ACCELERATION_JUMP_TOLERANCE, curve.breaks)
+        )
     return checks
 
 
@@ -78,9 +98,9 @@ def _at_ends(request: CertifyRequest, order: int) -> Array:
     return _states(request, order, -1)
 
 
-def _states(request: CertifyRequest, order: int, which: int, rows: slice = slice(None)) -> Array:
+def _states(request: CertifyRequest, order: int, index: int, rows: slice = slice(None)) -> Array:
     curve = request.trajectory
-    values = [form[:, rows, which].T for form in request.forms[: order + 1]]
+    values = [form[:, rows, index].T for form in request.bernstein_forms[: order + 1]]
     if order and curve.manifold.is_flat:
         return values[order]
     q = curve.manifold.plus(curve.bases[rows], values[0])
@@ -94,32 +114,36 @@ def _states(request: CertifyRequest, order: int, which: int, rows: slice = slice
 
 
 def _rate_jump(
-    request: CertifyRequest, name: str, what: tuple[Sums, Array], bound: float, times: Array
+    request: CertifyRequest,
+    name: str,
+    sums_and_limits: tuple[JumpSums, Array],
+    bound: float,
+    times: Array,
 ) -> Check:
     """Return the check of the largest sum of a block's jumps over its limit, if it has one.
 
     Without a limit the sum itself is compared.
     """
-    sums, limits = what
-    blocks, sizes = request.group.blocks, sums.sizes
+    sums, limits = sums_and_limits
+    blocks, sizes = request.group.blocks, sums.largest
     if len(blocks) < len(sizes):
         sizes = np.array([np.linalg.norm(sizes[list(block)]) for _, block in blocks])
-    shares = sizes / np.where(np.isfinite(limits), limits, 1.0)
-    worst = int(np.argmax(shares))
+    utilizations = sizes / np.where(np.isfinite(limits), limits, 1.0)
+    worst = int(np.argmax(utilizations))
     columns = blocks[worst][1]
-    column = max(columns, key=lambda i: sums.sizes[i])
-    return _jump(name, float(shares[worst]), bound, "1", _time(times, sums, column))
+    column = max(columns, key=lambda i: sums.largest[i])
+    return _jump(name, float(utilizations[worst]), bound, "1", _time(times, sums, column))
 
 
 def _jump(name: str, value: float, bound: float, unit: str, time: float) -> Check:
     return Check(name, value, bound, unit, 0.0, value <= bound, "", time)
 
 
-def _time(times: Array, sums: Sums, column: int) -> float:
+def _time(times: Array, sums: JumpSums, column: int) -> float:
     """Return the instant [s] at which the largest sum of a coordinate's jumps is complete, or 0."""
-    return float(times[sums.last_of(column)]) if len(times) else 0.0
+    return float(times[sums.last_jump(column)]) if len(times) else 0.0
 
 
 def _distance(request: CertifyRequest, q1: Array, q0: Array) -> float:
-    apart = request.trajectory.manifold.minus(q1, q0) * request.leverage
-    return float(np.abs(apart).max())
+    difference = request.trajectory.manifold.minus(q1, q0) * request.follower_ratios
+    return float(np.abs(difference).max())

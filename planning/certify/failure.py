@@ -28,8 +28,8 @@ def failed_checks(certificate: Certificate) -> str:
 def describe_check(check: Check) -> str:
     """Return one failed check in words."""
     value = f"{check.value:.4g}" if check.unit == "1" else f"{check.value:.4g} {check.unit}"
-    place = f"{check.where} at" if check.where else "at"
-    return f"{check.name} ({value}, bound {check.bound:.4g}, {place} {check.time:.3f} s)"
+    location = f"{check.where} at" if check.where else "at"
+    return f"{check.name} ({value}, bound {check.bound:.4g}, {location} {check.time:.3f} s)"
 
 
 def _evidence(checks: Sequence[Check]) -> list[dict[str, Any]]:

@@ -11,18 +11,18 @@ from planning.domain.report.certificate import Check
 
 _UNIT_TOLERANCE = 1e-9
 # Largest magnitude of any number: larger ones lose the digits that the proof needs.
-_LARGEST = 1e9
+_MAX_MAGNITUDE = 1e9
 # Largest rounding error: of positions [rad or m, relative above 1], and of rates relative to their
 # limits, or to the rates themselves where those are larger.
-_MOST_HIDDEN = 1e-7
+_MAX_ROUNDING_ERROR = 1e-7
 
 
 def form_check(request: CertifyRequest) -> Check:
     """Return the check of the number of faults in the request; all other checks require zero.
 
-    Without faults, array shapes fit the group, every number is finite and within `_LARGEST`, times
-    increase from 0, quaternions are of unit length, limits are positive, there is a goal, and the
-    polynomials can be evaluated in double precision.
+    Without faults, array shapes fit the group, every number is finite and within `_MAX_MAGNITUDE`,
+    times increase from 0, quaternions are of unit length, limits are positive, there is a goal, and
+    the polynomials can be evaluated in double precision.
     """
     faults: list[str] = []
     for find in (_shape_faults, _number_faults, _size_faults, _rounding_faults):
@@ -37,25 +37,25 @@ def _shape_faults(request: CertifyRequest) -> list[str]:
         faults.append("the trajectory's joints are not the group's")
     n, terms = len(curve.bases), max(1, *curve.coefficients.shape[1:2])
     nq, nv, blocks = group.num_positions, group.num_velocities, len(group.blocks)
-    wanted = [
+    expected_shapes = [
         ("breaks", curve.breaks, (n + 1,)),
         ("bases", curve.bases, (n, nq)),
         ("coefficients", curve.coefficients, (n, terms, nv)),
-        *((name, q, (nq,)) for name, q in _begins(request)),
+        *((name, q, (nq,)) for name, q in _start_configurations(request)),
         ("goals", request.goals, (max(1, len(request.goals)), nq)),
         ("state", request.state, (max(nq, request.state.size),)),
         *((name, getattr(limits, name), (nq,)) for name in ("lower", "upper")),
-        *((name, getattr(limits, name), (blocks,)) for name in _rates(request)),
+        *((name, getattr(limits, name), (blocks,)) for name in _limited_rates(request)),
     ]
     faults += [
         f"{name} has shape {array.shape}, not {shape}"
-        for name, array, shape in wanted
+        for name, array, shape in expected_shapes
         if array.shape != shape
     ]
     return faults if n else [*faults, "it has no piece"]
 
 
-def _begins(request: CertifyRequest) -> list[tuple[str, Array]]:
+def _start_configurations(request: CertifyRequest) -> list[tuple[str, Array]]:
     """Return the names and values of the start, and of the origin if there is one."""
     origin = [] if request.origin is None else [("origin", request.origin)]
     return [("start", request.start), *origin]
@@ -63,22 +63,22 @@ def _begins(request: CertifyRequest) -> list[tuple[str, Array]]:
 
 def _number_faults(request: CertifyRequest) -> list[str]:
     curve, limits = request.trajectory, request.limits
-    finite = [
+    arrays = [
         ("breaks", curve.breaks),
         ("bases", curve.bases),
         ("coefficients", curve.coefficients),
-        *_begins(request),
+        *_start_configurations(request),
         ("goals", request.goals),
         ("state", request.state),
     ]
     faults: list[str] = []
-    if not _are_finite(_together(array for _, array in finite)):
-        faults += [f"{name} are not all finite" for name, array in finite if not _are_finite(array)]
+    if not _are_finite(_concatenated(array for _, array in arrays)):
+        faults += [f"{name} are not all finite" for name, array in arrays if not _are_finite(array)]
     if np.isnan(limits.lower).any() or np.isnan(limits.upper).any():
         faults.append("a position limit is no number")
     faults += [
         f"{name} limits are not all positive"
-        for name in _rates(request)
+        for name in _limited_rates(request)
         if not (getattr(limits, name) > 0).all()
     ]
     return faults
@@ -90,10 +90,13 @@ def _size_faults(request: CertifyRequest) -> list[str]:
     if not (curve.breaks[0] == 0 and (curve.widths > 0).all()):
         return ["times do not increase from 0"]
     origin = [] if request.origin is None else [request.origin]
-    places = [curve.bases, request.start, *origin, request.goals]
-    if not np.abs(_together([*places, *request.sizes])).max() <= _LARGEST:
-        faults.append(f"a position or rate is beyond {_LARGEST:g}")
-    if any(_unit_fault(request, q) for q in places):
+    configurations = [curve.bases, request.start, *origin, request.goals]
+    if (
+        not np.abs(_concatenated([*configurations, *request.max_magnitudes])).max()
+        <= _MAX_MAGNITUDE
+    ):
+        faults.append(f"a position or rate is beyond {_MAX_MAGNITUDE:g}")
+    if any(_unit_fault(request, q) for q in configurations):
         faults.append("a quaternion is not of unit length")
     return faults
 
@@ -103,15 +106,17 @@ def _rounding_faults(request: CertifyRequest) -> list[str]:
     faults: list[str] = []
     if request.trajectory.coefficients.shape[1] <= LOW_DEGREE + 1:
         return faults
-    names = ("position", *_rates(request))
-    for order, (hidden, size) in enumerate(zip(request.rounding, request.sizes, strict=True)):
-        if (hidden <= _MOST_HIDDEN * size).all():
+    names = ("position", *_limited_rates(request))
+    for order, (error, size) in enumerate(
+        zip(request.rounding_errors, request.max_magnitudes, strict=True)
+    ):
+        if (error <= _MAX_ROUNDING_ERROR * size).all():
             continue
-        most = _MOST_HIDDEN * np.maximum(size, _scales(request, order))
-        worst = int(np.argmax(hidden / most))
-        if hidden[worst] > most[worst]:
+        allowed = _MAX_ROUNDING_ERROR * np.maximum(size, _scales(request, order))
+        worst = int(np.argmax(error / allowed))
+        if error[worst] > allowed[worst]:
             faults.append(
-                f"rounding may hide {hidden[worst]:.2g} of the {names[order]} of "
+                f"rounding may hide {error[worst]:.2g} of the {names[order]} of "
                 f"{request.group.velocity_names[worst]}: its powers up to "
                 f"{request.trajectory.coefficients.shape[1] - 1} cancel each other; give shorter "
                 "pieces, or polynomials of lower degree"
@@ -123,18 +128,18 @@ def _scales(request: CertifyRequest, order: int) -> Array:
     """Return the reference sizes for rounding errors: 1 for positions, the limits for rates."""
     scales = np.ones(request.group.num_velocities)
     if order > 0:
-        limits = getattr(request.shared_limits, _rates(request)[order - 1])
+        limits = getattr(request.limits_with_followers, _limited_rates(request)[order - 1])
         for (_, indices), limit in zip(request.group.blocks, limits, strict=True):
             scales[list(indices)] = limit if np.isfinite(limit) else 1.0
     return scales
 
 
-def _rates(request: CertifyRequest) -> tuple[str, ...]:
+def _limited_rates(request: CertifyRequest) -> tuple[str, ...]:
     """Return the names of the rate limits that the request has."""
     return ("velocity", "acceleration", "jerk") if request.jerk else ("velocity", "acceleration")
 
 
-def _together(arrays: Iterable[Array]) -> Array:
+def _concatenated(arrays: Iterable[Array]) -> Array:
     """Return all numbers of some arrays in one array."""
     return np.concatenate([array.ravel() for array in arrays])
 

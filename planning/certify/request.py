@@ -7,14 +7,14 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.rounding import rounding
+from planning.certify.intervals.rounding import rounding_bounds
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.goals.linear_moves import LineSection
 from planning.domain.request.constraint import PathConstraint
 from planning.domain.request.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.request.options import CertifyOptions
-from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.followers import Follower, combine_limits
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.payload import Payload
 from planning.domain.value import Value
@@ -74,34 +74,38 @@ class CertifyRequest(Value):
         return self.start if self.origin is None else self.origin
 
     @cached_property
-    def shared_limits(self) -> JointLimits:
+    def limits_with_followers(self) -> JointLimits:
         """The limits of the group, tightened so that its follower joints keep theirs."""
-        return together(self.limits, self.followers)
+        return combine_limits(self.limits, self.followers)
 
     @cached_property
-    def leverage(self) -> Array:
+    def follower_ratios(self) -> Array:
         """Largest ratio of a follower's rate to each coordinate's rate, at least 1, shape (nv,)."""
         factors = np.ones(self.group.num_velocities)
         for follower in self.followers:
-            factors[follower.rate] = max(factors[follower.rate], abs(follower.multiplier))
+            factors[follower.velocity_index] = max(
+                factors[follower.velocity_index], abs(follower.multiplier)
+            )
         return factors
 
     @cached_property
-    def rounding(self) -> tuple[Array, ...]:
-        """Bounds on the rounding errors of `forms` and of polynomial values, each shape (nv,)."""
+    def rounding_errors(self) -> tuple[Array, ...]:
+        """Bounds on rounding errors of `bernstein_forms` and of polynomials, each shape (nv,)."""
         curve = self.trajectory
         return tuple(
-            rounding(size, curve.coefficients, curve.widths, order)
-            for order, size in enumerate(self.sizes)
+            rounding_bounds(size, curve.coefficients, curve.widths, order)
+            for order, size in enumerate(self.max_magnitudes)
         )
 
     @cached_property
-    def sizes(self) -> tuple[Array, ...]:
-        """The largest absolute values in `forms`, each of shape (nv,)."""
-        return tuple(np.abs(form.reshape(len(form), -1)).max(axis=1) for form in self.forms)
+    def max_magnitudes(self) -> tuple[Array, ...]:
+        """The largest absolute values in `bernstein_forms`, each of shape (nv,)."""
+        return tuple(
+            np.abs(form.reshape(len(form), -1)).max(axis=1) for form in self.bernstein_forms
+        )
 
     @cached_property
-    def forms(self) -> tuple[Array, ...]:
+    def bernstein_forms(self) -> tuple[Array, ...]:
         """The tangent and its derivatives, up to jerk if that is limited, in Bernstein form.
 
         Each has the shape (nv, n, k): of n pieces, with k the degree, at least 0, and one.

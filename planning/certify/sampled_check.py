@@ -27,21 +27,21 @@ def predicate_check(
     for time, q in ends:
         if not constraint.predicate(q):
             return Check(name, 1.0, 0.0, "1", resolution, passed=False, where=where, time=time)
-    open_ = [segments.whole]
-    count = 0
-    while open_:
-        segment = open_.pop()
-        count += 1
-        if count % 64 == 0:
+    pending = [segments.whole]
+    num_segments = 0
+    while pending:
+        segment = pending.pop()
+        num_segments += 1
+        if num_segments % 64 == 0:
             deadline.check("certify")
-        if segment.is_part and _reach(segment) <= resolution:
+        if segment.is_within_piece and _max_deviation(segment) <= resolution:
             if not constraint.predicate(segment.center):
                 time = segment.time
                 return Check(name, 1.0, 0.0, "1", resolution, passed=False, where=where, time=time)
         else:
-            open_ += reversed(segments.halves(segment))
+            pending += reversed(segments.halves(segment))
     return Check(name, 0.0, 0.0, "1", resolution, passed=True, where=where)
 
 
-def _reach(segment: Segment) -> float:
-    return float(np.sqrt((segment.turn**2).sum() + (segment.shift**2).sum()))
+def _max_deviation(segment: Segment) -> float:
+    return float(np.sqrt((segment.max_rotation**2).sum() + (segment.max_translation**2).sum()))

@@ -11,10 +11,10 @@ All but the sine and the cosine are polynomials. Pieces are halved until psi = p
 |eta| at most 1/8; then Taylor's series 1 - eta^2 / 2 + eta^4 / 24 and eta - eta^3 / 6 have a total
 error below 3e-7, for which the first bound has a reserve. Both sides are homogeneous in speed, so
 that slow and fast motion meet the same condition. Close to rest speeds are rounding errors: speeds
-up to a tolerance (`_dust`) are neglected. Over the whole motion the neglected distance is less than
-a micrometre, however long the motion takes: sideways, backwards, and along the rim of the tightest
-turn. The rounding error of speeds is subtracted from the tolerance; where the error is larger,
-nothing is proven.
+up to a tolerance (`_neglected_speeds`) are neglected. Over the whole motion the neglected distance
+is less than a micrometre, however long the motion takes: sideways, backwards, and along the rim of
+the tightest turn. The rounding error of speeds is subtracted from the tolerance; where the error is
+larger, nothing is proven.
 """
 
 from dataclasses import dataclass
@@ -23,23 +23,23 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.bernstein_products import raised, times
-from planning.certify.intervals.rounding import closely
+from planning.certify.intervals.bernstein_products import elevate_degree, multiply
+from planning.certify.intervals.rounding import tight_rounding_bounds
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 from planning.domain.robot.steering import Steering, steering_of
 
 # epsilon, the tangent of the angle of slip, and delta.
-SLIP, TIGHT = 1e-5, 1e-4
-_SERIES = 3e-7
-_LARGEST_TURN = 0.125
-_MOST_HALVINGS, _MOST_NODES = 16, 100_000
+SLIP_TOLERANCE, CURVATURE_TOLERANCE = 1e-5, 1e-4
+_TAYLOR_ERROR = 3e-7
+_MAX_YAW_CHANGE = 0.125
+_MAX_HALVINGS, _MAX_NODES = 16, 100_000
 # Neglected speeds: at most this sideways and backwards, and this along a turn [m/s], and less if
 # they add up to more than this distance over the whole motion [m].
-_SLIP_DUST, _TURN_DUST, _DUST_WAY = 1e-9, 1e-6, 1e-6
+_NEGLECTED_SLIP_SPEED, _NEGLECTED_TURN_SPEED, _NEGLECTED_DISTANCE = 1e-9, 1e-6, 1e-6
 # Fractions of each piece at which speeds are compared for the reported value.
-_LOOKS = np.array([0.1, 0.35, 0.65, 0.9])
+_SAMPLE_FRACTIONS = np.array([0.1, 0.35, 0.65, 0.9])
 
 
 def steering_checks(request: CertifyRequest) -> list[Check]:
@@ -60,77 +60,93 @@ def steering_checks(request: CertifyRequest) -> list[Check]:
     return checks
 
 
-def _check(name: str, request: CertifyRequest, at: tuple[int, int], car: Steering) -> Check:
-    bound = 1 + TIGHT
+def _check(name: str, request: CertifyRequest, offsets: tuple[int, int], car: Steering) -> Check:
+    bound = 1 + CURVATURE_TOLERANCE
     widths = np.diff(request.trajectory.breaks)
-    times_ = (request.trajectory.breaks[:-1, None] + _LOOKS * widths[:, None]).ravel()
-    value, where, time = _worst(request, at, times_, car)
-    nodes = _nodes(request, *at)
-    most = _most(request, at[1], car)
-    dusts = _dust(request.trajectory.duration) - _hidden(request, at[1], car)
-    if nodes is None or not (dusts > 0).all():
-        open_ = max(0.0, most - value)
-        return Check(name, value, bound, "1", open_, passed=False, where="unproven", time=time)
-    for kind, excess, dust in _excesses(nodes, car, dusts):
-        top, row, fraction = bernstein.peak(np.ascontiguousarray(excess), dust / 2)
-        if not top <= dust:
-            when = float(nodes.begins[row] + fraction * nodes.widths[row])
-            seen, _, _ = _worst(request, at, np.array([when]), car)
-            value = max(value, seen)
-            return Check(name, value, bound, "1", max(0.0, most - value), False, kind, when)  # noqa: FBT003
-    return Check(name, value, bound, "1", max(0.0, bound - value), True, where, time)  # noqa: FBT003
+    instants = (request.trajectory.breaks[:-1, None] + _SAMPLE_FRACTIONS * widths[:, None]).ravel()
+    value, where, time = _worst_sample(request, offsets, instants, car)
+    nodes = _nodes(request, *offsets)
+    max_utilization = _max_utilization(request, offsets[1], car)
+    neglected_speeds = _neglected_speeds(request.trajectory.duration) - _rounding_errors(
+        request, offsets[1], car
+    )
+    if nodes is None or not (neglected_speeds > 0).all():
+        resolution = max(0.0, max_utilization - value)
+        return Check(name, value, bound, "1", resolution, passed=False, where="unproven", time=time)
+    for kind, excess, tolerance in _excesses(nodes, car, neglected_speeds):
+        upper_bound, row, fraction = bernstein.peak(np.ascontiguousarray(excess), tolerance / 2)
+        if not upper_bound <= tolerance:
+            peak_time = float(nodes.begins[row] + fraction * nodes.widths[row])
+            utilization, _, _ = _worst_sample(request, offsets, np.array([peak_time]), car)
+            value = max(value, utilization)
+            resolution = max(0.0, max_utilization - value)
+            return Check(
+                name, value, bound, "1", resolution, passed=False, where=kind, time=peak_time
+            )
+    resolution = max(0.0, bound - value)
+    return Check(name, value, bound, "1", resolution, passed=True, where=where, time=time)
 
 
-def _most(request: CertifyRequest, iv: int, car: Steering) -> float:
+def _max_utilization(request: CertifyRequest, iv: int, car: Steering) -> float:
     """Return an upper bound on the utilization of slip and curvature, whatever the motion does.
 
     Sideways and reverse speeds are at most the speed of the base; its polynomials bound the yaw
     rate.
     """
-    turn = float(np.abs(request.forms[1][iv + 2]).max(initial=0.0))
-    _, turn_dust = _dust(request.trajectory.duration)
-    return max(1 / SLIP, turn * car.turning_radius / turn_dust)
+    yaw_rate = float(np.abs(request.bernstein_forms[1][iv + 2]).max(initial=0.0))
+    _, turn_speed = _neglected_speeds(request.trajectory.duration)
+    return max(1 / SLIP_TOLERANCE, yaw_rate * car.turning_radius / turn_speed)
 
 
-def _dust(duration: float) -> Float64[np.ndarray, "2"]:
+def _neglected_speeds(duration: float) -> Float64[np.ndarray, "2"]:
     """Return the neglected speeds: sideways or backwards, and along a turn [m/s]."""
-    return np.minimum([_SLIP_DUST, _TURN_DUST], _DUST_WAY / duration)
+    return np.minimum(
+        [_NEGLECTED_SLIP_SPEED, _NEGLECTED_TURN_SPEED], _NEGLECTED_DISTANCE / duration
+    )
 
 
-def _hidden(request: CertifyRequest, iv: int, car: Steering) -> Float64[np.ndarray, "2"]:
+def _rounding_errors(request: CertifyRequest, iv: int, car: Steering) -> Float64[np.ndarray, "2"]:
     """Bound the rounding errors of speeds sideways or backwards, and along a turn [m/s].
 
     A yaw error e turns a forward speed v into a sideways speed v e.
     """
-    own, curve = slice(iv, iv + 3), request.trajectory
-    speed = float(np.linalg.norm(request.sizes[1][iv : iv + 2]))
-    places, rates = (
-        closely(request.sizes[k][own], curve.coefficients[:, :, own], np.diff(curve.breaks), k)
+    columns, curve = slice(iv, iv + 3), request.trajectory
+    speed = float(np.linalg.norm(request.max_magnitudes[1][iv : iv + 2]))
+    position_errors, velocity_errors = (
+        tight_rounding_bounds(
+            request.max_magnitudes[k][columns],
+            curve.coefficients[:, :, columns],
+            np.diff(curve.breaks),
+            k,
+        )
         for k in range(2)
     )
-    along = float(np.linalg.norm(rates[:2])) + speed * float(places[2])
-    return np.array([2 * along, car.turning_radius * float(rates[2]) + 2 * along])
+    linear_error = float(np.linalg.norm(velocity_errors[:2])) + speed * float(position_errors[2])
+    return np.array([
+        2 * linear_error,
+        car.turning_radius * float(velocity_errors[2]) + 2 * linear_error,
+    ])
 
 
-def _worst(
-    request: CertifyRequest, at: tuple[int, int], instants: Array, car: Steering
+def _worst_sample(
+    request: CertifyRequest, offsets: tuple[int, int], instants: Array, car: Steering
 ) -> tuple[float, str, float]:
     """Return the largest sampled utilization, its kind (slip or curvature), and its instant [s]."""
-    curve, (iq, iv) = request.trajectory, at
+    curve, (iq, iv) = request.trajectory, offsets
     yaw = curve.positions(instants)[:, iq + 2]
-    x, y, turn = curve.tangents(instants, 1)[:, iv : iv + 3].T
+    x, y, yaw_rate = curve.tangents(instants, 1)[:, iv : iv + 3].T
     c, s = np.cos(yaw), np.sin(yaw)
-    ahead, aside = c * x + s * y, c * y - s * x
-    speed, (slip_dust, turn_dust) = np.hypot(x, y), _dust(curve.duration)
-    back = np.zeros_like(ahead) if car.reverse else np.maximum(-ahead, 0.0)
-    shares = {
-        "sideways": np.abs(aside) / (SLIP * speed + slip_dust),
-        "curvature": np.abs(turn) * car.turning_radius / (speed + turn_dust),
-        "reverse": back / (SLIP * speed + slip_dust),
+    forward, sideways = c * x + s * y, c * y - s * x
+    speed, (slip_speed, turn_speed) = np.hypot(x, y), _neglected_speeds(curve.duration)
+    backward = np.zeros_like(forward) if car.reverse else np.maximum(-forward, 0.0)
+    utilizations = {
+        "sideways": np.abs(sideways) / (SLIP_TOLERANCE * speed + slip_speed),
+        "curvature": np.abs(yaw_rate) * car.turning_radius / (speed + turn_speed),
+        "reverse": backward / (SLIP_TOLERANCE * speed + slip_speed),
     }
-    where = max(shares, key=lambda kind: float(shares[kind].max()))
-    row = int(np.argmax(shares[where]))
-    return float(shares[where][row]), where, float(instants[row])
+    where = max(utilizations, key=lambda kind: float(utilizations[kind].max()))
+    row = int(np.argmax(utilizations[where]))
+    return float(utilizations[where][row]), where, float(instants[row])
 
 
 @dataclass(frozen=True)
@@ -156,17 +172,20 @@ def _nodes(request: CertifyRequest, iq: int, iv: int) -> _Nodes | None:
     """Return parts of all pieces with little change of yaw, or None if it changes too quickly."""
     curve = request.trajectory
     begins, widths = curve.breaks[:-1], np.diff(curve.breaks)
-    turning = curve.coefficients[:, :, iv + 2 : iv + 3]
-    terms = 1 + int(np.max(np.flatnonzero(turning.any(axis=(0, 2))), initial=0))
-    yaw = bernstein.from_power(turning[:, :terms], widths) + curve.bases[:, iq + 2, None, None]
-    rates = np.moveaxis(request.forms[1][iv : iv + 3], 0, -1)
-    for _ in range(_MOST_HALVINGS):
+    yaw_coefficients = curve.coefficients[:, :, iv + 2 : iv + 3]
+    terms = 1 + int(np.max(np.flatnonzero(yaw_coefficients.any(axis=(0, 2))), initial=0))
+    yaw = (
+        bernstein.from_power(yaw_coefficients[:, :terms], widths)
+        + curve.bases[:, iq + 2, None, None]
+    )
+    rates = np.moveaxis(request.bernstein_forms[1][iv : iv + 3], 0, -1)
+    for _ in range(_MAX_HALVINGS):
         low, high = yaw[:, :, 0].min(axis=1), yaw[:, :, 0].max(axis=1)
-        wide = high - low > 2 * _LARGEST_TURN
+        wide = high - low > 2 * _MAX_YAW_CHANGE
         if not wide.any():
             middle = (low + high) / 2
             return _Nodes(begins, widths, middle, yaw[:, :, 0] - middle[:, None], rates)
-        if len(yaw) + wide.sum() > _MOST_NODES:
+        if len(yaw) + wide.sum() > _MAX_NODES:
             return None
         half = widths[wide] / 2
         begins = np.concatenate([begins[~wide], begins[wide], begins[wide] + half])
@@ -177,29 +196,33 @@ def _nodes(request: CertifyRequest, iq: int, iv: int) -> _Nodes | None:
     return None
 
 
-def _excesses(nodes: _Nodes, car: Steering, dusts: Array) -> list[tuple[str, Array, float]]:
+def _excesses(
+    nodes: _Nodes, car: Steering, neglected_speeds: Array
+) -> list[tuple[str, Array, float]]:
     """Return the quantities that must not be positive: name, coefficients and tolerance."""
-    slip_dust, turn_dust = dusts.tolist()
+    slip_speed, turn_speed = neglected_speeds.tolist()
     c, s = np.cos(nodes.yaw)[:, None], np.sin(nodes.yaw)[:, None]
-    x, y, turn = np.moveaxis(nodes.rates, -1, 0)
+    x, y, yaw_rate = np.moveaxis(nodes.rates, -1, 0)
     # Along the middle yaw, and across.
     u, w = c * x + s * y, c * y - s * x
     eta = nodes.eta
-    squared = times(eta, eta)
+    squared = multiply(eta, eta)
     degree = 4 * (eta.shape[1] - 1)
-    sine = raised(eta, degree) - raised(times(squared, eta), degree) / 6
-    cosine = 1 - raised(squared, degree) / 2 + times(squared, squared) / 24
-    aside = times(cosine, w) - times(sine, u)
-    ahead = times(cosine, u) + times(sine, w)
-    speed = times(u, u) + times(w, w)
-    slip = times(aside, aside) - (SLIP - _SERIES) ** 2 * raised(speed, 2 * (aside.shape[1] - 1))
-    allowed = (1 + TIGHT) ** 2 * (1 - SLIP**2) / car.turning_radius**2
+    sine = elevate_degree(eta, degree) - elevate_degree(multiply(squared, eta), degree) / 6
+    cosine = 1 - elevate_degree(squared, degree) / 2 + multiply(squared, squared) / 24
+    sideways = multiply(cosine, w) - multiply(sine, u)
+    forward = multiply(cosine, u) + multiply(sine, w)
+    speed = multiply(u, u) + multiply(w, w)
+    slip = multiply(sideways, sideways) - (SLIP_TOLERANCE - _TAYLOR_ERROR) ** 2 * elevate_degree(
+        speed, 2 * (sideways.shape[1] - 1)
+    )
+    allowed = (1 + CURVATURE_TOLERANCE) ** 2 * (1 - SLIP_TOLERANCE**2) / car.turning_radius**2
     excesses = [
-        ("sideways", slip, slip_dust**2),
+        ("sideways", slip, slip_speed**2),
         (
             "curvature",
-            car.turning_radius**2 * (times(turn, turn) - allowed * speed),
-            turn_dust**2,
+            car.turning_radius**2 * (multiply(yaw_rate, yaw_rate) - allowed * speed),
+            turn_speed**2,
         ),
     ]
-    return excesses if car.reverse else [*excesses, ("reverse", -ahead, slip_dust)]
+    return excesses if car.reverse else [*excesses, ("reverse", -forward, slip_speed)]

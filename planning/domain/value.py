@@ -15,9 +15,9 @@ import numpy as np
 _ROWS = np.dtype(np.int32)
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
 # Scalar types, which most parts of a value have.
-_PLAIN = frozenset({str, int, bool, type(None)})
+_SCALAR_TYPES = frozenset({str, int, bool, type(None)})
 # Attribute in which a value of a class with `is_fed_once` keeps its bytes.
-_FED = "_fed_bytes"
+_BYTES_ATTRIBUTE = "_fed_bytes"
 
 
 def frozen(array: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -52,7 +52,7 @@ def _are_same(array: Any, other: Any) -> bool:
     )
 
 
-def _kept(array: Any) -> Any:
+def _frozen_array(array: Any) -> Any:
     return _frozen_rows(array) if array.dtype == _ROWS else frozen(array)
 
 
@@ -64,27 +64,27 @@ class Value:
     of content, bit for bit.
 
     A class with thousands of instances inside another value, most of them unchanged between
-    digests, may set `is_fed_once`: the bytes that an instance adds to a digest are then computed
+    digests, may set `caches_bytes`: the bytes that an instance adds to a digest are then computed
     once.
     """
 
-    is_fed_once: ClassVar[bool] = False
+    caches_bytes: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Freeze every array."""
         for name, item in self.__dict__.items():
             if isinstance(item, np.ndarray):
-                self.__dict__[name] = _kept(item)
+                self.__dict__[name] = _frozen_array(item)
 
     def _freeze(self, state: Mapping[str, Any]) -> None:
         for name, item in list(state.items()):
-            content = _kept(item) if isinstance(item, np.ndarray) else item
+            content = _frozen_array(item) if isinstance(item, np.ndarray) else item
             object.__setattr__(self, name, content)
 
     @override
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields alone, without cached properties."""
-        return {name: item for name, item in self.__dict__.items() if name != _FED}
+        return {name: item for name, item in self.__dict__.items() if name != _BYTES_ATTRIBUTE}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore from a pickle with the arrays frozen again."""
@@ -130,16 +130,16 @@ def _feed(sha: Any, content: Any) -> None:
     if type(content) is float:
         sha.update(b"number" + struct.pack("<d", content))
         return
-    if type(content) in _PLAIN:
+    if type(content) in _SCALAR_TYPES:
         sha.update(_scalar(content))
         return
     match content:
         case np.ndarray():
-            _refuse_without_content(content)
+            _validate_dtype(content)
             sha.update(f"array{content.dtype.str}{content.shape}".encode())
             sha.update(np.ascontiguousarray(content).tobytes())
-        case Value() if content.is_fed_once:
-            sha.update(_fed_once(content))
+        case Value() if content.caches_bytes:
+            sha.update(_cached_bytes(content))
         case Value():
             _feed_value(sha, content)
         case Mapping():
@@ -151,7 +151,7 @@ def _feed(sha: Any, content: Any) -> None:
             sha.update(_scalar(content))
 
 
-def _refuse_without_content(array: Any) -> None:
+def _validate_dtype(array: Any) -> None:
     """Raise on arrays whose bytes are not their content: addresses, padding, unnamed fields."""
     if array.dtype.char not in _ARRAYS:
         message = f"an array of {array.dtype} is not a value and has no digest"
@@ -160,15 +160,15 @@ def _refuse_without_content(array: Any) -> None:
 
 def _feed_value(sha: Any, content: Any) -> None:
     """Feed the same bytes as a list of all fields' names and contents."""
-    kind, fields = _outline(type(content))
+    kind, fields = _class_header(type(content))
     sha.update(kind)
-    for name, said in fields:
-        sha.update(said)
+    for name, encoded_name in fields:
+        sha.update(encoded_name)
         _feed(sha, getattr(content, name))
 
 
 @cache
-def _outline(kind: type[Any]) -> tuple[bytes, tuple[tuple[str, bytes], ...]]:
+def _class_header(kind: type[Any]) -> tuple[bytes, tuple[tuple[str, bytes], ...]]:
     """Return the leading bytes of a class, and its fields' names with their own bytes."""
     names = [field.name for field in dataclasses.fields(kind)]
     begin = f"value {kind.__qualname__}({2 * len(names)})".encode()
@@ -183,21 +183,23 @@ class _Bytes:
         self.update = self.parts.append
 
 
-def _fed_once(content: Any) -> bytes:
+def _cached_bytes(content: Any) -> bytes:
     """Return the bytes that a value adds to a digest, cached in the value itself."""
-    known = content.__dict__.get(_FED)
-    if known is None:
-        taken = _Bytes()
-        _feed_value(taken, content)
-        known = content.__dict__[_FED] = b"".join(taken.parts)
-    return known
+    cached = content.__dict__.get(_BYTES_ATTRIBUTE)
+    if cached is None:
+        buffer = _Bytes()
+        _feed_value(buffer, content)
+        cached = content.__dict__[_BYTES_ATTRIBUTE] = b"".join(buffer.parts)
+    return cached
 
 
 def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
     sha.update(f"{kind}({len(items)})".encode())
     kinds = set(map(type, items))
-    if len(kinds) == 1 and getattr(kinds.pop(), "is_fed_once", False):
-        sha.update(b"".join([item.__dict__.get(_FED) or _fed_once(item) for item in items]))
+    if len(kinds) == 1 and getattr(kinds.pop(), "caches_bytes", False):
+        sha.update(
+            b"".join([item.__dict__.get(_BYTES_ATTRIBUTE) or _cached_bytes(item) for item in items])
+        )
         return
     for item in items:
         _feed(sha, item)

@@ -15,11 +15,11 @@ from planning.errors import Contact, ExecutionFailure, ProblemInvalid, TrackingL
 from planning.execute.driver import Measurement, Setpoint
 from planning.execute.states import ExecutionEvent, ExecutionState, advance
 from planning.execute.status import ExecutionStatus
-from planning.execute.time_scaling import choose_ramp, ramp_bounds
+from planning.execute.time_scaling import choose_path_acceleration, path_acceleration_bounds
 from planning.execute.tolerances import Tolerances
 
 # Rates nearer than this are equal: rounding must not keep a robot from coming to rest.
-_SAME_RATE = 1e-12
+_PATH_VELOCITY_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,10 @@ class Execution(Value):
         state: State of the state machine.
         speed: Desired rate while executing, in (0, 1].
         time: Time along the trajectory [s].
-        rate: Present rate: seconds of trajectory per second of the driver's clock.
-        ramp: Derivative of the rate until the next step [1/s].
-        clock: Time of the last step, on the driver's clock [s].
-        still_since: Time from which setpoints are at rest, on the driver's clock [s]; None while
+        path_velocity: Present rate: seconds of trajectory per second of the driver's clock.
+        path_acceleration: Derivative of the rate until the next step [1/s].
+        driver_time: Time of the last step, on the driver's clock [s].
+        at_rest_since: Time from which setpoints are at rest, on the driver's clock [s]; None while
             they move.
         failure: Reason of an abort, or None.
     """
@@ -51,10 +51,10 @@ class Execution(Value):
     state: ExecutionState = ExecutionState.ACCEPTED
     speed: float = 1.0
     time: float = 0.0
-    rate: float = 0.0
-    ramp: float = 0.0
-    clock: float = 0.0
-    still_since: float | None = None
+    path_velocity: float = 0.0
+    path_acceleration: float = 0.0
+    driver_time: float = 0.0
+    at_rest_since: float | None = None
     failure: ExecutionFailure | None = None
 
     def start(self) -> "Execution":
@@ -65,7 +65,7 @@ class Execution(Value):
         """
         # The trajectory starts at rest, so the full rate at once is continuous in velocity.
         state = advance(self.state, ExecutionEvent.START)
-        return replace(self, state=state, rate=self.speed, still_since=None)
+        return replace(self, state=state, path_velocity=self.speed, at_rest_since=None)
 
     def pause(self) -> "Execution":
         """Come to rest on the path, until `resume`.
@@ -82,7 +82,7 @@ class Execution(Value):
             IllegalTransition: The execution is neither paused nor executing.
         """
         state = advance(self.state, ExecutionEvent.RESUME)
-        return replace(self, state=state, still_since=None)
+        return replace(self, state=state, at_rest_since=None)
 
     def cancel(self) -> "Execution":
         """Come to rest on the path and end as canceled.
@@ -90,7 +90,7 @@ class Execution(Value):
         Raises:
             IllegalTransition: The execution has ended.
         """
-        return replace(self, state=advance(self.state, ExecutionEvent.CANCEL), still_since=None)
+        return replace(self, state=advance(self.state, ExecutionEvent.CANCEL), at_rest_since=None)
 
     def with_speed(self, speed: float) -> "Execution":
         """Change the desired rate along the trajectory.
@@ -111,7 +111,7 @@ class Execution(Value):
             IllegalTransition: The execution has ended.
         """
         state = advance(self.state, ExecutionEvent.FAIL)
-        return replace(self, state=state, failure=failure, rate=0.0, ramp=0.0)
+        return replace(self, state=state, failure=failure, path_velocity=0.0, path_acceleration=0.0)
 
     def step(self, measured: Measurement, period: float) -> tuple["Execution", Setpoint]:
         """Check a measurement and compute the setpoint of the next `period` [s].
@@ -124,12 +124,12 @@ class Execution(Value):
             The execution one period later and the setpoint to send; a terminal execution holds
             the robot.
         """
-        judged = replace(self._judged(measured), clock=measured.time)
-        if judged.state is ExecutionState.ABORTED:
-            return judged, _hold(measured.time, measured.q, len(measured.v))
-        if judged.state.is_terminal:
-            return judged, _hold(measured.time, judged.desired, len(measured.v))
-        return judged._moved(period)  # noqa: SLF001  (its own class)
+        checked = replace(self._checked(measured), driver_time=measured.time)
+        if checked.state is ExecutionState.ABORTED:
+            return checked, _hold_setpoint(measured.time, measured.q, len(measured.v))
+        if checked.state.is_terminal:
+            return checked, _hold_setpoint(measured.time, checked.desired, len(measured.v))
+        return checked._advanced(period)  # noqa: SLF001  (its own class)
 
     def status(self, measured: Measurement) -> ExecutionStatus:
         """Return the status of the execution, given a measurement."""
@@ -138,8 +138,8 @@ class Execution(Value):
             state=self.state,
             progress=self.time / duration if duration > 0 else 1.0,
             time=self.time,
-            clock=measured.time,
-            rate=self.rate,
+            driver_time=measured.time,
+            path_velocity=self.path_velocity,
             measured=measured.q,
             desired=self.desired,
             tracking_error=self.tracking_error(measured.q),
@@ -156,16 +156,16 @@ class Execution(Value):
         """Return the tracking error: the largest coordinate of `q [-] desired` [rad or m]."""
         return float(np.max(np.abs(self.trajectory.manifold.minus(q, self.desired))))
 
-    def _judged(self, measured: Measurement) -> "Execution":
+    def _checked(self, measured: Measurement) -> "Execution":
         """Return the execution after the events of a measurement: contact, lost tracking, rest."""
         if self.state.is_terminal:
             return self
         if measured.contacts:
-            return self.fail(_contact(measured))
+            return self.fail(_contact_failure(measured))
         error = self.tracking_error(measured.q)
         if error > self.tolerances.tracking:
-            return self.fail(_lost(error, self.tolerances.tracking, measured.time))
-        if self.still_since is None or self.state is ExecutionState.PAUSED:
+            return self.fail(_tracking_failure(error, self.tolerances.tracking, measured.time))
+        if self.at_rest_since is None or self.state is ExecutionState.PAUSED:
             return self
         return self._settled(error, measured)
 
@@ -173,70 +173,86 @@ class Execution(Value):
         """Return the execution while setpoints are at rest: arrived, still settling, or aborted."""
         bounds = self.tolerances
         is_at_rest = bool(np.max(np.abs(measured.v)) <= bounds.rest)
-        is_there = self.state is ExecutionState.CANCELING or error <= bounds.goal
-        if is_at_rest and is_there:
+        is_at_goal = self.state is ExecutionState.CANCELING or error <= bounds.goal
+        if is_at_rest and is_at_goal:
             is_canceling = self.state is ExecutionState.CANCELING
             event = ExecutionEvent.STOPPED if is_canceling else ExecutionEvent.SUCCEED
             return replace(self, state=advance(self.state, event))
-        waited = measured.time - (self.still_since or 0.0)
-        if waited > bounds.settle_time:
-            return self.fail(_lost(error, bounds.goal, measured.time))
+        settling_time = measured.time - (self.at_rest_since or 0.0)
+        if settling_time > bounds.settle_time:
+            return self.fail(_tracking_failure(error, bounds.goal, measured.time))
         return self
 
-    def _moved(self, period: float) -> tuple["Execution", Setpoint]:
+    def _advanced(self, period: float) -> tuple["Execution", Setpoint]:
         """Return the execution one period later, and the setpoint until then."""
-        ramp = self._ramp(period)
-        after = self.rate + ramp * period
-        if abs(after - self._target) < _SAME_RATE:
-            after = self._target
-        step = 0.5 * (self.rate + after) * period
+        path_acceleration = self._next_path_acceleration(period)
+        path_velocity = self.path_velocity + path_acceleration * period
+        if abs(path_velocity - self._target_path_velocity) < _PATH_VELOCITY_TOLERANCE:
+            path_velocity = self._target_path_velocity
+        step = 0.5 * (self.path_velocity + path_velocity) * period
         duration = self.trajectory.duration
         time = min(self.time + step, duration)
         has_ended = time >= duration
-        is_still = has_ended or (self._target == 0.0 and after == 0.0)
-        still = self.still_since if self.still_since is not None else self.clock + period
-        later = replace(
+        is_at_rest = has_ended or (self._target_path_velocity == 0.0 and path_velocity == 0.0)
+        at_rest_since = (
+            self.at_rest_since if self.at_rest_since is not None else self.driver_time + period
+        )
+        advanced = replace(
             self,
             time=time,
-            rate=0.0 if has_ended else after,
-            ramp=ramp,
-            still_since=still if is_still else None,
+            path_velocity=0.0 if has_ended else path_velocity,
+            path_acceleration=path_acceleration,
+            at_rest_since=at_rest_since if is_at_rest else None,
         )
-        return later, self._setpoint(ramp)
+        return advanced, self._setpoint(path_acceleration)
 
-    def _setpoint(self, ramp: float) -> Setpoint:
-        at = np.array([self.time])
-        slope = self.trajectory.velocities(at)[0]
-        curvature = self.trajectory.accelerations(at)[0]
+    def _setpoint(self, path_acceleration: float) -> Setpoint:
+        times = np.array([self.time])
+        velocity = self.trajectory.velocities(times)[0]
+        acceleration = self.trajectory.accelerations(times)[0]
         is_over = self.time >= self.trajectory.duration
-        rate, ramp = (0.0, 0.0) if is_over else (self.rate, ramp)
-        vdot = curvature * rate**2 + slope * ramp
-        return Setpoint(self.clock, self.desired, slope * rate, vdot)
+        path_velocity, path_acceleration = (
+            (0.0, 0.0) if is_over else (self.path_velocity, path_acceleration)
+        )
+        vdot = acceleration * path_velocity**2 + velocity * path_acceleration
+        return Setpoint(self.driver_time, self.desired, velocity * path_velocity, vdot)
 
-    def _ramp(self, period: float) -> float:
+    def _next_path_acceleration(self, period: float) -> float:
         """Return the derivative of the rate [1/s] during the next period."""
-        if self.rate == self._target:
+        if self.path_velocity == self._target_path_velocity:
             return 0.0
-        steepest = 1.0 / self.tolerances.ramp_time
-        change = np.clip(self._target - self.rate, -steepest * period, steepest * period)
-        ahead = min(self.time + self.rate * period, self.trajectory.duration)
+        max_path_acceleration = 1.0 / self.tolerances.ramp_time
+        change = np.clip(
+            self._target_path_velocity - self.path_velocity,
+            -max_path_acceleration * period,
+            max_path_acceleration * period,
+        )
+        end_time = min(self.time + self.path_velocity * period, self.trajectory.duration)
         # The limits must hold at the end of the period too, for the least and the largest rate.
-        times = np.array([self.time, ahead, ahead])
-        rates = np.array([self.rate, self.rate, self.rate + change])
-        least, largest = ramp_bounds(self.trajectory, self.limits, times, rates)
-        bounds = max(least, -steepest), min(largest, steepest)
-        return choose_ramp(bounds, self.rate, self._target, period)
+        times = np.array([self.time, end_time, end_time])
+        path_velocities = np.array([
+            self.path_velocity,
+            self.path_velocity,
+            self.path_velocity + change,
+        ])
+        lower, upper = path_acceleration_bounds(
+            self.trajectory, self.limits, times, path_velocities
+        )
+        bounds = max(lower, -max_path_acceleration), min(upper, max_path_acceleration)
+        return choose_path_acceleration(
+            bounds, self.path_velocity, self._target_path_velocity, period
+        )
 
     @property
-    def _target(self) -> float:
+    def _target_path_velocity(self) -> float:
         return self.speed if self.state is ExecutionState.EXECUTING else 0.0
 
 
-def _hold(time: float, q: Array, num_velocities: int) -> Setpoint:
+def _hold_setpoint(time: float, q: Array, num_velocities: int) -> Setpoint:
     return Setpoint(time, q, np.zeros(num_velocities), np.zeros(num_velocities))
 
 
-def _contact(measured: Measurement) -> Contact:
+def _contact_failure(measured: Measurement) -> Contact:
     deepest = measured.contacts[0]
     a, b = deepest.bodies
     depth = -deepest.distance
@@ -245,6 +261,6 @@ def _contact(measured: Measurement) -> Contact:
     return Contact(message, evidence)
 
 
-def _lost(error: float, bound: float, time: float) -> TrackingLost:
+def _tracking_failure(error: float, bound: float, time: float) -> TrackingLost:
     message = f"the robot is {error:.4f} rad or m from its trajectory at {time:.3f} s; it may be "
     return TrackingLost(f"{message}{bound:g}", {"error": error, "bound": bound, "time": time})

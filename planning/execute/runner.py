@@ -7,7 +7,7 @@ from planning.execute.driver import Driver
 from planning.execute.execution import Execution
 from planning.execute.status import ExecutionStatus
 
-MAX_PACE = 100.0
+MAX_REALTIME_FACTOR = 100.0
 
 
 def _always() -> bool:
@@ -34,7 +34,7 @@ class Runner:
         *,
         period: float = 0.004,
         max_catch_up: float = 0.25,
-        max_pace: float = MAX_PACE,
+        max_realtime_factor: float = MAX_REALTIME_FACTOR,
     ) -> None:
         """Connect an accepted execution to a driver.
 
@@ -44,18 +44,19 @@ class Runner:
             period: Time between setpoints, on the driver's clock [s].
             max_catch_up: Longest gap that a late tick makes up for, on the caller's clock [s]; the
                 rest of a longer gap is dropped, which bounds the steps of one tick.
-            max_pace: Largest ratio of the driver's clock to the caller's; 1 for a real robot.
+            max_realtime_factor: Largest ratio of the driver's clock to the caller's; 1 for a real
+                robot.
         """
         self.execution = execution
         self._driver = driver
         self._period = period
         self._max_catch_up = max_catch_up
-        self._max_pace = max_pace
-        self._pace = 1.0
+        self._max_realtime_factor = max_realtime_factor
+        self._realtime_factor = 1.0
         self._last_tick: float | None = None
-        self._owed = 0.0
-        self._measured = driver.read(0.0)
-        self.status: ExecutionStatus = execution.status(self._measured)
+        self._pending_time = 0.0
+        self._measurement = driver.read(0.0)
+        self.status: ExecutionStatus = execution.status(self._measurement)
 
     @property
     def is_done(self) -> bool:
@@ -94,11 +95,13 @@ class Runner:
             ProblemInvalid: `speed` is not above 0, or exceeds `max_pace`.
             IllegalTransition: The execution has ended or is being canceled.
         """
-        if not 0 < speed <= self._max_pace:
-            message = f"speed must be above 0 and at most {self._max_pace:g}, got {speed}"
+        if not 0 < speed <= self._max_realtime_factor:
+            message = (
+                f"speed must be above 0 and at most {self._max_realtime_factor:g}, got {speed}"
+            )
             raise ProblemInvalid(message, {"field": "speed"})
         self.execution = self.execution.with_speed(min(speed, 1.0))
-        self._pace = max(speed, 1.0)
+        self._realtime_factor = max(speed, 1.0)
         return self._report()
 
     def tick(self, now: float, has_time: Callable[[], bool] = _always) -> ExecutionStatus:
@@ -112,24 +115,27 @@ class Runner:
         """
         elapsed = 0.0 if self._last_tick is None else max(0.0, now - self._last_tick)
         self._last_tick = now
-        self._owed = min(self._owed + elapsed * self._pace, self._max_catch_up * self._pace)
+        self._pending_time = min(
+            self._pending_time + elapsed * self._realtime_factor,
+            self._max_catch_up * self._realtime_factor,
+        )
         # Rounding must not delay a step by a whole tick.
-        while self._owed >= self._period * (1 - 1e-9) and not self.is_done:
-            self._owed -= self._period
+        while self._pending_time >= self._period * (1 - 1e-9) and not self.is_done:
+            self._pending_time -= self._period
             self._step()
             if not has_time():
                 break
         return self._report()
 
     def _step(self) -> None:
-        self.execution, setpoint = self.execution.step(self._measured, self._period)
+        self.execution, setpoint = self.execution.step(self._measurement, self._period)
         try:
             self._driver.send(setpoint)
             if not self.is_done:
-                self._measured = self._driver.read(self._measured.time + self._period)
+                self._measurement = self._driver.read(self._measurement.time + self._period)
         except ExecutionFailure as failure:
             self.execution = self.execution.fail(failure)
 
     def _report(self) -> ExecutionStatus:
-        self.status = self.execution.status(self._measured)
+        self.status = self.execution.status(self._measurement)
         return self.status

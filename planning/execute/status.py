@@ -19,8 +19,8 @@ class ExecutionStatus(Value):
         state: State of the state machine.
         progress: Time along the trajectory over its duration, 0 to 1.
         time: Time along the trajectory [s].
-        clock: Time on the driver's clock, since the start [s].
-        rate: Seconds of trajectory per second of the driver's clock, at this instant.
+        driver_time: Time on the driver's clock, since the start [s].
+        path_velocity: Seconds of trajectory per second of the driver's clock, at this instant.
         measured: Positions of the group, shape (nq,).
         desired: Desired positions of the group, shape (nq,).
         tracking_error: Largest coordinate of `measured [-] desired` [rad or m].
@@ -31,8 +31,8 @@ class ExecutionStatus(Value):
     state: ExecutionState
     progress: float
     time: float
-    clock: float
-    rate: float
+    driver_time: float
+    path_velocity: float
     measured: Float64[np.ndarray, " nq"]
     desired: Float64[np.ndarray, " nq"]
     tracking_error: float

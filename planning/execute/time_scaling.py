@@ -18,14 +18,14 @@ from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 
 # A block that moves slower than this [rad/s or m/s] cannot bound the ramp.
-_STILL = 1e-9
+_MIN_SPEED = 1e-9
 
 
-def ramp_bounds(
+def path_acceleration_bounds(
     trajectory: TimedTrajectory,
     limits: JointLimits,
     times: Float64[np.ndarray, " m"],
-    rates: Float64[np.ndarray, " m"],
+    path_velocities: Float64[np.ndarray, " m"],
 ) -> tuple[float, float]:
     """Return the least and the largest s'' [1/s] that keep the acceleration limits at all `times`.
 
@@ -37,22 +37,24 @@ def ramp_bounds(
         trajectory: Trajectory that is followed.
         limits: Joint limits; only `acceleration` is used, per block.
         times: Instants along the trajectory [s], shape (m,).
-        rates: s' at each of them, in [0, 1], shape (m,).
+        path_velocities: s' at each of them, in [0, 1], shape (m,).
     """
-    slopes, curvatures = trajectory.velocities(times), trajectory.accelerations(times)
-    least, largest = -np.inf, np.inf
+    velocities, accelerations = trajectory.velocities(times), trajectory.accelerations(times)
+    lower, upper = -np.inf, np.inf
     for bound, block in zip(limits.acceleration, limits.blocks, strict=True):
-        b, c = slopes[:, list(block)], curvatures[:, list(block)]
-        own = np.sum(c * c, axis=1)
-        low, high = _roots(b, c * rates[:, None] ** 2, np.maximum(bound**2, own))
-        least, largest = max(least, low), min(largest, high)
-    return least, largest
+        b, c = velocities[:, list(block)], accelerations[:, list(block)]
+        squared_acceleration = np.sum(c * c, axis=1)
+        low, high = _quadratic_interval(
+            b, c * path_velocities[:, None] ** 2, np.maximum(bound**2, squared_acceleration)
+        )
+        lower, upper = max(lower, low), min(upper, high)
+    return lower, upper
 
 
-def _roots(b: Array, c: Array, squared_bound: Array) -> tuple[float, float]:
+def _quadratic_interval(b: Array, c: Array, squared_bound: Array) -> tuple[float, float]:
     """Return the interval of all x with |b x + c|^2 <= squared_bound in every row."""
     bb, bc = np.sum(b * b, axis=1), np.sum(b * c, axis=1)
-    moving = bb > _STILL**2
+    moving = bb > _MIN_SPEED**2
     if not moving.any():
         return -np.inf, np.inf
     bb, bc = bb[moving], bc[moving]
@@ -61,8 +63,10 @@ def _roots(b: Array, c: Array, squared_bound: Array) -> tuple[float, float]:
     return float(np.max((-bc - root) / bb)), float(np.min((-bc + root) / bb))
 
 
-def choose_ramp(bounds: tuple[float, float], rate: float, target: float, period: float) -> float:
+def choose_path_acceleration(
+    bounds: tuple[float, float], path_velocity: float, target: float, period: float
+) -> float:
     """Return the s'' [1/s] within `bounds` that brings s' as near to `target` as one period can."""
-    wanted = (target - rate) / period
-    least, largest = min(bounds[0], 0.0), max(bounds[1], 0.0)
-    return float(np.clip(wanted, least, largest))
+    desired = (target - path_velocity) / period
+    lower, upper = min(bounds[0], 0.0), max(bounds[1], 0.0)
+    return float(np.clip(desired, lower, upper))

@@ -32,9 +32,9 @@ from planning.domain.arrays import Array
 from planning.domain.goals.configuration_quality import ArmBranch
 
 # Tolerance within which axes are parallel, or meet [rad, m].
-_EXACT = 1e-4
+_TOLERANCE = 1e-4
 # Factors smaller than this count as singular, with sign 0 [m, m^2, 1].
-_SINGULAR = 1e-9
+_SINGULAR_BELOW = 1e-9
 
 
 def branch_of(
@@ -49,36 +49,39 @@ def branch_of(
     z, p = directions, points
     if not _are_parallel(z[1], z[2]):
         return None
-    meeting = _meeting(z[4], p[4], z[5], p[5])
-    if meeting is None:
+    intersection_56 = _intersection(z[4], p[4], z[5], p[5])
+    if intersection_56 is None:
         return None
-    first = _meeting(z[3], p[3], z[4], p[4])
-    if first is not None and np.linalg.norm(first - meeting) < _EXACT:
-        center = meeting
+    intersection_45 = _intersection(z[3], p[3], z[4], p[4])
+    if (
+        intersection_45 is not None
+        and np.linalg.norm(intersection_45 - intersection_56) < _TOLERANCE
+    ):
+        center = intersection_56
     elif _are_parallel(z[2], z[3]):
         center = p[3]
     else:
         return None
     return ArmBranch(
-        shoulder=_sign(np.cross(z[0], meeting - p[0]) @ z[1]),
+        shoulder=_sign(np.cross(z[0], intersection_56 - p[0]) @ z[1]),
         elbow=_sign(np.cross(p[2] - p[1], center - p[2]) @ z[1]),
         wrist=_sign(np.cross(z[3], z[4]) @ z[5]),
     )
 
 
 def _are_parallel(a: Array, b: Array) -> bool:
-    return bool(np.linalg.norm(np.cross(a, b)) < _EXACT)
+    return bool(np.linalg.norm(np.cross(a, b)) < _TOLERANCE)
 
 
-def _meeting(z_a: Array, p_a: Array, z_b: Array, p_b: Array) -> Array | None:
+def _intersection(z_a: Array, p_a: Array, z_b: Array, p_b: Array) -> Array | None:
     """Return the intersection point of two lines; None if they are parallel or skew."""
     normal = np.cross(z_a, z_b)
     square = float(normal @ normal)
     gap = p_b - p_a
-    if square < _EXACT**2 or abs(float(gap @ normal)) / np.sqrt(square) > _EXACT:
+    if square < _TOLERANCE**2 or abs(float(gap @ normal)) / np.sqrt(square) > _TOLERANCE:
         return None
     return p_a + z_a * float(np.cross(gap, z_b) @ normal) / square
 
 
 def _sign(factor: float) -> int:
-    return 0 if abs(factor) < _SINGULAR else int(np.sign(factor))
+    return 0 if abs(factor) < _SINGULAR_BELOW else int(np.sign(factor))

@@ -12,9 +12,9 @@ from planning.domain.goals.goal_configurations import GoalConfigurations, Neares
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
 from planning.errors import GoalInCollision, GoalOutOfLimits, GoalTooNear
-from planning.goals.diagnosis.active_constraints_joints import described
+from planning.goals.diagnosis.active_constraints_joints import with_active_constraints
 from planning.goals.diagnosis.collision_tally import CollisionTally
-from planning.goals.diagnosis.joint_relaxation import relaxation_of
+from planning.goals.diagnosis.joint_relaxation import joint_goal_relaxation
 from planning.goals.diagnosis.nearest_joints import NearestJointSearch
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
@@ -22,26 +22,26 @@ from planning.goals.ranking import nearest_first
 from planning.goals.start import (
     clip_rounding,
     describe_pairs,
+    has_overlap,
     limit_violations,
-    overlap,
     pair_evidence,
     within_limits,
 )
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
-type GivenGoal = JointGoal | ConfigurationGoal
+type ExplicitGoal = JointGoal | ConfigurationGoal
 
 # Largest number of given configurations in the search for suggestions.
-_MOST = 64
+_MAX_CONFIGURATIONS = 64
 # Share of the remaining time for goals that the search for the nearest configuration may take.
-_SHARE = 0.5
+_NEAREST_TIME_FRACTION = 0.5
 
 
-def given_configurations(
+def explicit_goal_configurations(
     world: World,
     query: GoalQuery,
-    goal: GivenGoal,
+    goal: ExplicitGoal,
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> GoalConfigurations:
@@ -55,15 +55,17 @@ def given_configurations(
         UnknownName: There is no configuration of that name.
     """
     group, limits = query.group, world.limits(query.group)
-    rows = clip_rounding(limits, Manifold.of(group.joints), given_rows(world, query, goal))
+    rows = clip_rounding(
+        limits, Manifold.of(group.joints), unchecked_configurations(world, query, goal)
+    )
     inside = np.flatnonzero(within_limits(limits, rows))
     if not len(inside):
         outside = limit_violations(limits, group, rows[0])
         worst = max(outside, key=lambda entry: entry["violation"])
-        evidence, words = suggest_joints(world, query, goal, rng, deadline)
+        evidence, suggestion = suggest_nearest_joints(world, query, goal, rng, deadline)
         message = (
             f"no goal configuration is within limits: {worst['joint']} = {worst['position']:.6g} "
-            f"is not in [{worst['lower']:.6g}, {worst['upper']:.6g}]{words}"
+            f"is not in [{worst['lower']:.6g}, {worst['upper']:.6g}]{suggestion}"
         )
         raise GoalOutOfLimits(message, {"joints": outside, **evidence})
     is_free = world.collision_oracle(group, query.margins).are_free(rows[inside])
@@ -72,29 +74,33 @@ def given_configurations(
     for k in np.flatnonzero(~is_free):
         violations = world.violations(group, rows[inside[k]], query.margins)
         is_free[k] = not violations
-        if not pairs or (overlap(pairs) and not overlap(violations)):
+        if not pairs or (has_overlap(pairs) and not has_overlap(violations)):
             pairs = violations  # of a configuration that only violates margins, if there is one
         tally.add(violations, query.margins)
     free = inside[is_free]
     counts = len(rows), len(rows), len(inside), len(free), len(free)
-    funnel = Funnel(*counts, tally.summary, approach_ok=len(free))
+    funnel = Funnel(*counts, tally.summary, num_with_linear_moves=len(free))
     if not len(free):
-        evidence, words = suggest_joints(world, query, goal, rng, deadline)
+        evidence, suggestion = suggest_nearest_joints(world, query, goal, rng, deadline)
         evidence |= {
             "funnel": funnel_evidence(funnel),
             "pairs": pair_evidence(pairs, query.margins),
         }
-        hits = describe_pairs(pairs, query.margins) + words
-        if tally.num_only_near:
-            message = f"no goal configuration keeps its margins, though not all collide: {hits}"
+        pair_text = describe_pairs(pairs, query.margins) + suggestion
+        if tally.num_margin_only:
+            message = (
+                f"no goal configuration keeps its margins, though not all collide: {pair_text}"
+            )
             raise GoalTooNear(message, evidence)
-        raise GoalInCollision(f"every goal configuration collides: {hits}", evidence)
+        raise GoalInCollision(f"every goal configuration collides: {pair_text}", evidence)
     metric = JointMetric.from_names(group, query.options.joint_weights)
-    found, indices = nearest_first(metric, query.start, rows[free], free, len(free))
-    return GoalConfigurations(found, indices, funnel)
+    positions, indices = nearest_first(metric, query.start, rows[free], free, len(free))
+    return GoalConfigurations(positions, indices, funnel)
 
 
-def given_rows(world: World, query: GoalQuery, goal: GivenGoal) -> Float64[np.ndarray, "n nq"]:
+def unchecked_configurations(
+    world: World, query: GoalQuery, goal: ExplicitGoal
+) -> Float64[np.ndarray, "n nq"]:
     """Return the configurations of a goal, unchecked against limits.
 
     Raises:
@@ -104,15 +110,15 @@ def given_rows(world: World, query: GoalQuery, goal: GivenGoal) -> Float64[np.nd
     if isinstance(goal, ConfigurationGoal):
         return world.configuration(query.group, goal.name)[None]
     return np.stack([
-        require_positions(query.group, q, f"goal.positions.{i}")
+        validate_positions(query.group, q, f"goal.positions.{i}")
         for i, q in enumerate(goal.positions)
     ])
 
 
-def suggest_joints(
+def suggest_nearest_joints(
     world: World,
     query: GoalQuery,
-    goal: GivenGoal,
+    goal: ExplicitGoal,
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> tuple[dict[str, Any], str]:
@@ -123,28 +129,38 @@ def suggest_joints(
     """
     group = query.group
     rows = clip_rounding(
-        world.limits(group), Manifold.of(group.joints), given_rows(world, query, goal)[:_MOST]
+        world.limits(group),
+        Manifold.of(group.joints),
+        unchecked_configurations(world, query, goal)[:_MAX_CONFIGURATIONS],
     )
-    rules = query.rules
-    tight = world if rules is None else world.limited(group, rules.fixing(world.limits(group)))
-    hasty = deadline.share(_SHARE)
-    found = NearestJointSearch(tight, query, rows, rng, hasty).run()
-    is_cut_short = hasty.is_over
-    nearest = found and described(world, query, tight.limits(group), rows[found.index], found)
+    constraints = query.constraints
+    constrained_world = (
+        world
+        if constraints is None
+        else world.with_limits(group, constraints.limits_with_locks(world.limits(group)))
+    )
+    search_deadline = deadline.at_fraction(_NEAREST_TIME_FRACTION)
+    result = NearestJointSearch(constrained_world, query, rows, rng, search_deadline).run()
+    is_cut_short = search_deadline.is_over
+    nearest = result and with_active_constraints(
+        world, query, constrained_world.limits(group), rows[result.index], result
+    )
     evidence = {
         "nearest": nearest and {**nearest.evidence, "cut_short": is_cut_short},
-        "relaxation": relaxation_of(world, query, rows),
+        "relaxation": joint_goal_relaxation(world, query, rows),
     }
-    return evidence, "" if nearest is None else _words(nearest, is_cut_short=is_cut_short)
+    return evidence, "" if nearest is None else _describe_nearest(
+        nearest, is_cut_short=is_cut_short
+    )
 
 
-def _words(nearest: NearestConfiguration, *, is_cut_short: bool) -> str:
-    binding = [*("-".join(pair) for pair in nearest.pairs), *nearest.constraints]
-    binding += [f"the limit of {name}" for name in nearest.joints]
-    most = int(np.argmax(np.abs(nearest.differences)))
+def _describe_nearest(nearest: NearestConfiguration, *, is_cut_short: bool) -> str:
+    active_names = [*("-".join(pair) for pair in nearest.pairs), *nearest.constraints]
+    active_names += [f"the limit of {name}" for name in nearest.joints]
+    largest = int(np.argmax(np.abs(nearest.differences)))
     which = "configuration that was found in time" if is_cut_short else "configuration"
     return (
         f"; the nearest feasible {which} is {nearest.distance:.4g} away "
-        f"({nearest.names[most]} by {nearest.differences[most]:.4g}), where "
-        f"{', '.join(binding)} {'bind' if len(binding) > 1 else 'binds'}"
+        f"({nearest.names[largest]} by {nearest.differences[largest]:.4g}), where "
+        f"{', '.join(active_names)} {'bind' if len(active_names) > 1 else 'binds'}"
     )

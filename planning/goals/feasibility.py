@@ -8,7 +8,7 @@ from planning.goals.start import within_limits
 from planning.world.world import World
 
 # Configurations per batch.
-_AT_ONCE = 64
+_BATCH_SIZE = 64
 
 
 class Feasibility:
@@ -21,23 +21,23 @@ class Feasibility:
         """Prepare for the query's group, margins and path constraints."""
         self._limits = world.limits(query.group)
         self._oracle = world.collision_oracle(query.group, query.margins)
-        self._rules = query.rules
+        self._constraints = query.constraints
 
-    def are_met(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
+    def are_feasible(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
         """Return which rows are within limits, collision-free and satisfy the path constraints."""
         feasible = within_limits(self._limits, rows)
         feasible[feasible] = self._oracle.are_free(rows[feasible])
-        if self._rules is not None:
-            feasible[feasible] = self._rules.are_kept(rows[feasible])
+        if self._constraints is not None:
+            feasible[feasible] = self._constraints.are_satisfied(rows[feasible])
         return feasible
 
-    def first(self, rows: Float64[np.ndarray, "n nq"]) -> int | None:
+    def first_feasible(self, rows: Float64[np.ndarray, "n nq"]) -> int | None:
         """Return the index of the first feasible row; None if none is.
 
         Rows are checked in batches, up to the batch of the result.
         """
-        for begin in range(0, len(rows), _AT_ONCE):
-            kept = np.flatnonzero(self.are_met(rows[begin : begin + _AT_ONCE]))
-            if len(kept):
-                return begin + int(kept[0])
+        for begin in range(0, len(rows), _BATCH_SIZE):
+            feasible = np.flatnonzero(self.are_feasible(rows[begin : begin + _BATCH_SIZE]))
+            if len(feasible):
+                return begin + int(feasible[0])
         return None

@@ -24,7 +24,7 @@ class GoalQuery:
         options: Limits of the search: trials, number of configurations, time.
         num_measured: Number of colliding solutions whose colliding pairs and depths are measured.
             That takes longer than finding the solutions: plans use few.
-        rules: Path constraints that configurations of a tool goal satisfy; None for none.
+        constraints: Path constraints that configurations of a tool goal satisfy; None for none.
     """
 
     group: JointGroup
@@ -33,4 +33,4 @@ class GoalQuery:
     margins: PairMargins
     options: IkOptions
     num_measured: int = 2
-    rules: PathConstraints | None = None
+    constraints: PathConstraints | None = None

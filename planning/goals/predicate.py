@@ -13,21 +13,21 @@ from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.request.deadline import Deadline
 from planning.errors import GoalUnreachable
 from planning.goals.diagnosis.collision_tally import count_collisions
-from planning.goals.diagnosis.goal_failure import all_collide
+from planning.goals.diagnosis.goal_failure import collision_failure
 from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_search import PoseSearch
 from planning.goals.joint_metric import JointMetric
 from planning.goals.ranking import nearest_first
 from planning.goals.targets.target_samples import TargetSamples
 from planning.goals.timeout import check_time
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
 class PredicateSolver:
     """Pose solver whose solutions are seeds, or draws of the goal, that the predicate accepts."""
 
-    num_at_once = 1
+    batch_size = 1
 
     def __init__(self, query: GoalQuery, goal: GoalPredicate, rng: np.random.Generator) -> None:
         """Prepare for a predicate goal; `rng` feeds its `draw` function."""
@@ -39,20 +39,24 @@ class PredicateSolver:
         self,
         seeds: Float64[np.ndarray, "n nq"],
         targets: Int64[np.ndarray, " n"],
-        enough: int,
+        num_required: int,
     ) -> tuple[Flags, Array]:
         """Return as `PoseSolver.solve` whether the predicate accepts each row, and the rows."""
-        del targets, enough
+        del targets, num_required
         draw = self._goal.draw
-        rows = seeds if draw is None else np.stack([self._checked(draw(self._rng)) for _ in seeds])
+        rows = (
+            seeds
+            if draw is None
+            else np.stack([self._validate_sample(draw(self._rng)) for _ in seeds])
+        )
         accepted = [bool(self._goal.accepts(np.array(q))) for q in rows]
         return np.array(accepted, dtype=bool), rows
 
-    def _checked(self, drawn: Any) -> Array:
-        return np.array(require_positions(self._query.group, drawn, "goal.draw"))
+    def _validate_sample(self, sample: Any) -> Array:
+        return np.array(validate_positions(self._query.group, sample, "goal.draw"))
 
 
-def accepted_by(
+def find_predicate_goals(
     world: World,
     query: GoalQuery,
     goal: GoalPredicate,
@@ -76,19 +80,21 @@ def accepted_by(
     options = query.options
     metric = JointMetric.from_names(query.group, options.joint_weights)
     search = PoseSearch(world, query, rng, deadline)
-    aims = TargetSamples([], np.zeros(1, dtype=np.int64), 1)
-    search.run(aims, PredicateSolver(query, goal, rng), options.max_trials)
+    samples = TargetSamples([], np.zeros(1, dtype=np.int64), 1)
+    search.run(samples, PredicateSolver(query, goal, rng), options.max_trials)
     funnel = search.funnel(
         count_collisions(world, query, search.colliding[: query.num_measured], deadline).summary
     )
-    rows = search.found.rows
+    rows = search.solutions.rows
     if len(rows):
-        found = nearest_first(metric, query.start, rows, search.found.targets, len(rows))
-        return GoalConfigurations(*found, funnel)
+        nearest = nearest_first(metric, query.start, rows, search.solutions.targets, len(rows))
+        return GoalConfigurations(*nearest, funnel)
     check_time(world, query, search, deadline)
-    if query.rules is not None and funnel.collision_free > 0:
-        return accepted_by(world, replace(query, rules=None), goal, rng, deadline)
+    if query.constraints is not None and funnel.collision_free > 0:
+        return find_predicate_goals(world, replace(query, constraints=None), goal, rng, deadline)
     if search.colliding:
-        raise all_collide(world, query, search, deadline)
-    message = f"the predicate accepts none of {funnel.tried} configurations of {query.group.name}"
+        raise collision_failure(world, query, search, deadline)
+    message = (
+        f"the predicate accepts none of {funnel.num_samples} configurations of {query.group.name}"
+    )
     raise GoalUnreachable(message, {"funnel": funnel_evidence(funnel)})

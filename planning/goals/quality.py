@@ -17,7 +17,7 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 # Search radii for the nearest body pair, tried in turn: a small one is faster, mostly enough [m].
-_HORIZONS = (0.1, 10.0)
+_SEARCH_RADII = (0.1, 10.0)
 
 
 class QualityProbe:
@@ -36,15 +36,15 @@ class QualityProbe:
         self._distances = world.distance_probe(world.margins())
         self._axes = _arm_axes(world, group)
 
-    def of(
+    def evaluate(
         self, q: Float64[np.ndarray, " nq"], start: Float64[np.ndarray, " nq"]
     ) -> ConfigurationQuality:
         """Return the quality of q; its `distance` is measured from `start`."""
         full = self._world.embed(self._group, q)
         self._plant.SetPositions(self._context, full)
-        nearest = self._nearest(full)
+        nearest = self._nearest_pair(full)
         return ConfigurationQuality(
-            manipulability=manipulability(self._kinematics.by_v(q[None])[0]),
+            manipulability=manipulability(self._kinematics.velocity_jacobians(q[None])[0]),
             clearance=None if nearest is None else nearest.distance,
             pair=None if nearest is None else nearest.bodies,
             limit_margin=limit_margin(self._limits, q),
@@ -52,9 +52,9 @@ class QualityProbe:
             branch=self._branch(),
         )
 
-    def _nearest(self, full: Array) -> BodyPair | None:
-        for horizon in _HORIZONS:
-            pairs = self._distances.nearest_within(full, horizon)
+    def _nearest_pair(self, full: Array) -> BodyPair | None:
+        for radius in _SEARCH_RADII:
+            pairs = self._distances.nearest_within(full, radius)
             if pairs:
                 return pairs[0]
         return None
@@ -100,7 +100,7 @@ def _arm_axes(world: World, group: JointGroup) -> list[Any] | None:
         return None
     if not all(isinstance(joint, RevoluteJoint) for joint in joints):
         return None
-    numbers = {link.position: i for i, link in enumerate(tree.links)}
-    chain = [numbers[joint.position_start()] for joint in joints]
+    link_indices = {link.position: i for i, link in enumerate(tree.links)}
+    chain = [link_indices[joint.position_start()] for joint in joints]
     parents = [tree.links[i].parent for i in chain]
     return joints if parents[1:] == chain[:-1] else None

@@ -9,7 +9,7 @@ from planning.domain.robot.manifold import Manifold
 from planning.goals.joint_metric import JointMetric
 
 # Two configurations nearer than this in every joint are duplicates [rad or m].
-SAME = 1e-3
+DUPLICATE_TOLERANCE = 1e-3
 _MAX_EQUIVALENTS = 4096
 
 
@@ -24,8 +24,8 @@ class UniqueSolutions:
     def __init__(self, group: JointGroup, manifold: Manifold) -> None:
         """Create an empty set."""
         self._manifold = manifold
-        self._turns = np.array(_turning(group), dtype=bool)
-        self._keyed = np.array(
+        self._is_periodic = np.array(_periodic_coordinates(group), dtype=bool)
+        self._key_mask = np.array(
             [
                 not (joint.type is JointType.FLOATING and i < 4)
                 for joint in group.joints
@@ -33,7 +33,7 @@ class UniqueSolutions:
             ],
             dtype=bool,
         )
-        self._phases = np.sqrt(2.0 + np.arange(self._keyed.sum()))
+        self._phases = np.sqrt(2.0 + np.arange(self._key_mask.sum()))
         self.rows: Array = np.zeros((0, group.num_positions))
         self.targets: Indices = np.zeros(0, dtype=np.int64)
 
@@ -50,55 +50,64 @@ class UniqueSolutions:
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
         """Return whether each row differs from all in the set and from the rows before it."""
-        every = np.concatenate([self.rows, rows])
-        labels = self._alike(every, np.concatenate([self.targets, targets]))
+        all_rows = np.concatenate([self.rows, rows])
+        labels = self._cluster_labels(all_rows, np.concatenate([self.targets, targets]))
         first = np.unique(labels, return_index=True)[1]
-        kept = np.zeros(len(every), dtype=bool)
-        kept[first] = True
-        return kept[len(self.rows) :]
+        is_first = np.zeros(len(all_rows), dtype=bool)
+        is_first[first] = True
+        return is_first[len(self.rows) :]
 
     def contains(
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
         """Return whether each row is a duplicate of one in the set."""
-        every = np.concatenate([self.rows, rows])
-        labels = self._alike(every, np.concatenate([self.targets, targets]))
+        all_rows = np.concatenate([self.rows, rows])
+        labels = self._cluster_labels(all_rows, np.concatenate([self.targets, targets]))
         return np.isin(labels[len(self.rows) :], labels[: len(self.rows)])
 
-    def _alike(self, rows: Array, targets: Indices) -> Indices:
+    def _cluster_labels(self, rows: Array, targets: Indices) -> Indices:
         """Return cluster labels: duplicates, or rows linked by a chain of them, share a number.
 
         Sums of cosines and of sines change by at most the sum of the changes of their angles, so
         only rows whose sums are close can be duplicates.
         """
-        angles, close = rows[:, self._keyed] + self._phases, SAME * len(self._phases) + 1e-9
-        keys, others = np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1)
-        order = np.argsort(keys, kind="stable")
-        keys, others, labels = keys[order], others[order], np.arange(len(keys))
-        for step in range(1, len(keys)):
-            near = keys[step:] - keys[:-step] <= close
-            a = np.flatnonzero(near & (labels[step:] != labels[:-step]))
+        angles, key_tolerance = (
+            rows[:, self._key_mask] + self._phases,
+            DUPLICATE_TOLERANCE * len(self._phases) + 1e-9,
+        )
+        cosine_sums, sine_sums = np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1)
+        order = np.argsort(cosine_sums, kind="stable")
+        cosine_sums, sine_sums, labels = (
+            cosine_sums[order],
+            sine_sums[order],
+            np.arange(len(cosine_sums)),
+        )
+        for step in range(1, len(cosine_sums)):
+            is_near = cosine_sums[step:] - cosine_sums[:-step] <= key_tolerance
+            a = np.flatnonzero(is_near & (labels[step:] != labels[:-step]))
             # Any duplicates farther apart in this order share a label already.
             if not len(a):
                 break
-            a = a[np.abs(others[a + step] - others[a]) <= close]
+            a = a[np.abs(sine_sums[a + step] - sine_sums[a]) <= key_tolerance]
             if not len(a):
                 continue
-            same = self._are_same(rows[order[a]], rows[order[a + step]])
-            same &= targets[order[a]] == targets[order[a + step]]
-            for i in a[same]:
+            is_duplicate = self._are_duplicates(rows[order[a]], rows[order[a + step]])
+            is_duplicate &= targets[order[a]] == targets[order[a + step]]
+            for i in a[is_duplicate]:
                 labels[labels == labels[i + step]] = labels[i]
-        named = np.empty_like(labels)
-        named[order] = labels
-        return named
+        labels_by_row = np.empty_like(labels)
+        labels_by_row[order] = labels
+        return labels_by_row
 
-    def _are_same(self, a: Array, b: Array) -> Flags:
+    def _are_duplicates(self, a: Array, b: Array) -> Flags:
         delta = self._manifold.minus(a, b)
-        delta[:, self._turns] = np.remainder(delta[:, self._turns] + np.pi, 2 * np.pi) - np.pi
-        return np.abs(delta).max(axis=1, initial=0.0) <= SAME
+        delta[:, self._is_periodic] = (
+            np.remainder(delta[:, self._is_periodic] + np.pi, 2 * np.pi) - np.pi
+        )
+        return np.abs(delta).max(axis=1, initial=0.0) <= DUPLICATE_TOLERANCE
 
 
-def equivalents(
+def full_turn_equivalents(
     group: JointGroup, limits: JointLimits, rows: Float64[np.ndarray, "m nq"]
 ) -> tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"]]:
     """Return each row with full turns added to its revolute joints in every way within limits.
@@ -110,7 +119,7 @@ def equivalents(
         The rows, all equivalents of one given row in sequence, and the index of the given row of
         each.
     """
-    turning = np.array(
+    is_revolute = np.array(
         [
             joint.type is JointType.REVOLUTE and joint.name not in group.winding
             for joint in group.joints
@@ -118,22 +127,22 @@ def equivalents(
         ],
         dtype=bool,
     )
-    first, last = np.zeros(rows.shape), np.zeros(rows.shape)
-    low, high = limits.lower[turning], limits.upper[turning]
-    first[:, turning] = np.ceil((low - rows[:, turning]) / (2 * np.pi) - 1e-12)
-    last[:, turning] = np.floor((high - rows[:, turning]) / (2 * np.pi) + 1e-12)
-    choices = np.prod(np.maximum(last - first + 1, 1), axis=1)
-    fixed = (last < first) | (choices > _MAX_EQUIVALENTS)[:, None]
-    first[fixed] = last[fixed] = 0
+    min_turns, max_turns = np.zeros(rows.shape), np.zeros(rows.shape)
+    low, high = limits.lower[is_revolute], limits.upper[is_revolute]
+    min_turns[:, is_revolute] = np.ceil((low - rows[:, is_revolute]) / (2 * np.pi) - 1e-12)
+    max_turns[:, is_revolute] = np.floor((high - rows[:, is_revolute]) / (2 * np.pi) + 1e-12)
+    num_equivalents = np.prod(np.maximum(max_turns - min_turns + 1, 1), axis=1)
+    fixed = (max_turns < min_turns) | (num_equivalents > _MAX_EQUIVALENTS)[:, None]
+    min_turns[fixed] = max_turns[fixed] = 0
     index = np.arange(len(rows))
-    for k in np.flatnonzero((first != last).any(axis=0)):
-        count = (last - first)[index, k].astype(int) + 1
-        turn = np.concatenate([
-            first[i, k] + np.arange(n) for i, n in zip(index, count, strict=True)
+    for k in np.flatnonzero((min_turns != max_turns).any(axis=0)):
+        count = (max_turns - min_turns)[index, k].astype(int) + 1
+        turns = np.concatenate([
+            min_turns[i, k] + np.arange(n) for i, n in zip(index, count, strict=True)
         ])
         rows, index = np.repeat(rows, count, axis=0), np.repeat(index, count)
-        rows[:, k] += 2 * np.pi * turn
-    return np.where(turning, np.clip(rows, limits.lower, limits.upper), rows), index
+        rows[:, k] += 2 * np.pi * turns
+    return np.where(is_revolute, np.clip(rows, limits.lower, limits.upper), rows), index
 
 
 def nearest_first(
@@ -149,7 +158,7 @@ def nearest_first(
     return rows[order], tuple(int(i) for i in targets[order])
 
 
-def _turning(group: JointGroup) -> list[bool]:
+def _periodic_coordinates(group: JointGroup) -> list[bool]:
     """Return which velocity coordinates are angles that give the same pose after a full turn."""
     flags: list[bool] = []
     for joint in group.joints:

@@ -17,7 +17,7 @@ from planning.world.world import World
 # Limit violations up to this are rounding errors: they are clipped and reported [rad or m].
 ROUNDING = 1e-6
 # Distances below this are 0 up to rounding [m].
-_TOUCH = 1e-9
+_CONTACT_TOLERANCE = 1e-9
 
 
 def validate_start(
@@ -43,13 +43,15 @@ def validate_start(
     if not world.collision_oracle(group, margins).is_free(start):
         pairs = world.violations(group, start, margins)
         if pairs:
-            hits, evidence = (
+            pair_text, evidence = (
                 describe_pairs(pairs, margins),
                 {"pairs": pair_evidence(pairs, margins)},
             )
-            if overlap(pairs):
-                raise StartInCollision(f"the start collides: {hits}", evidence)
-            message = f"nothing overlaps at the start, but it does not keep its margins: {hits}"
+            if has_overlap(pairs):
+                raise StartInCollision(f"the start collides: {pair_text}", evidence)
+            message = (
+                f"nothing overlaps at the start, but it does not keep its margins: {pair_text}"
+            )
             raise StartTooNear(message, evidence)
     return start, start - q
 
@@ -101,20 +103,20 @@ def pair_evidence(pairs: tuple[BodyPair, ...], margins: PairMargins) -> list[dic
 
 def describe_pairs(pairs: tuple[BodyPair, ...], margins: PairMargins) -> str:
     """Return the first three pairs as text: by how much they overlap, or how near they are."""
-    words = [_describe_pair(pair, margins.of(*pair.bodies)) for pair in pairs[:3]]
+    texts = [_describe_pair(pair, margins.of(*pair.bodies)) for pair in pairs[:3]]
     more = f" and {len(pairs) - 3} more" if len(pairs) > 3 else ""
-    return ", ".join(words) + more
+    return ", ".join(texts) + more
 
 
 def _describe_pair(pair: BodyPair, margin: float) -> str:
     bodies = "-".join(pair.bodies)
-    is_touch = abs(pair.distance) < _TOUCH
+    is_touching = abs(pair.distance) < _CONTACT_TOLERANCE
     if pair.distance < 0:
-        return f"{bodies} touching" if is_touch else f"{bodies} by {millimetres(-pair.distance)}"
-    apart = "touching" if is_touch else f"{millimetres(pair.distance)} apart"
+        return f"{bodies} touching" if is_touching else f"{bodies} by {millimetres(-pair.distance)}"
+    apart = "touching" if is_touching else f"{millimetres(pair.distance)} apart"
     return f"{bodies} {apart} with a margin of {millimetres(margin)}"
 
 
-def overlap(pairs: tuple[BodyPair, ...]) -> bool:
+def has_overlap(pairs: tuple[BodyPair, ...]) -> bool:
     """Return whether any of the pairs overlaps, rather than only violating its margin."""
     return any(pair.distance < 0 for pair in pairs)

@@ -21,7 +21,9 @@ def check_time(world: World, query: GoalQuery, search: PoseSearch, deadline: Dea
     except DeadlineExceeded as error:
         tally = count_collisions(world, query, search.colliding[: query.num_measured], deadline)
         funnel = funnel_evidence(search.funnel(tally.summary))
-        most = query.options.max_trials
-        message = f"{error.detail}, after {funnel['tried']} of {most} trials: {funnel['summary']}"
-        evidence = {"funnel": funnel, "max_trials": most, "cut_short": True}
+        max_trials = query.options.max_trials
+        message = (
+            f"{error.detail}, after {funnel['tried']} of {max_trials} trials: {funnel['summary']}"
+        )
+        evidence = {"funnel": funnel, "max_trials": max_trials, "cut_short": True}
         raise error.saying(message, evidence) from error

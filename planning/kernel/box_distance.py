@@ -15,9 +15,9 @@ _SIGNS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in 
 _EDGES = np.array([
     (i, j) for i in range(8) for j in range(i) if np.abs(_SIGNS[i] - _SIGNS[j]).sum() == 2
 ])
-_TINY = 1e-30
+_MIN_DENOMINATOR = 1e-30
 # The sine of the angle between edges up to which they are parallel.
-_PARALLEL = 1e-6
+_PARALLEL_SINE = 1e-6
 
 
 def box_distances(
@@ -38,13 +38,16 @@ def box_distances(
         X_WB: Their poses.
     """
     corners_a, corners_b = _corners(half_a, X_WA), _corners(half_b, X_WB)
-    in_b, in_a = _clamped(corners_a, half_b, X_WB), _clamped(corners_b, half_a, X_WA)
-    of_edges = _edge_points(corners_a, corners_b)
-    ahead = np.concatenate([corners_a, in_a, of_edges[0]], axis=1)
-    behind = np.concatenate([in_b, corners_b, of_edges[1]], axis=1)
-    lengths = np.linalg.norm(ahead - behind, axis=2)
+    nearest_in_b, nearest_in_a = (
+        _nearest_points_in_boxes(corners_a, half_b, X_WB),
+        _nearest_points_in_boxes(corners_b, half_a, X_WA),
+    )
+    edge_points = _edge_points(corners_a, corners_b)
+    points_on_a = np.concatenate([corners_a, nearest_in_a, edge_points[0]], axis=1)
+    points_on_b = np.concatenate([nearest_in_b, corners_b, edge_points[1]], axis=1)
+    lengths = np.linalg.norm(points_on_a - points_on_b, axis=2)
     best, rows = np.argmin(lengths, axis=1), np.arange(len(lengths))
-    return lengths[rows, best], np.stack([ahead[rows, best], behind[rows, best]], axis=1)
+    return lengths[rows, best], np.stack([points_on_a[rows, best], points_on_b[rows, best]], axis=1)
 
 
 def box_gaps(
@@ -65,15 +68,17 @@ def box_gaps(
         X_WB: Their poses.
     """
     R_WA, R_WB = X_WA[:, :3, :3], X_WB[:, :3, :3]
-    across = np.cross(R_WA[:, :, :, None], R_WB[:, :, None, :], axis=1).reshape(len(half_a), 3, 9)
-    axes = np.concatenate([R_WA, R_WB, across], axis=2)
+    edge_products = np.cross(R_WA[:, :, :, None], R_WB[:, :, None, :], axis=1).reshape(
+        len(half_a), 3, 9
+    )
+    axes = np.concatenate([R_WA, R_WB, edge_products], axis=2)
     lengths = np.linalg.norm(axes, axis=1)
-    away = np.abs(np.einsum("ni,nik->nk", X_WA[:, :3, 3] - X_WB[:, :3, 3], axes))
+    gaps = np.abs(np.einsum("ni,nik->nk", X_WA[:, :3, 3] - X_WB[:, :3, 3], axes))
     for half, R_WG in ((half_a, R_WA), (half_b, R_WB)):
-        away -= np.einsum("nj,njk->nk", half, np.abs(np.einsum("nij,nik->njk", R_WG, axes)))
+        gaps -= np.einsum("nj,njk->nk", half, np.abs(np.einsum("nij,nik->njk", R_WG, axes)))
     # Nearly parallel edges give no separating axis of their own.
-    is_axis = lengths > _PARALLEL
-    return np.where(is_axis, away / np.where(is_axis, lengths, 1.0), -np.inf).max(axis=1)
+    is_axis = lengths > _PARALLEL_SINE
+    return np.where(is_axis, gaps / np.where(is_axis, lengths, 1.0), -np.inf).max(axis=1)
 
 
 def _corners(half: Array, X_WB: Array) -> Array:
@@ -81,7 +86,7 @@ def _corners(half: Array, X_WB: Array) -> Array:
     return np.einsum("nij,nkj->nki", X_WB[:, :3, :3], local) + X_WB[:, None, :3, 3]
 
 
-def _clamped(points: Array, half: Array, X_WB: Array) -> Array:
+def _nearest_points_in_boxes(points: Array, half: Array, X_WB: Array) -> Array:
     """Return the points of boxes nearest to given points, shape (n, k, 3)."""
     local = np.einsum("nji,nkj->nki", X_WB[:, :3, :3], points - X_WB[:, None, :3, 3])
     inside = np.clip(local, -half[:, None], half[:, None])
@@ -97,7 +102,7 @@ def _edge_points(corners_a: Array, corners_b: Array) -> tuple[Array, Array]:
     uu, vv, uv = (u * u).sum(-1), (v * v).sum(-1), (u * v).sum(-1)
     ur, vr = (u * r).sum(-1), (v * r).sum(-1)
     # Any point of parallel edges suffices: corners are tried as well.
-    s = np.clip((uv * vr - ur * vv) / np.maximum(uu * vv - uv * uv, _TINY), 0.0, 1.0)
+    s = np.clip((uv * vr - ur * vv) / np.maximum(uu * vv - uv * uv, _MIN_DENOMINATOR), 0.0, 1.0)
     t = np.clip((uv * s + vr) / vv, 0.0, 1.0)
     s = np.clip((uv * t - ur) / uu, 0.0, 1.0)
     on_a, on_b = p + s[..., None] * u, q + t[..., None] * v

@@ -23,9 +23,9 @@ type Row = list[float]
 _MAX_STEPS = 60
 _TOLERANCE = 1e-10
 # Determinant below which a simplex has no extent, as a share of its largest possible value.
-_FLAT = 1e-14
+_DEGENERATE_DETERMINANT = 1e-14
 # Gap of the bounds that ends the search where the lower one cannot become large enough [m].
-CLOSE = 1e-5
+GAP_TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -48,16 +48,17 @@ class GjkResult:
 def separation(
     support: Callable[[Array], Array],
     guess: Float64[np.ndarray, "3"],
-    enough: float,
-    close: float = CLOSE,
+    sufficient_distance: float,
+    gap_tolerance: float = GAP_TOLERANCE,
 ) -> GjkResult:
     """Bound the distance of the origin from a convex set.
 
     Args:
         support: Returns the point of the set that lies farthest along a vector.
         guess: Initial direction, for example from B's middle to A's.
-        enough: A lower bound as large as this ends the search [m].
-        close: Bounds as near to each other end the search where the upper one is not `enough` [m].
+        sufficient_distance: A lower bound as large as this ends the search [m].
+        gap_tolerance: Bounds as near to each other end the search where the upper one is not
+            `sufficient_distance` [m].
     """
     corners = np.zeros((0, 3))
     v = guess if _length(guess) > _TOLERANCE else np.array([1.0, 0.0, 0.0])
@@ -69,9 +70,11 @@ def separation(
         slab = float(n @ w)
         if slab > lower:
             lower, direction = slab, n
-        if lower >= enough or upper - lower <= max(_TOLERANCE, 0.0 if upper > enough else close):
+        if lower >= sufficient_distance or upper - lower <= max(
+            _TOLERANCE, 0.0 if upper > sufficient_distance else gap_tolerance
+        ):
             break
-        v, simplex = _nearest(np.concatenate([simplex, w[None]]))
+        v, simplex = _nearest_in_simplex(np.concatenate([simplex, w[None]]))
         length = _length(v)
         if length >= upper:
             break
@@ -81,9 +84,9 @@ def separation(
     return GjkResult(lower, upper, direction, corners)
 
 
-def nearest_point(
-    farthest_of_a: Callable[[Array], Array],
-    farthest_of_b: Callable[[Array], Array],
+def closest_points(
+    support_a: Callable[[Array], Array],
+    support_b: Callable[[Array], Array],
     guess: Float64[np.ndarray, "3"],
 ) -> Float64[np.ndarray, "2 3"]:
     """Return the nearest points of two convex sets [m]; of sets that overlap, a common one twice.
@@ -92,21 +95,21 @@ def nearest_point(
     simplex; the points of A and B are the same combination of the a and the b of those corners.
 
     Args:
-        farthest_of_a: Returns the point of A that lies farthest along a vector.
-        farthest_of_b: The same of B.
+        support_a: Returns the point of A that lies farthest along a vector.
+        support_b: The same of B.
         guess: Initial direction, from B's middle to A's.
     """
-    met: list[tuple[Array, Array]] = []
+    support_pairs: list[tuple[Array, Array]] = []
 
     def support(n: Array) -> Array:
-        met.append((farthest_of_a(n), farthest_of_b(-n)))
-        return met[-1][0] - met[-1][1]
+        support_pairs.append((support_a(n), support_b(-n)))
+        return support_pairs[-1][0] - support_pairs[-1][1]
 
     corners = separation(support, guess, np.inf).corners
-    ends = [next(ends for ends in met if (ends[0] - ends[1] == c).all()) for c in corners]
-    ahead, behind = np.array(ends).swapaxes(0, 1)
+    ends = [next(ends for ends in support_pairs if (ends[0] - ends[1] == c).all()) for c in corners]
+    points_on_a, points_on_b = np.array(ends).swapaxes(0, 1)
     weights = _weights(corners)
-    return np.stack([weights @ ahead, weights @ behind])
+    return np.stack([weights @ points_on_a, weights @ points_on_b])
 
 
 def _weights(corners: Array) -> Array:
@@ -118,7 +121,7 @@ def _weights(corners: Array) -> Array:
     return np.linalg.lstsq(system, np.append(np.zeros(size), 1.0))[0][:size]
 
 
-def _nearest(points: Array) -> tuple[Array, Array]:
+def _nearest_in_simplex(points: Array) -> tuple[Array, Array]:
     """Return the point of a simplex nearest to the origin, and the corners that span its face.
 
     The newest corner, the last, is always one of them: it lies nearer to the origin's side than
@@ -126,49 +129,49 @@ def _nearest(points: Array) -> tuple[Array, Array]:
     numbers: calls of numpy would take ten times as long as the arithmetic.
     """
     *rows, newest = points.tolist()
-    edges = [_minus(row, newest) for row in rows]
+    edges = [_difference(row, newest) for row in rows]
     gram = [[_dot(a, b) for b in edges] for a in edges]
-    right = [-_dot(edge, newest) for edge in edges]
-    best, chosen, least = newest, (), _dot(newest, newest)
+    right_side = [-_dot(edge, newest) for edge in edges]
+    best, chosen, least_square = newest, (), _dot(newest, newest)
     for size in range(1, len(points)):
         for others in combinations(range(len(rows)), size):
-            weights = _solved(gram, right, others)
+            weights = _solve_subsystem(gram, right_side, others)
             if not weights or min(weights) <= 0 or sum(weights) >= 1:
                 continue
             nearest = newest
             for weight, i in zip(weights, others, strict=True):
                 nearest = [x + weight * e for x, e in zip(nearest, edges[i], strict=True)]
             square = _dot(nearest, nearest)
-            if square < least:
-                best, chosen, least = nearest, others, square
+            if square < least_square:
+                best, chosen, least_square = nearest, others, square
     return np.array(best), points[[*chosen, len(rows)]]
 
 
-def _solved(gram: list[Row], right: Row, rows: tuple[int, ...]) -> Row:
+def _solve_subsystem(gram: list[Row], right_side: Row, rows: tuple[int, ...]) -> Row:
     """Return the solution of some rows and columns of a linear system; empty if it has none.
 
     By elimination, which takes no pivoting where a matrix is positive definite (Golub, Van Loan,
     "Matrix computations", 4.2).
     """
-    a = [[*(gram[i][j] for j in rows), right[i]] for i in rows]
+    a = [[*(gram[i][j] for j in rows), right_side[i]] for i in rows]
     determinant = diagonal = 1.0
     for k, pivot in enumerate(a):
         determinant *= pivot[k]
         diagonal *= gram[rows[k]][rows[k]]
-        if not determinant > _FLAT * diagonal:
+        if not determinant > _DEGENERATE_DETERMINANT * diagonal:
             return []
         for below in a[k + 1 :]:
-            share = below[k] / pivot[k]
+            factor = below[k] / pivot[k]
             for j in range(k + 1, len(pivot)):
-                below[j] -= share * pivot[j]
-    found = [0.0] * len(a)
+                below[j] -= factor * pivot[j]
+    solution = [0.0] * len(a)
     for k in reversed(range(len(a))):
-        known = sum(a[k][j] * found[j] for j in range(k + 1, len(a)))
-        found[k] = (a[k][-1] - known) / a[k][k]
-    return found
+        known = sum(a[k][j] * solution[j] for j in range(k + 1, len(a)))
+        solution[k] = (a[k][-1] - known) / a[k][k]
+    return solution
 
 
-def _minus(a: Row, b: Row) -> Row:
+def _difference(a: Row, b: Row) -> Row:
     return [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 
 

@@ -18,7 +18,7 @@ def distance_bounds(
     shapes: tuple[ConvexShape, ConvexShape],
     poses: tuple[Float64[np.ndarray, "4 4"], Float64[np.ndarray, "4 4"]],
     guess: Float64[np.ndarray, "3"],
-    enough: float = np.inf,
+    sufficient_distance: float = np.inf,
 ) -> GjkResult:
     """Bound the distance of two shapes from both sides [m].
 
@@ -26,22 +26,29 @@ def distance_bounds(
         shapes: A and B; half spaces are none of them.
         poses: X_WA and X_WB.
         guess: Initial direction from B to A; zero or not a number for none.
-        enough: A lower bound as large as this ends the search [m].
+        sufficient_distance: A lower bound as large as this ends the search [m].
     """
-    away = poses[0][:3, 3] - poses[1][:3, 3]
-    balls = _ball(shapes[0]) + _ball(shapes[1])
+    offset = poses[0][:3, 3] - poses[1][:3, 3]
+    core_radii = _core_radius(shapes[0]) + _core_radius(shapes[1])
     R_WA, R_WB = poses[0][:3, :3], poses[1][:3, :3]
 
     def support(n: Array) -> Array:
-        ahead = R_WA @ _farthest_of_core(shapes[0], n @ R_WA)
-        return away + ahead - R_WB @ _farthest_of_core(shapes[1], -n @ R_WB)
+        ahead = R_WA @ _core_support(shapes[0], n @ R_WA)
+        return offset + ahead - R_WB @ _core_support(shapes[1], -n @ R_WB)
 
-    begin = guess if np.isfinite(guess).all() and guess.any() else away
-    found = separation(support, begin, enough + balls, close=0.0)
-    return GjkResult(found.lower - balls, found.upper - balls, found.direction, found.corners)
+    direction = guess if np.isfinite(guess).all() and guess.any() else offset
+    core_bounds = separation(
+        support, direction, sufficient_distance + core_radii, gap_tolerance=0.0
+    )
+    return GjkResult(
+        core_bounds.lower - core_radii,
+        core_bounds.upper - core_radii,
+        core_bounds.direction,
+        core_bounds.corners,
+    )
 
 
-def slab(
+def slab_width(
     shapes: tuple[ConvexShape, ConvexShape],
     poses: tuple[Float64[np.ndarray, "4 4"], Float64[np.ndarray, "4 4"]],
     n: Float64[np.ndarray, "3"],
@@ -54,17 +61,17 @@ def slab(
         n: Unit vector from B to A.
     """
     (a, b), (X_WA, X_WB) = shapes, poses
-    behind = X_WA[:3, :3] @ farthest_point(a, -n @ X_WA[:3, :3])
-    ahead = X_WB[:3, :3] @ farthest_point(b, n @ X_WB[:3, :3])
-    return float(n @ (X_WA[:3, 3] - X_WB[:3, 3] + behind - ahead))
+    point_on_a = X_WA[:3, :3] @ farthest_point(a, -n @ X_WA[:3, :3])
+    point_on_b = X_WB[:3, :3] @ farthest_point(b, n @ X_WB[:3, :3])
+    return float(n @ (X_WA[:3, 3] - X_WB[:3, 3] + point_on_a - point_on_b))
 
 
-def _ball(shape: ConvexShape) -> float:
+def _core_radius(shape: ConvexShape) -> float:
     """Return the radius of the ball around each point of the core [m]."""
     return float(shape.size[0]) if shape.kind in {ShapeKind.SPHERE, ShapeKind.CAPSULE} else 0.0
 
 
-def _farthest_of_core(shape: ConvexShape, n: Array) -> Array:
+def _core_support(shape: ConvexShape, n: Array) -> Array:
     match shape.kind:
         case ShapeKind.SPHERE:
             return np.zeros(3)

@@ -15,10 +15,10 @@ def write_atomically(target: Path, text: str) -> None:
         OSError: The file cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as part:
-        written = Path(part) / target.name
-        written.write_text(text, "utf-8")
-        written.replace(target)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as temporary_folder:
+        temporary_file = Path(temporary_folder) / target.name
+        temporary_file.write_text(text, "utf-8")
+        temporary_file.replace(target)
 
 
 def write_durably(target: Path, content: bytes) -> None:
@@ -30,13 +30,13 @@ def write_durably(target: Path, content: bytes) -> None:
         OSError: The file cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as part:
-        written = Path(part) / target.name
-        with written.open("wb") as file:
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as temporary_folder:
+        temporary_file = Path(temporary_folder) / target.name
+        with temporary_file.open("wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        written.replace(target)
+        temporary_file.replace(target)
     folder = os.open(target.parent, os.O_RDONLY)
     try:
         os.fsync(folder)
@@ -45,27 +45,27 @@ def write_durably(target: Path, content: bytes) -> None:
 
 
 def evict_oldest(
-    folder: Path, most_bytes: int, pattern: str = "*.json", in_use: float = 0.0
+    folder: Path, max_bytes: int, pattern: str = "*.json", min_age: float = 0.0
 ) -> None:
     """Remove the least recently used files of a folder until its size is within a limit.
 
     Args:
         folder: Folder of the files; every use of a file updates its modification time (touch).
-        most_bytes: Limit of the total size [bytes]; the newest file stays whatever its size.
+        max_bytes: Limit of the total size [bytes]; the newest file stays whatever its size.
         pattern: Glob pattern of the file names.
-        in_use: Files at most this much older than the newest one stay [s].
+        min_age: Files at most this much older than the newest one stay [s].
 
     Raises:
         OSError: A file cannot be removed; a file that is already gone is no error.
     """
-    found: list[tuple[float, int, Path]] = []
+    files: list[tuple[float, int, Path]] = []
     for file in folder.glob(pattern):
         with suppress(FileNotFoundError):
             status = file.stat()
-            found.append((status.st_mtime, status.st_size, file))
+            files.append((status.st_mtime, status.st_size, file))
     total = 0
-    newest = max((touched for touched, *_ in found), default=0.0)
-    for place, (touched, size, file) in enumerate(sorted(found, reverse=True)):
+    newest = max((touched for touched, *_ in files), default=0.0)
+    for rank, (modified_at, size, file) in enumerate(sorted(files, reverse=True)):
         total += size
-        if place and total > most_bytes and newest - touched >= in_use:
+        if rank and total > max_bytes and newest - modified_at >= min_age:
             file.unlink(missing_ok=True)

@@ -20,17 +20,17 @@ class CoreLeases:
         self._count = count
 
     @contextmanager
-    def lent(self, wanted: int) -> Generator[int]:
-        """Lease up to `wanted` cores that are free now, possibly 0; yield their number."""
-        with ExitStack() as held:
-            lent = 0
+    def lease(self, max_cores: int) -> Generator[int]:
+        """Lease up to `max_cores` cores that are free now, possibly 0; yield their number."""
+        with ExitStack() as locks:
+            num_leased = 0
             for k in range(self._count):
-                if lent < wanted and self._take(k, held):
-                    lent += 1
-            yield lent
+                if num_leased < max_cores and self._try_lock(k, locks):
+                    num_leased += 1
+            yield num_leased
 
-    def _take(self, k: int, held: ExitStack) -> bool:
-        """Try to lock core k until `held` closes; return whether that succeeded."""
+    def _try_lock(self, k: int, locks: ExitStack) -> bool:
+        """Try to lock core k until `locks` closes; return whether that succeeded."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             file = os.open(self._folder / f"{k}", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
@@ -41,5 +41,5 @@ class CoreLeases:
         except OSError:
             os.close(file)
             return False
-        held.callback(os.close, file)
+        locks.callback(os.close, file)
         return True

@@ -24,12 +24,12 @@ from planning.errors import WayproofError
 _NUMBER = struct.Struct("=I")
 _LENGTH = struct.Struct("=Q")
 # Task numbers that certainly fit into an unread pipe; the caller runs the remaining tasks.
-_MOST_PIECES = 1_000
+_MAX_TASKS = 1_000
 # Polling interval for cancellation [s].
-_POLL = 0.02
+_POLL_INTERVAL = 0.02
 # Extra time after the deadline in which children report that they met it [s].
-_GRACE = 0.5
-_READ = 1 << 16
+_GRACE_PERIOD = 0.5
+_READ_SIZE = 1 << 16
 _PR_SET_PDEATHSIG = 1
 
 type Work = Callable[[int], Any]
@@ -39,12 +39,12 @@ type Work = Callable[[int], Any]
 class Cores(Protocol):
     """Interface of a pool of CPU cores that limits the number of parallel processes."""
 
-    def lent(self, wanted: int) -> Any:
-        """Return a context manager that leases up to `wanted` cores and yields their number."""
+    def lease(self, max_cores: int) -> Any:
+        """Return a context manager that leases up to `max_cores` cores and yields their number."""
         ...
 
 
-class OwnCores:
+class FixedCores:
     """Fixed number of cores that belong to one process alone."""
 
     def __init__(self, count: int) -> None:
@@ -52,9 +52,9 @@ class OwnCores:
         self._count = count
 
     @contextmanager
-    def lent(self, wanted: int) -> Generator[int]:
-        """Yield the smaller of `wanted` and the number of cores."""
-        yield max(0, min(self._count, wanted))
+    def lease(self, max_cores: int) -> Generator[int]:
+        """Yield the smaller of `max_cores` and the number of cores."""
+        yield max(0, min(self._count, max_cores))
 
 
 class ForkPool:
@@ -70,48 +70,48 @@ class ForkPool:
             processes: Number of parallel processes; or the pool of cores to lease from, in
                 addition to the caller's own core.
         """
-        self._cores: Cores = OwnCores(processes - 1) if isinstance(processes, int) else processes
+        self._cores: Cores = FixedCores(processes - 1) if isinstance(processes, int) else processes
 
     def each(self, work: Work, count: int, deadline: Deadline) -> Generator[tuple[int, Any]]:
         """Yield (number, outcome) of tasks 0 to count - 1 as they complete.
 
         The outcome is the value of `work`, or the `WayproofError` that it raised. Not promised:
         every task. Missing are tasks of a child that died, tasks after the deadline, tasks beyond
-        `_MOST_PIECES`, and all tasks if no core is free or this process has several threads.
+        `_MAX_TASKS`, and all tasks if no core is free or this process has several threads.
 
         Raises:
             Canceled: Cancellation was requested.
         """
-        count = min(count, _MOST_PIECES)
+        count = min(count, _MAX_TASKS)
         if count < 2 or threading.active_count() > 1:
             return
-        with self._cores.lent(count - 1) as more:
-            if more:
-                with _children(work, count, more + 1) as pipes:
-                    yield from _arrivals(pipes, deadline)
+        with self._cores.lease(count - 1) as num_leased:
+            if num_leased:
+                with _fork_children(work, count, num_leased + 1) as pipes:
+                    yield from _receive_results(pipes, deadline)
 
 
 @contextmanager
-def _children(work: Work, count: int, processes: int) -> Generator[list[int]]:
+def _fork_children(work: Work, count: int, processes: int) -> Generator[list[int]]:
     """Fork children that share the task numbers below `count`; yield the pipes of their results."""
-    queue, end = os.pipe()
-    os.write(end, b"".join(_NUMBER.pack(k) for k in range(count)))
-    os.close(end)
+    queue, queue_writer = os.pipe()
+    os.write(queue_writer, b"".join(_NUMBER.pack(k) for k in range(count)))
+    os.close(queue_writer)
     parent = os.getpid()
     with ExitStack() as cleanup:
         cleanup.callback(os.close, queue)
         pipes: list[int] = []
         with suppress(OSError):  # no more processes available: continue with the ones forked so far
             for _ in range(processes):
-                near, far = os.pipe()
-                cleanup.callback(os.close, near)
-                with ExitStack() as mine:
-                    mine.callback(os.close, far)
+                result_reader, result_writer = os.pipe()
+                cleanup.callback(os.close, result_reader)
+                with ExitStack() as writer_cleanup:
+                    writer_cleanup.callback(os.close, result_writer)
                     child = fork()
                     if not child:
-                        _serve(work, queue, far, parent)
+                        _run_child(work, queue, result_writer, parent)
                 cleanup.callback(end_fork, child)
-                pipes.append(near)
+                pipes.append(result_reader)
         yield pipes
 
 
@@ -138,7 +138,7 @@ def end_fork(child: int) -> int:
     return 0
 
 
-def _serve(work: Work, queue: int, far: int, parent: int) -> None:
+def _run_child(work: Work, queue: int, result_writer: int, parent: int) -> None:
     """Run tasks from the queue until it is empty, then exit the process; never return."""
     try:
         die_with_parent()
@@ -148,20 +148,20 @@ def _serve(work: Work, queue: int, far: int, parent: int) -> None:
                 outcome = work(k)
             except WayproofError as error:
                 outcome = error
-            _send(far, pickle.dumps((k, outcome)))
+            _send(result_writer, pickle.dumps((k, outcome)))
     except BaseException:  # noqa: BLE001, S110  (the parent repeats missing tasks and reports errors)
         pass
     finally:
         os._exit(0)
 
 
-def _send(far: int, body: bytes) -> None:
-    rest = memoryview(_LENGTH.pack(len(body)) + body)
-    while rest:
-        rest = rest[os.write(far, rest) :]
+def _send(result_writer: int, body: bytes) -> None:
+    unsent = memoryview(_LENGTH.pack(len(body)) + body)
+    while unsent:
+        unsent = unsent[os.write(result_writer, unsent) :]
 
 
-def _arrivals(pipes: list[int], deadline: Deadline) -> Generator[tuple[int, Any]]:
+def _receive_results(pipes: list[int], deadline: Deadline) -> Generator[tuple[int, Any]]:
     """Yield results until all pipes are closed or the deadline, plus its grace time, is over."""
     with selectors.DefaultSelector() as selector:
         received: dict[int, bytearray] = {pipe: bytearray() for pipe in pipes}
@@ -170,20 +170,20 @@ def _arrivals(pipes: list[int], deadline: Deadline) -> Generator[tuple[int, Any]
         while received:
             if deadline.is_canceled():
                 deadline.check("search")
-            if deadline.clock() > deadline.at + _GRACE:
-                deadline.on_cut()
+            if deadline.clock() > deadline.expires_at + _GRACE_PERIOD:
+                deadline.on_expiry()
                 return
-            for key, _ in selector.select(_POLL):
-                part = os.read(key.fd, _READ)
-                if not part:
+            for key, _ in selector.select(_POLL_INTERVAL):
+                chunk = os.read(key.fd, _READ_SIZE)
+                if not chunk:
                     selector.unregister(key.fd)
                     del received[key.fd]
                     continue
-                received[key.fd] += part
-                yield from _whole(received[key.fd])
+                received[key.fd] += chunk
+                yield from _complete_messages(received[key.fd])
 
 
-def _whole(received: bytearray) -> Generator[tuple[int, Any]]:
+def _complete_messages(received: bytearray) -> Generator[tuple[int, Any]]:
     """Yield the complete messages of a receive buffer and remove them from it."""
     while len(received) >= _LENGTH.size:
         end = _LENGTH.size + _LENGTH.unpack_from(received)[0]

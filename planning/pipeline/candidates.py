@@ -15,7 +15,7 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.errors import DeadlineExceeded, RetimingFailed
 from planning.pipeline.path_curves import PathCurve, collision_free_curves
-from planning.refine.constraints.clearance_objective import ClearanceObjective, clearance_objective
+from planning.refine.constraints.clearance_objective import ClearanceCost, make_clearance_objective
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.retime.limits.path_limit import PathLimit
@@ -25,7 +25,7 @@ from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
 
 # Share of the time for timing one more curve where there is a motion already.
-_COMPARING_SHARE = 0.5
+_COMPARISON_TIME_FRACTION = 0.5
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Candidate:
 
     Attributes:
         curve: What it follows.
-        lacking: What falling short of the clearance that is wished for costs [s].
+        clearance_penalty: What falling short of the clearance that is wished for costs [s].
     """
 
     name: str
@@ -42,16 +42,16 @@ class Candidate:
     trajectory: TimedTrajectory
     refine: RefineReport
     retime: RetimeReport
-    lacking: float = 0.0
+    clearance_penalty: float = 0.0
 
     @property
-    def worth(self) -> float:
+    def cost(self) -> float:
         """What is compared, the less the better [s]."""
-        return self.trajectory.duration + self.lacking
+        return self.trajectory.duration + self.clearance_penalty
 
 
 @dataclass(frozen=True)
-class _Timing:
+class _RetimeInputs:
     """How every curve is timed, and what was wrong with those that cannot be."""
 
     limits: JointLimits
@@ -59,22 +59,24 @@ class _Timing:
     options: RetimeOptions
     watch: Stopwatch
     deadline: Deadline
-    failed: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
+    failures: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
 
     @property
-    def hasty(self) -> "_Timing":
+    def for_comparison(self) -> "_RetimeInputs":
         """The same for curves that are timed only to see whether they are quicker."""
-        return replace(self, deadline=self.deadline.share(_COMPARING_SHARE))
+        return replace(self, deadline=self.deadline.at_fraction(_COMPARISON_TIME_FRACTION))
 
 
-def deadlines(problem: PlanningProblem, deadline: Deadline) -> tuple[Deadline, Deadline]:
+def refine_and_proof_deadlines(
+    problem: PlanningProblem, deadline: Deadline
+) -> tuple[Deadline, Deadline]:
     """Return when to give up refining a path, and when timing and proving it.
 
     Who wants the best so far from a cancel gets it without refinement, but not without proof.
     """
     if problem.search.on_cancel == "discard":
         return deadline, deadline
-    return deadline.over_when_canceled, deadline.uncancelable
+    return deadline.expired_when_canceled, deadline.uncancelable
 
 
 def candidates(  # noqa: PLR0913  (a question in full)
@@ -95,28 +97,31 @@ def candidates(  # noqa: PLR0913  (a question in full)
         DeadlineExceeded: Time ran out.
         Canceled: The end was asked for.
     """
-    hasty, deadline = deadlines(problem, deadline)
+    refine_deadline, deadline = refine_and_proof_deadlines(problem, deadline)
     group, retime_options = world.group(problem.group), problem.retime
     limits = world.limits(group)
-    timing = _Timing(limits, path_limits, retime_options, watch, deadline)
+    retime_inputs = _RetimeInputs(limits, path_limits, retime_options, watch, deadline)
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
-        rules = _rules(world, path, problem)
+        constraints = _compile_constraints(world, path, problem)
         request = RefineRequest(
             path,
             scaled,
             margins,
             problem.refine,
             jerk=retime_options.method == "ruckig",
-            held=_held(group, problem.search),
-            others=_others(retime_options),
-            rules=rules and rules.leaving_room(path.waypoints[0], path.waypoints[-1:]),
+            fixed_coordinates=_held_coordinates(group, problem.search),
+            motion_limits=_motion_limits(retime_options),
+            constraints=constraints
+            and constraints.tightened(path.waypoints[0], path.waypoints[-1:]),
         )
-        refined, report = refine(world, request, hasty)
-    first = [] if refined is None else _timed("refined curve", refined, timing, report)
-    unrefined = replace(report, improved=False)
+        refined, report = refine(world, request, refine_deadline)
+    timed = (
+        [] if refined is None else _retime_spline("refined curve", refined, retime_inputs, report)
+    )
+    unrefined_report = replace(report, improved=False)
     if report.improved:
-        unrefined = RefineReport(
+        unrefined_report = RefineReport(
             report.method,
             improved=False,
             reason="the unrefined path is quicker or safer",
@@ -124,40 +129,44 @@ def candidates(  # noqa: PLR0913  (a question in full)
         )
     # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
     oracle = world.collision_oracle(group, margins)
-    clear = collision_free_curves(path, retime_options, oracle, rules)
+    curves = collision_free_curves(path, retime_options, oracle, constraints)
     with watch.stage("retime"):
-        compared = list(clear) if retime_options.method == "ruckig" else [next(clear)]
-    made: list[Candidate] = []
-    for i, shape in enumerate(compared):
+        first_curves = list(curves) if retime_options.method == "ruckig" else [next(curves)]
+    new_candidates: list[Candidate] = []
+    for i, curve in enumerate(first_curves):
         try:
-            made = _shaped(shape, timing.hasty if first else timing, unrefined)
+            new_candidates = _retime_curve(
+                curve, retime_inputs.for_comparison if timed else retime_inputs, unrefined_report
+            )
         except DeadlineExceeded:
             # A motion that is timed is to be proven while there is time.
-            if not first:
+            if not timed:
                 raise
-            clear = chain(compared[i:], clear)
+            curves = chain(first_curves[i:], curves)
             break
-        first += made
-    wish = refined and clearance_objective(world, group, margins, problem.refine.clearance)
-    if wish is not None:
-        first = [_wished(candidate, wish) for candidate in first]
-    yield from sorted(first, key=lambda candidate: candidate.worth)
+        timed += new_candidates
+    objective = refined and make_clearance_objective(
+        world, group, margins, problem.refine.clearance
+    )
+    if objective is not None:
+        timed = [_with_clearance_penalty(candidate, objective) for candidate in timed]
+    yield from sorted(timed, key=lambda candidate: candidate.cost)
     # Looking whether a shape collides counts as timing it.
-    for shape in watch.each("retime", clear):
-        made = _shaped(shape, timing, unrefined)
-        yield from made
-    if not made:
-        raise _untimed(timing.failed)
+    for curve in watch.each("retime", curves):
+        new_candidates = _retime_curve(curve, retime_inputs, unrefined_report)
+        yield from new_candidates
+    if not new_candidates:
+        raise _retiming_failure(retime_inputs.failures)
 
 
-def _wished(candidate: Candidate, wish: ClearanceObjective) -> Candidate:
+def _with_clearance_penalty(candidate: Candidate, objective: ClearanceCost) -> Candidate:
     """Return a candidate that knows how far it falls short of the clearance wished for."""
-    shortfall = wish.shortfall(candidate.trajectory)
+    shortfall = objective.mean_shortfall(candidate.trajectory)
     report = replace(candidate.refine, shortfall=shortfall)
-    return replace(candidate, refine=report, lacking=wish.weight * shortfall)
+    return replace(candidate, refine=report, clearance_penalty=objective.weight * shortfall)
 
 
-def _others(options: RetimeOptions) -> MotionLimits:
+def _motion_limits(options: RetimeOptions) -> MotionLimits:
     return MotionLimits(
         options.tool_limits,
         options.speed_zones,
@@ -167,49 +176,60 @@ def _others(options: RetimeOptions) -> MotionLimits:
     )
 
 
-def _held(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:
+def _held_coordinates(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:
     """Return the coordinates of rotations that the search was told to keep."""
-    kept = {f"{name}.angular" for name, space in search.spaces.items() if space == "position"}
-    return tuple(i for name, indices in group.blocks if name in kept for i in indices)
+    held_blocks = {
+        f"{name}.angular" for name, space in search.spaces.items() if space == "position"
+    }
+    return tuple(i for name, indices in group.blocks if name in held_blocks for i in indices)
 
 
-def _rules(world: World, path: JointPath, problem: PlanningProblem) -> PathConstraints | None:
+def _compile_constraints(
+    world: World, path: JointPath, problem: PlanningProblem
+) -> PathConstraints | None:
     if not problem.constraints:
         return None
     group = world.group(problem.group)
     return PathConstraints.compiled(world, group, problem.constraints, path.waypoints[0])
 
 
-def _shaped(shape: PathCurve, timing: _Timing, report: RefineReport) -> list[Candidate]:
+def _retime_curve(
+    curve: PathCurve, retime_inputs: _RetimeInputs, report: RefineReport
+) -> list[Candidate]:
     return [
-        replace(made, retime=replace(made.retime, blend_deviation=shape.deviation))
-        for made in _timed(shape.name, shape.spline, timing, report)
+        replace(candidate, retime=replace(candidate.retime, blend_deviation=curve.deviation))
+        for candidate in _retime_spline(curve.name, curve.spline, retime_inputs, report)
     ]
 
 
-def _timed(
-    name: str, spline: JointSpline, timing: _Timing, report: RefineReport
+def _retime_spline(
+    name: str, spline: JointSpline, retime_inputs: _RetimeInputs, report: RefineReport
 ) -> list[Candidate]:
     """Time a curve; return nothing and remember why if it cannot be timed."""
-    how = timing.limits, timing.options, timing.path_limits, timing.deadline
-    with timing.watch.stage("retime"):
+    arguments = (
+        retime_inputs.limits,
+        retime_inputs.options,
+        retime_inputs.path_limits,
+        retime_inputs.deadline,
+    )
+    with retime_inputs.watch.stage("retime"):
         try:
-            trajectory, done = retime(spline, *how)
-        except RetimingFailed as fault:
-            timing.failed.append(fault)
+            trajectory, retime_report = retime(spline, *arguments)
+        except RetimingFailed as failure:
+            retime_inputs.failures.append(failure)
             return []
-    return [Candidate(name, spline, trajectory, report, done)]
+    return [Candidate(name, spline, trajectory, report, retime_report)]
 
 
-def _untimed(failed: list[RetimingFailed]) -> RetimingFailed:
+def _retiming_failure(failures: list[RetimingFailed]) -> RetimingFailed:
     """Return what to say once the path itself cannot be timed, which failed last.
 
     Rests at corners take time: if that is all that is wrong, the quickest curve says what is not.
     """
-    last = failed[-1]
+    last = failures[-1]
     if "least" not in last.evidence:
         message = f"the path cannot be timed, even with a rest at every corner: {last.detail}"
         return RetimingFailed(message, last.evidence)
-    too_slow = [fault for fault in failed if "least" in fault.evidence]
-    quickest = min(too_slow, key=lambda fault: fault.evidence["least"])
+    too_slow = [failure for failure in failures if "least" in failure.evidence]
+    quickest = min(too_slow, key=lambda failure: failure.evidence["least"])
     return RetimingFailed(f"the path cannot be timed so: {quickest.detail}", quickest.evidence)

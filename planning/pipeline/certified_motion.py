@@ -11,7 +11,7 @@ from planning.domain.report.stage_reports import CertifyReport, RefineReport
 from planning.pipeline.certification import certify_request
 from planning.pipeline.context import PlanContext
 from planning.pipeline.motion import Motion
-from planning.pipeline.segments import ends_of
+from planning.pipeline.segments import end_configurations
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,14 +41,18 @@ def certify_motion(context: PlanContext, motion: Motion) -> tuple[Certificate, C
     """Return the certificate of a motion, proven or not, and what the proof took."""
     problem, timing = context.problem, context.problem.retime
     goal = problem.goal
-    allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
+    tolerances = (
+        (goal.max_position_deviation, goal.max_rotation_deviation)
+        if isinstance(goal, LineGoal)
+        else ()
+    )
     request = replace(
         certify_request(context.world, context.group, motion.trajectory, timing, context.margins),
         start=context.start,
-        goals=ends_of(context.goals),
+        goals=end_configurations(context.goals),
         limits=context.limits.scaled(timing.velocity_scale, timing.acceleration_scale),
         constraints=problem.constraints,
-        lines=motion.sections(*allowed),
+        lines=motion.line_sections(*tolerances),
         options=problem.certify,
     )
     with context.watch.stage("certify"):

@@ -21,23 +21,23 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.errors import GoalViolatesConstraint, NoPathFound, StartViolatesConstraint
 from planning.goals.diagnosis.suggestions import suggest_reachable_without_constraint
-from planning.goals.explicit import suggest_joints
+from planning.goals.explicit import suggest_nearest_joints
 from planning.goals.goal_query import GoalQuery
 from planning.search.locked_joints import search_with_locked_joints
 from planning.search.ompl.projected_space import Residual
 from planning.search.query import can_project
 from planning.search.request import SearchResult, SearchTask
 from planning.world.constraints.path_constraints import PathConstraints
-from planning.world.world import CollisionJudge, World
+from planning.world.world import CollisionChecker, World
 
 # RRTConnect's steps where nothing else is asked for [rad or m].
-_USUAL_STRIDE = 0.5
+_DEFAULT_STEP = 0.5
 # How many states an attempt by sampling, and one by projection, may check in the first round where
 # a path must keep to a thin set, and by how much more in every round that follows. A projected
 # state takes some hundred times as long.
-_SAMPLED_STATES, _PROJECTED_STATES, _MORE = 200_000, 1_000, 4
+_FIRST_SAMPLED_STATES, _FIRST_PROJECTED_STATES, _GROWTH_FACTOR = 200_000, 1_000, 4
 # Messages have no more of what is violated than that; the evidence has all.
-_MOST_TOLD = 3
+_MAX_NAMED_VIOLATIONS = 3
 
 
 def compile_constraints(
@@ -55,12 +55,13 @@ def compile_constraints(
     """
     if not constraints:
         return None
-    rules = PathConstraints.compiled(world, group, constraints, start)
-    violations = rules.violations(start)
+    path_constraints = PathConstraints.compiled(world, group, constraints, start)
+    violations = path_constraints.violations(start)
     if violations:
-        message = f"the start violates {'; '.join(map(_violated, violations[:_MOST_TOLD]))}"
+        named = "; ".join(map(_describe_violation, violations[:_MAX_NAMED_VIOLATIONS]))
+        message = f"the start violates {named}"
         raise StartViolatesConstraint(message, {"violations": violations})
-    return rules
+    return path_constraints
 
 
 def filter_goals(
@@ -71,38 +72,45 @@ def filter_goals(
     Raises:
         GoalViolatesConstraint: None does; evidence has the nearest that does, and what would do.
     """
-    rules, goal = query.rules, query.goal
-    if rules is None:
+    constraints, goal = query.constraints, query.goal
+    if constraints is None:
         return goals
-    found = [_violations(rules, goals, row) for row in range(len(goals.positions))]
-    rows = [row for row, violations in enumerate(found) if not violations]
+    violations_by_row = [
+        _violations(constraints, goals, row) for row in range(len(goals.positions))
+    ]
+    rows = [row for row, violations in enumerate(violations_by_row) if not violations]
     if not rows:
-        tally = _tally(found)
-        evidence, words = dict[str, Any](), ""
+        statistics = _violation_statistics(violations_by_row)
+        evidence, suggestion = dict[str, Any](), ""
         rng = np.random.default_rng(seed)
         match goal:
             case JointGoal() | ConfigurationGoal():
-                evidence, words = suggest_joints(world, query, goal, rng, deadline)
+                evidence, suggestion = suggest_nearest_joints(world, query, goal, rng, deadline)
             case PoseGoal() | RegionGoal() | RelativeGoal():
-                evidence, words = suggest_reachable_without_constraint(
+                evidence, suggestion = suggest_reachable_without_constraint(
                     world, query, goals.positions, rng, deadline
                 )
             case _:
                 pass
-        message = _refusal(len(found), tally) + words
-        raise GoalViolatesConstraint(message, {"violations": tally, **evidence})
+        message = _violation_message(len(violations_by_row), statistics) + suggestion
+        raise GoalViolatesConstraint(message, {"violations": statistics, **evidence})
     return GoalConfigurations(
         goals.positions[rows],
         tuple(goals.target_indices[row] for row in rows),
-        replace(goals.funnel, violating=goals.funnel.violating + len(found) - len(rows)),
-        tuple(goals.legs[row] for row in rows if goals.legs),
+        replace(
+            goals.funnel,
+            num_goals_violating=goals.funnel.num_goals_violating
+            + len(violations_by_row)
+            - len(rows),
+        ),
+        tuple(goals.moves[row] for row in rows if goals.moves),
     )
 
 
 def search_constrained(
-    rules: PathConstraints,
+    constraints: PathConstraints,
     limits: JointLimits,
-    judge: CollisionJudge,
+    checker: CollisionChecker,
     task: SearchTask,
     deadline: Deadline,
     watch: Stopwatch,
@@ -115,24 +123,24 @@ def search_constrained(
         Canceled: The end was asked for.
     """
     options = task.options
-    if "RRTConnect" in options.planners and rules.stride < _USUAL_STRIDE:
-        parameters = {"range": rules.stride, **options.parameters}
+    if "RRTConnect" in options.planners and constraints.suggested_step < _DEFAULT_STEP:
+        parameters = {"range": constraints.suggested_step, **options.parameters}
         options = replace(options, parameters=parameters)
-    ruled = replace(task, options=options)
-    oracle = rules.oracle(judge)
+    constrained_task = replace(task, options=options)
+    oracle = constraints.oracle(checker)
 
-    def searched(task: SearchTask) -> SearchResult:
+    def run_search(task: SearchTask) -> SearchResult:
         return search_with_locked_joints(
-            rules.group, rules.locked, limits, oracle, task, deadline, watch
+            constraints.group, constraints.locked, limits, oracle, task, deadline, watch
         )
 
-    if rules.residual is None or not can_project(rules.group, options):
-        return searched(ruled)
-    return _in_turns(searched, ruled, rules.residual)
+    if constraints.residual is None or not can_project(constraints.group, options):
+        return run_search(constrained_task)
+    return _alternate_sampling_and_projection(run_search, constrained_task, constraints.residual)
 
 
-def _in_turns(
-    searched: Callable[[SearchTask], SearchResult], task: SearchTask, residual: Residual
+def _alternate_sampling_and_projection(
+    run_search: Callable[[SearchTask], SearchResult], task: SearchTask, residual: Residual
 ) -> SearchResult:
     """Return what sampling finds or else projection, each with more states in every round.
 
@@ -143,48 +151,54 @@ def _in_turns(
         DeadlineExceeded: The time ran out.
         Canceled: The end was asked for.
     """
-    sampled, projected = _SAMPLED_STATES, _PROJECTED_STATES
+    num_sampled_states, num_projected_states = _FIRST_SAMPLED_STATES, _FIRST_PROJECTED_STATES
     while True:
-        given_up = 0
-        for part in (
-            replace(task, most_states=sampled),
-            replace(task, most_states=projected, residual=residual),
+        num_given_up = 0
+        for limited_task in (
+            replace(task, max_states=num_sampled_states),
+            replace(task, max_states=num_projected_states, residual=residual),
         ):
             try:
-                return searched(part)
+                return run_search(limited_task)
             except NoPathFound as fault:
-                given_up += fault.evidence.get("num_given_up", 0)
-                if "reason" in fault.evidence or (part.residual is not None and not given_up):
+                num_given_up += fault.evidence.get("num_given_up", 0)
+                if "reason" in fault.evidence or (
+                    limited_task.residual is not None and not num_given_up
+                ):
                     raise
             task = replace(task, roadmap=None)
-        sampled, projected = _MORE * sampled, _MORE * projected
+        num_sampled_states, num_projected_states = (
+            _GROWTH_FACTOR * num_sampled_states,
+            _GROWTH_FACTOR * num_projected_states,
+        )
 
 
 def _violations(
-    rules: PathConstraints, goals: GoalConfigurations, row: int
+    constraints: PathConstraints, goals: GoalConfigurations, row: int
 ) -> list[dict[str, Any]]:
     """Return what a goal configuration violates, or else the first waypoint of its lines."""
-    along = [leg.positions for leg in goals.legs[row].all] if goals.legs else []
-    for q in np.concatenate([goals.positions[row : row + 1], *along]):
-        violations = rules.violations(q)
+    waypoints = [move.positions for move in goals.moves[row].all] if goals.moves else []
+    for q in np.concatenate([goals.positions[row : row + 1], *waypoints]):
+        violations = constraints.violations(q)
         if violations:
             return violations
     return []
 
 
-def _refusal(count: int, tally: list[dict[str, Any]]) -> str:
+def _violation_message(count: int, statistics: list[dict[str, Any]]) -> str:
     """Return why none of some goal configurations will do, as words."""
-    told = tally[:_MOST_TOLD]
+    entries = statistics[:_MAX_NAMED_VIOLATIONS]
     if count == 1:
-        words = "; ".join(_violated(entry["least"]) for entry in told)
-        return f"the goal configuration violates {words}"
-    words = "; ".join(
-        f"{entry['count']} violate {_violated(entry['least'], ', the least by')}" for entry in told
+        descriptions = "; ".join(_describe_violation(entry["least"]) for entry in entries)
+        return f"the goal configuration violates {descriptions}"
+    descriptions = "; ".join(
+        f"{entry['count']} violate {_describe_violation(entry['least'], ', the least by')}"
+        for entry in entries
     )
-    return f"none of {count} goal configurations keeps the path constraints: {words}"
+    return f"none of {count} goal configurations keeps the path constraints: {descriptions}"
 
 
-def _violated(violation: dict[str, Any], by: str = " by") -> str:
+def _describe_violation(violation: dict[str, Any], by: str = " by") -> str:
     """Return a constraint's index and kind, and by how much it is violated."""
     index, _, kind = str(violation["constraint"]).partition(": ")
     value, bound, unit = violation["value"], violation["bound"], violation["unit"]
@@ -195,17 +209,17 @@ def _violated(violation: dict[str, Any], by: str = " by") -> str:
     return f"{index} ({kind}){by} {amount}{at} ({value:.4g} {unit}, bound {bound:.4g} {unit})"
 
 
-def _tally(found: list[list[dict[str, Any]]]) -> list[dict[str, Any]]:
+def _violation_statistics(violations_by_row: list[list[dict[str, Any]]]) -> list[dict[str, Any]]:
     """Return for every constraint how many violate it and the least violation, worst first."""
     entries: dict[str, list[dict[str, Any]]] = {}
-    for violation in (entry for violations in found for entry in violations):
+    for violation in (entry for violations in violations_by_row for entry in violations):
         entries.setdefault(violation["constraint"], []).append(violation)
-    tally = [
+    statistics = [
         {
             "constraint": label,
-            "count": len(those),
-            "least": min(those, key=lambda entry: abs(entry["value"] - entry["bound"])),
+            "count": len(group),
+            "least": min(group, key=lambda entry: abs(entry["value"] - entry["bound"])),
         }
-        for label, those in entries.items()
+        for label, group in entries.items()
     ]
-    return sorted(tally, key=lambda entry: -int(entry["count"]))
+    return sorted(statistics, key=lambda entry: -int(entry["count"]))

@@ -13,16 +13,16 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
-from planning.pipeline.candidates import deadlines
+from planning.pipeline.candidates import refine_and_proof_deadlines
 from planning.retime.limits.path_limit import PathLimit
 from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import Array, World
 
 # Progress of a plan that searches, as a share of the whole.
-SEARCHING = 0.15
+SEARCH_FRACTION = 0.15
 # The same in stages that report nothing but that they begin.
-_FRACTIONS = {"refine": 0.5, "retime": 0.6, "certify": 0.8, "explain": 0.95}
+_STAGE_FRACTIONS = {"refine": 0.5, "retime": 0.6, "certify": 0.8, "explain": 0.95}
 
 
 class StageProgress:
@@ -41,7 +41,7 @@ class StageProgress:
     def begin(self, stage: str) -> None:
         """Report that a stage begins, unless it is at work already."""
         if stage != self._stage:
-            self(Progress(stage, _FRACTIONS.get(stage, SEARCHING)))
+            self(Progress(stage, _STAGE_FRACTIONS.get(stage, SEARCH_FRACTION)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,9 +60,9 @@ class PlanContext:
         lines: Lines to the only goal, if lines are the goal; else none.
         path_limits: What limits motions besides their joints, made once for all that are timed.
         deadline: Of the whole plan.
-        report: Receives the progress.
+        report_progress: Receives the progress.
         watch: Adds up the time of every stage.
-        rules: The path constraints, or None.
+        constraints: The path constraints, or None.
         roadmap: A graph that the search looks into before it runs a planner, or None.
         pool: Makes several attempts of the search at once, or None.
     """
@@ -78,23 +78,23 @@ class PlanContext:
     lines: tuple[LinearMove, ...]
     path_limits: tuple[PathLimit, ...]
     deadline: Deadline
-    report: Callable[[Progress], None]
+    report_progress: Callable[[Progress], None]
     watch: Stopwatch
-    rules: PathConstraints | None
+    constraints: PathConstraints | None
     roadmap: Roadmap | None = None
     pool: AttemptPool | None = None
 
     @property
     def refine_deadline(self) -> Deadline:
         """When refinement and explanation end: at a cancel that wants the best so far, too."""
-        return deadlines(self.problem, self.deadline)[0]
+        return refine_and_proof_deadlines(self.problem, self.deadline)[0]
 
     @property
     def proof_deadline(self) -> Deadline:
         """When timing and certification end: not at a cancel that wants the best so far."""
-        return deadlines(self.problem, self.deadline)[1]
+        return refine_and_proof_deadlines(self.problem, self.deadline)[1]
 
     def report_best(self, attempt: AttemptReport) -> None:
         """Report the best path so far."""
         detail = f"{attempt.planner} found a path of length {attempt.length:.3f}, the best so far"
-        self.report(Progress("search", SEARCHING, detail, attempt.length))
+        self.report_progress(Progress("search", SEARCH_FRACTION, detail, attempt.length))

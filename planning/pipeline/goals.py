@@ -22,20 +22,20 @@ from planning.goals.start import validate_start
 from planning.pipeline.constrained_search import compile_constraints, filter_goals
 from planning.pipeline.context import PlanContext
 from planning.pipeline.region_guide import validate_regions
-from planning.pipeline.segments import at_end_of
-from planning.pipeline.timing_options import validate_timing
-from planning.refine.constraints.clearance_objective import require_wish
+from planning.pipeline.segments import end_of_moves
+from planning.pipeline.timing_options import resolve_retiming
+from planning.refine.constraints.clearance_objective import validate_clearance_objective
 from planning.retime.limits.request_limits import path_limits
-from planning.roadmaps.load_or_build import load_or_build, validate_search
+from planning.roadmaps.load_or_build import load_or_build, validate_roadmap_options
 from planning.roadmaps.roadmap_cache import RoadmapStore
 from planning.roadmaps.roadmap_context import RoadmapContext
 from planning.search.space_options import resolve_space
 from planning.world.collision.margins import PairMargins
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import Array, World
 
 # Share of the time that building a roadmap may take.
-_ROADMAP_SHARE = 0.6
+_ROADMAP_TIME_FRACTION = 0.6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,10 +46,10 @@ class ResolvedProblem:
         world: The scene, loaded.
         problem: As it was given.
         group: Whose joints move, with the spaces that the problem chooses for them.
-        given: Start that was asked for, shape (nq,).
+        requested_start: Start that was asked for, shape (nq,).
         margins: Distances to keep.
         deadline: Of the whole plan.
-        report: Receives the progress.
+        report_progress: Receives the progress.
         watch: Adds up the time of every stage.
         pool: Makes several attempts of the search at once, or None.
     """
@@ -57,10 +57,10 @@ class ResolvedProblem:
     world: World
     problem: PlanningProblem
     group: JointGroup
-    given: Array
+    requested_start: Array
     margins: PairMargins
     deadline: Deadline
-    report: Callable[[Progress], None]
+    report_progress: Callable[[Progress], None]
     watch: Stopwatch
     pool: AttemptPool | None
 
@@ -69,7 +69,7 @@ def resolve(
     problem: PlanningProblem,
     world: World,
     deadline: Deadline,
-    report: Callable[[Progress], None],
+    report_progress: Callable[[Progress], None],
     watch: Stopwatch,
     pool: AttemptPool | None,
 ) -> ResolvedProblem:
@@ -79,23 +79,25 @@ def resolve(
         InputError: It names what does not exist, or its numbers do not fit.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
-    given = world.positions(group) if problem.start is None else problem.start
-    given = require_positions(group, given, "start")
+    requested_start = world.positions(group) if problem.start is None else problem.start
+    requested_start = validate_positions(group, requested_start, "start")
     margins = world.margins(problem.margin)
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
-    require_wish(problem.refine)
+    validate_clearance_objective(problem.refine)
     validate_regions(problem, world, group)
-    validate_search(problem)
+    validate_roadmap_options(problem)
     return ResolvedProblem(
         world=world,
         problem=problem,
         group=group,
-        given=given,
+        requested_start=requested_start,
         margins=margins,
-        deadline=deadline.limited(problem.search.allowed_planning_time).cutting(watch.note_cut),
-        report=report,
+        deadline=deadline.limited(problem.search.allowed_planning_time).with_on_expiry(
+            watch.record_cut
+        ),
+        report_progress=report_progress,
         watch=watch,
         pool=pool,
     )
@@ -110,22 +112,22 @@ def find_goals(resolved: ResolvedProblem) -> PlanContext:
     """
     world, group, problem = resolved.world, resolved.group, resolved.problem
     margins, deadline = resolved.margins, resolved.deadline
-    resolved.report(Progress("goals", 0.02, "looking for goal configurations"))
+    resolved.report_progress(Progress("goals", 0.02, "looking for goal configurations"))
     with resolved.watch.stage("goals"):
-        start, clipped = validate_start(world, group, resolved.given, margins)
-        problem = replace(problem, retime=validate_timing(world, group, problem.retime, start))
-        rules = compile_constraints(world, group, problem.constraints, start)
-        query = GoalQuery(group, problem.goal, start, margins, problem.ik, rules=rules)
-        goals, lines = _goals(world, query, problem.seed, deadline.share(0.5))
-        if rules is not None:
-            goals = filter_goals(world, query, goals, problem.seed, deadline.share(0.5))
-            rules = rules.leaving_room(start, goals.entries)
+        start, clipped = validate_start(world, group, resolved.requested_start, margins)
+        problem = replace(problem, retime=resolve_retiming(world, group, problem.retime, start))
+        constraints = compile_constraints(world, group, problem.constraints, start)
+        query = GoalQuery(group, problem.goal, start, margins, problem.ik, constraints=constraints)
+        goals, lines = _find_configurations(world, query, problem.seed, deadline.at_fraction(0.5))
+        if constraints is not None:
+            goals = filter_goals(world, query, goals, problem.seed, deadline.at_fraction(0.5))
+            constraints = constraints.tightened(start, goals.entries)
     limits = world.limits(group)
     return PlanContext(
         world=world,
         problem=problem,
         group=group,
-        limits=limits if rules is None else rules.limits(limits),
+        limits=limits if constraints is None else constraints.limits(limits),
         margins=margins,
         start=start,
         start_clipped=clipped,
@@ -133,9 +135,9 @@ def find_goals(resolved: ResolvedProblem) -> PlanContext:
         lines=lines,
         path_limits=path_limits(world, group, problem.retime),
         deadline=deadline,
-        report=resolved.report,
+        report_progress=resolved.report_progress,
         watch=resolved.watch,
-        rules=rules,
+        constraints=constraints,
         pool=resolved.pool,
     )
 
@@ -144,20 +146,22 @@ def with_roadmap(context: PlanContext, roadmaps: RoadmapStore | None) -> PlanCon
     """Return a context with its roadmap, if the problem wants one: loaded, or else built."""
     if context.problem.search.roadmap is None:
         return context
-    context.report(Progress("roadmap", 0.1, "looking for the roadmap"))
+    context.report_progress(Progress("roadmap", 0.1, "looking for the roadmap"))
     with context.watch.stage("roadmap"):
-        share = context.deadline.share(_ROADMAP_SHARE)
-        wanted = RoadmapContext.from_problem(
-            context.problem, context.world, context.start, context.rules
+        build_deadline = context.deadline.at_fraction(_ROADMAP_TIME_FRACTION)
+        roadmap_context = RoadmapContext.from_problem(
+            context.problem, context.world, context.start, context.constraints
         )
-        return replace(context, roadmap=load_or_build(wanted, roadmaps, share, context.watch))
+        return replace(
+            context, roadmap=load_or_build(roadmap_context, roadmaps, build_deadline, context.watch)
+        )
 
 
-def _goals(
+def _find_configurations(
     world: World, query: GoalQuery, seed: int, deadline: Deadline
 ) -> tuple[GoalConfigurations, tuple[LinearMove, ...]]:
     """Return goal configurations, and the lines that lead to the only one if lines are the goal."""
     if isinstance(query.goal, LineGoal):
         lines = follow_lines(world, query, query.goal, deadline)
-        return at_end_of(lines), lines
+        return end_of_moves(lines), lines
     return goals_stage.find_goals(world, query, np.random.default_rng(seed), deadline), ()

@@ -7,7 +7,11 @@ import numpy as np
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
-from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, LineSection
+from planning.domain.goals.linear_moves import (
+    MAX_POSITION_DEVIATION,
+    MAX_ROTATION_DEVIATION,
+    LineSection,
+)
 from planning.domain.report.duration import DurationExplanation
 from planning.domain.report.motion_plan import PlanPart
 from planning.domain.report.stage_reports import RetimeReport
@@ -16,16 +20,16 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointLimits
 from planning.errors import DeadlineExceeded, RetimingFailed
 from planning.pipeline.segments import MotionSegment
-from planning.retime.explain import explain_duration, joined_explanation
+from planning.retime.explain import explain_duration, join_explanations
 from planning.retime.limit_utilization import RATES
 from planning.retime.limits.path_limit import PathLimit
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
 
 # Configurations between which the length of the tool's free way is measured.
-_LOOKS = 33
+_NUM_LENGTH_SAMPLES = 33
 # Durations that are less by this share are the same.
-_SPARE = 1e-9
+_DURATION_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -33,36 +37,36 @@ class Motion:
     """All parts of a motion, at least one.
 
     Attributes:
-        parts: In order.
+        segments: In order.
     """
 
-    parts: tuple[MotionSegment, ...]
+    segments: tuple[MotionSegment, ...]
 
     @property
     def trajectory(self) -> TimedTrajectory:
         """The parts, one after another."""
-        return TimedTrajectory.joined([part.trajectory for part in self.parts])
+        return TimedTrajectory.joined([segment.trajectory for segment in self.segments])
 
     @property
     def path(self) -> JointPath:
         """The waypoints of all parts; where two meet there is one."""
         rows = [
-            part.path.waypoints if i == 0 else part.path.waypoints[1:]
-            for i, part in enumerate(self.parts)
+            segment.path.waypoints if i == 0 else segment.path.waypoints[1:]
+            for i, segment in enumerate(self.segments)
         ]
-        first = self.parts[0].path
+        first = self.segments[0].path
         return first if len(rows) == 1 else JointPath(first.group, np.concatenate(rows))
 
     @property
     def goal_configuration(self) -> Array:
         """Where the goal is reached: at the end, but for a retreat."""
-        reached = [part for part in self.parts if part.kind != "retreat"]
-        return reached[-1].trajectory.end if reached else self.parts[0].trajectory.start
+        reached = [segment for segment in self.segments if segment.kind != "retreat"]
+        return reached[-1].trajectory.end if reached else self.segments[0].trajectory.start
 
     @property
     def report(self) -> RetimeReport:
         """How all of it was timed."""
-        reports = [part.report for part in self.parts]
+        reports = [segment.report for segment in self.segments]
         if len(reports) == 1:
             return reports[0]
         raw = sum(report.duration / report.slowed for report in reports)
@@ -82,10 +86,12 @@ class Motion:
             utilisation={rate: report.utilisation[rate] for rate, report in worst.items()},
             stops=sum(report.stops for report in reports) + len(reports) - 1,
             blend_deviation=reports[0].blend_deviation,
-            explanation=_explained(reports),
+            explanation=_combined_explanation(reports),
         )
 
-    def lasting(self, options: RetimeOptions, path_limits: Sequence[PathLimit] = ()) -> "Motion":
+    def with_duration(
+        self, options: RetimeOptions, path_limits: Sequence[PathLimit] = ()
+    ) -> "Motion":
         """Return the motion with all parts slowed alike to the duration that is asked for.
 
         Args:
@@ -95,19 +101,25 @@ class Motion:
         Raises:
             RetimingFailed: That would be quicker than the limits allow.
         """
-        least = sum(part.trajectory.duration for part in self.parts)
-        if options.duration is None or len(self.parts) == 1 == len(self._free):
+        min_duration = sum(segment.trajectory.duration for segment in self.segments)
+        if options.duration is None or len(self.segments) == 1 == len(self._free_segments):
             return self
-        if options.duration < least * (1 - _SPARE):
-            message = f"the limits allow {least:.4g} s at least, not {options.duration:.4g} s"
-            evidence = {"method": options.method, "duration": options.duration, "least": least}
+        if options.duration < min_duration * (1 - _DURATION_TOLERANCE):
+            message = (
+                f"the limits allow {min_duration:.4g} s at least, not {options.duration:.4g} s"
+            )
+            evidence = {
+                "method": options.method,
+                "duration": options.duration,
+                "least": min_duration,
+            }
             raise RetimingFailed(message, evidence)
-        factor = max(1.0, options.duration / least)
+        factor = max(1.0, options.duration / min_duration)
         if factor == 1.0:
             return self
-        return Motion(tuple(_slower(part, factor, path_limits) for part in self.parts))
+        return Motion(tuple(_slowed(part, factor, path_limits) for part in self.segments))
 
-    def explained(
+    def with_explanation(
         self,
         limits: JointLimits,
         options: RetimeOptions,
@@ -127,83 +139,99 @@ class Motion:
         Raises:
             Canceled: The end was asked for.
         """
-        how = limits, options, path_limits, deadline
+        retime_inputs = limits, options, path_limits, deadline
         try:
-            told = [explain_duration(part.curve, part.trajectory, *how) for part in self.parts]
+            explanations = [
+                explain_duration(segment.curve, segment.trajectory, *retime_inputs)
+                for segment in self.segments
+            ]
         except DeadlineExceeded:
             return self
         return Motion(
             tuple(
                 replace(part, report=replace(part.report, explanation=explanation))
-                for part, explanation in zip(self.parts, told, strict=True)
+                for part, explanation in zip(self.segments, explanations, strict=True)
             )
         )
 
     @property
-    def _free(self) -> list[MotionSegment]:
-        return [part for part in self.parts if part.kind == "free"]
+    def _free_segments(self) -> list[MotionSegment]:
+        return [segment for segment in self.segments if segment.kind == "free"]
 
-    def sections(
-        self, max_shift: float = MAX_SHIFT, max_turn: float = MAX_TURN
+    def line_sections(
+        self, max_shift: float = MAX_POSITION_DEVIATION, max_turn: float = MAX_ROTATION_DEVIATION
     ) -> tuple[LineSection, ...]:
         """Return what is demanded of the parts that follow lines."""
         return tuple(
-            LineSection(part.leg.line, begin, end, max_shift, max_turn)
-            for part, begin, end in self._spans
-            if part.leg is not None
+            LineSection(segment.move.line, begin, end, max_shift, max_turn)
+            for segment, begin, end in self._spans
+            if segment.move is not None
         )
 
-    def described(self, world: World, frame: str) -> tuple[PlanPart, ...]:
+    def summary(self, world: World, frame: str) -> tuple[PlanPart, ...]:
         """Return what there is to say of each part; lengths are those of a tool frame's way."""
         return tuple(
-            PlanPart(part.kind, begin, end, _length(world, part, frame), len(part.path.waypoints))
-            for part, begin, end in self._spans
+            PlanPart(
+                segment.kind,
+                begin,
+                end,
+                _tool_path_length(world, segment, frame),
+                len(segment.path.waypoints),
+            )
+            for segment, begin, end in self._spans
         )
 
     @property
     def _spans(self) -> list[tuple[MotionSegment, float, float]]:
-        ends = np.cumsum([part.trajectory.duration for part in self.parts])
+        ends = np.cumsum([segment.trajectory.duration for segment in self.segments])
         begins = [0.0, *ends[:-1]]
         return [
             (part, float(begin), float(end))
-            for part, begin, end in zip(self.parts, begins, ends, strict=True)
+            for part, begin, end in zip(self.segments, begins, ends, strict=True)
         ]
 
 
-def _slower(part: MotionSegment, factor: float, path_limits: Sequence[PathLimit]) -> MotionSegment:
+def _slowed(
+    segment: MotionSegment, factor: float, path_limits: Sequence[PathLimit]
+) -> MotionSegment:
     """Return a part that takes `factor` times as long."""
-    report, trajectory = part.report, part.trajectory.slowed(factor)
-    used = {
+    report, trajectory = segment.report, segment.trajectory.time_scaled(factor)
+    utilisation = {
         rate: report.utilisation[rate] / factor**order
         for order, rate in enumerate(RATES, start=1)
         if rate in report.utilisation
     }
-    binding = {rate: report.binding[rate] for rate in used}
+    binding = {rate: report.binding[rate] for rate in utilisation}
     for limit in path_limits:
-        for use in limit.uses(trajectory):
-            if use.share(1.0) > used.get(limit.name, -1.0):
-                binding[limit.name], used[limit.name] = use.where, use.share(1.0)
-    made = replace(report, duration=report.duration * factor, binding=binding, utilisation=used)
-    return replace(part, trajectory=trajectory, report=made)
+        for limit_utilization in limit.utilizations(trajectory):
+            if limit_utilization.fraction_at(1.0) > utilisation.get(limit.name, -1.0):
+                binding[limit.name], utilisation[limit.name] = (
+                    limit_utilization.where,
+                    limit_utilization.fraction_at(1.0),
+                )
+    slowed_report = replace(
+        report, duration=report.duration * factor, binding=binding, utilisation=utilisation
+    )
+    return replace(segment, trajectory=trajectory, report=slowed_report)
 
 
-def _explained(reports: Sequence[RetimeReport]) -> DurationExplanation | None:
+def _combined_explanation(reports: Sequence[RetimeReport]) -> DurationExplanation | None:
     """Return why all parts together take as long as they do, if that was asked for."""
-    told = [
+    explanations = [
         (report.explanation, report.duration)
         for report in reports
         if report.explanation is not None
     ]
-    return joined_explanation(told) if told else None
+    return join_explanations(explanations) if explanations else None
 
 
-def _length(world: World, part: MotionSegment, frame: str) -> float:
+def _tool_path_length(world: World, segment: MotionSegment, frame: str) -> float:
     """Return how far a tool frame goes [m]; of a free part to within a few percent."""
-    if part.leg is not None:
-        return part.leg.line.length
+    if segment.move is not None:
+        return segment.move.line.length
     if not frame:
         return 0.0
-    trajectory = part.trajectory
-    q = trajectory.positions(np.linspace(0.0, trajectory.duration, _LOOKS))
-    _, p_wt = ToolKinematics(world, part.path.group, frame).poses(q)
+    trajectory = segment.trajectory
+    q = trajectory.positions(np.linspace(0.0, trajectory.duration, _NUM_LENGTH_SAMPLES))
+    _, p_wt = ToolKinematics(world, segment.path.group, frame).poses(q)
     return float(np.linalg.norm(np.diff(p_wt, axis=0), axis=1).sum())

@@ -28,8 +28,8 @@ from planning.pipeline.certified_motion import CertifiedMotion, certify_motion
 from planning.pipeline.context import PlanContext, StageProgress
 from planning.pipeline.goals import find_goals, resolve, with_roadmap
 from planning.pipeline.search import find_path
-from planning.pipeline.segments import NOT_REFINED, empty_search_report, tool_of
-from planning.pipeline.timed_motions import explained, refine_and_retime, retime_lines
+from planning.pipeline.segments import NOT_REFINED, empty_search_report, tool_frame
+from planning.pipeline.timed_motions import refine_and_retime, retime_lines, with_explanation
 from planning.roadmaps.roadmap_cache import RoadmapStore
 from planning.world.world import World
 
@@ -67,10 +67,10 @@ def plan(
         PlanningFailure: There is no motion to give; code, stage and evidence say why, and `timings`
             how long the stages took.
     """
-    report = StageProgress(on_progress)
-    watch = Stopwatch(deadline.clock, report.begin)
+    progress = StageProgress(on_progress)
+    watch = Stopwatch(deadline.clock, progress.begin)
     with watch.timing_failures():
-        context = find_goals(resolve(problem, world, deadline, report, watch, pool))
+        context = find_goals(resolve(problem, world, deadline, progress, watch, pool))
         context = with_roadmap(context, roadmaps)
         certified = _follow_lines(context) if context.lines else _search(context)
         return _motion_plan(context, certified)
@@ -79,11 +79,11 @@ def plan(
 def _follow_lines(context: PlanContext) -> CertifiedMotion:
     """Time and certify lines; there is nothing to search."""
     motion = retime_lines(context)
-    context.report(Progress("certify", 0.8, "certifying the lines"))
+    context.report_progress(Progress("certify", 0.8, "certifying the lines"))
     certificate, report = certify_motion(context, motion)
     if not certificate.proven:
         raise not_certified(certificate, ["the lines themselves"])
-    motion = explained(context, motion)
+    motion = with_explanation(context, motion)
     return CertifiedMotion(
         goal_row=0,
         motion=motion,
@@ -100,35 +100,35 @@ def _search(context: PlanContext) -> CertifiedMotion:
     for round_ in range(_MAX_ROUNDS):
         if round_ and context.proof_deadline.is_over:
             break
-        found = find_path(context, round_)
-        motions = refine_and_retime(context, found, round_)
+        search_result = find_path(context, round_)
+        motions = refine_and_retime(context, search_result, round_)
         try:
             (motion, refine), certificate, report = first_certified(
                 motions,
                 lambda timed: certify_motion(context, timed[0]),
                 refusals,
-                _no_path_helps,
+                _has_only_failed_stops,
             )
         except NotCertified:
-            if refusals.last is not None and _no_path_helps(refusals.last):
+            if refusals.last is not None and _has_only_failed_stops(refusals.last):
                 raise
             continue
         refused = tuple(refusals.reasons)
         return CertifiedMotion(
-            goal_row=found.goal_row,
-            motion=explained(context, motion),
-            search=found.report,
+            goal_row=search_result.goal_row,
+            motion=with_explanation(context, motion),
+            search=search_result.report,
             refine=refine,
             certificate=certificate,
             certify=replace(report, candidates=len(refused) + 1, refused=refused),
-            graph=found.graph,
+            graph=search_result.graph,
         )
     with context.watch.stage("certify"):
         context.deadline.check("certify")
     raise refusals.failure
 
 
-def _no_path_helps(certificate: Certificate) -> bool:
+def _has_only_failed_stops(certificate: Certificate) -> bool:
     """Return whether stops alone fail, which lower scales shorten and other paths do not."""
     return {check.name for check in certificate.failed} == {"stop"}
 
@@ -150,5 +150,5 @@ def _motion_plan(context: PlanContext, certified: CertifiedMotion) -> MotionPlan
         timings=context.watch.seconds,
         cut_short=context.watch.cut_short,
         graph=certified.graph,
-        parts=motion.described(context.world, tool_of(context.group, context.problem.goal)),
+        parts=motion.summary(context.world, tool_frame(context.group, context.problem.goal)),
     )

@@ -14,7 +14,7 @@ from planning.domain.planner.regions import Regions
 from planning.domain.report.search_report import RegionsReport, SearchReport
 from planning.domain.request.options import SearchOptions
 from planning.domain.request.problem import PlanningProblem
-from planning.domain.request.region_request import require_convex
+from planning.domain.request.region_request import validate_convex
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import steering_of
@@ -37,9 +37,9 @@ GCS_CARD = PlannerCard(
     needs_regions=True,
 )
 # Who searches outside of the regions where nobody else is named.
-_STAND_IN = "RRTConnect"
+_FALLBACK_PLANNER = "RRTConnect"
 # Joints on circles go the shorter way between waypoints, so these are no farther apart [rad].
-_STRIDE = 1.0
+_MAX_WAYPOINT_STEP = 1.0
 
 
 def validate_regions(problem: PlanningProblem, world: World, group: JointGroup) -> None:
@@ -52,7 +52,7 @@ def validate_regions(problem: PlanningProblem, world: World, group: JointGroup) 
     if GCS not in problem.search.planners:
         return
     kinds = {joint.name: joint.type for joint in group.joints}
-    require_convex(kinds, steering_of(group), "search.planner")
+    validate_convex(kinds, steering_of(group), "search.planner")
     regions, margin = problem.regions, world.margins(problem.margin).default
     if regions is None:
         message = (
@@ -82,19 +82,21 @@ def split_parameters(
     Raises:
         ProblemInvalid: A value has the wrong type or lies outside its range.
     """
-    own = {known.name: int(known.default) for known in GCS_CARD.parameters}
+    gcs_parameters = {known.name: int(known.default) for known in GCS_CARD.parameters}
     for known in GCS_CARD.parameters:
-        given = parameters.get(known.name, own[known.name])
-        number = _whole(given)
+        given = parameters.get(known.name, gcs_parameters[known.name])
+        number = _as_integer(given)
         if number is None or not (known.minimum or 0) <= number <= (known.maximum or np.inf):
             message = f"parameter {known.name!r} of {GCS} is {given!r}; it must be: {known.range}"
             field = f"search.parameters.{known.name}"
             raise ProblemInvalid(message, {"field": field, "value": str(given)})
-        own[known.name] = number
-    return own, {name: value for name, value in parameters.items() if name not in own}
+        gcs_parameters[known.name] = number
+    return gcs_parameters, {
+        name: value for name, value in parameters.items() if name not in gcs_parameters
+    }
 
 
-def _whole(given: Scalar) -> int | None:
+def _as_integer(given: Scalar) -> int | None:
     try:
         number = float(given)
     except ValueError:
@@ -102,17 +104,17 @@ def _whole(given: Scalar) -> int | None:
     return int(number) if number.is_integer() and not isinstance(given, bool) else None
 
 
-def make_guide(context: PlanContext, round_: int) -> "RegionGuide | None":
+def make_gcs_planner(context: PlanContext, round_: int) -> "GcsPlanner | None":
     """Return who leads the search, None if the planner "GCS" is not asked for."""
     regions = context.problem.regions
     if regions is None or GCS not in context.problem.search.planners:
         return None
-    if context.rules is not None:
-        return RegionGuide(context, regions, "regions know no path constraints")
-    return RegionGuide(context, regions, "its motions could not be proven" if round_ else "")
+    if context.constraints is not None:
+        return GcsPlanner(context, regions, "regions know no path constraints")
+    return GcsPlanner(context, regions, "its motions could not be proven" if round_ else "")
 
 
-class RegionGuide:
+class GcsPlanner:
     """Leads a search through regions.
 
     Attributes:
@@ -120,28 +122,30 @@ class RegionGuide:
         options: Of those who search where it knows no way.
     """
 
-    def __init__(self, context: PlanContext, regions: Regions, refusal: str) -> None:
+    def __init__(self, context: PlanContext, regions: Regions, reason: str) -> None:
         """Lead from the context's start, unless there is a reason not to."""
         self.name = GCS
         self._start, self._regions = context.start, regions
-        self._own, others = split_parameters(context.problem.search.parameters)
-        self.options = _without(context.problem.search, others)
-        self._reason = refusal
-        self._considered: tuple[int, ...] = ()
+        self._gcs_parameters, other_parameters = split_parameters(context.problem.search.parameters)
+        self.options = _without_gcs(context.problem.search, other_parameters)
+        self._reason = reason
+        self._considered_regions: tuple[int, ...] = ()
         manifold = Manifold(context.group.joints)
-        self._wraps = any(manifold.wraps)
+        self._has_wrapping_joints = any(manifold.wraps)
 
-    def lead(self, goals: Float64[np.ndarray, "n nq"]) -> tuple[Array, int] | None:
+    def propose_path(self, goals: Float64[np.ndarray, "n nq"]) -> tuple[Array, int] | None:
         """Return the shortest path inside the regions, and the row of its goal."""
         if self._reason:
             return None
-        found = shortest_inside(self._regions, self._start, goals, **self._own)
-        self._considered, self._reason = found.rows, found.reason
-        if found.reason:
+        gcs_path = shortest_inside(self._regions, self._start, goals, **self._gcs_parameters)
+        self._considered_regions, self._reason = gcs_path.rows, gcs_path.reason
+        if gcs_path.reason:
             return None
-        return (_strided(found.waypoints) if self._wraps else found.waypoints), found.goal_row
+        return (
+            _subdivide(gcs_path.waypoints) if self._has_wrapping_joints else gcs_path.waypoints
+        ), gcs_path.goal_row
 
-    def told(self, report: SearchReport) -> SearchReport:
+    def with_regions_report(self, report: SearchReport) -> SearchReport:
         """Return the report of the search with what the regions were good for."""
         is_inside = report.planner == GCS and not report.direct
         reason = self._reason
@@ -150,23 +154,25 @@ class RegionGuide:
             if not report.direct:
                 reason = "the path inside is blocked on a closer look"
         regions = self._regions
-        told = RegionsReport(
-            regions.digest, len(regions.regions), self._considered, is_inside, reason
+        regions_report = RegionsReport(
+            regions.digest, len(regions.regions), self._considered_regions, is_inside, reason
         )
-        return replace(report, planner=GCS if report.direct else report.planner, regions=told)
+        return replace(
+            report, planner=GCS if report.direct else report.planner, regions=regions_report
+        )
 
 
-def _without(options: SearchOptions, parameters: Mapping[str, Any]) -> SearchOptions:
+def _without_gcs(options: SearchOptions, parameters: Mapping[str, Any]) -> SearchOptions:
     others = tuple(name for name in options.planners if name != GCS)
-    planner = others if len(others) > 1 else (*others, _STAND_IN)[0]
+    planner = others if len(others) > 1 else (*others, _FALLBACK_PLANNER)[0]
     return replace(options, planner=planner, parameters=parameters)
 
 
-def _strided(waypoints: Array) -> Array:
+def _subdivide(waypoints: Array) -> Array:
     """Return the path with more waypoints, so that whole turns are never the shorter way."""
     rows = [waypoints[:1]]
     for before, after in pairwise(waypoints):
-        count = int(np.ceil(np.abs(after - before).max() / _STRIDE))
+        count = int(np.ceil(np.abs(after - before).max() / _MAX_WAYPOINT_STEP))
         fractions = np.arange(1, max(count, 1) + 1)[:, None] / max(count, 1)
         rows.append(before + fractions * (after - before))
     return np.concatenate(rows)

@@ -8,19 +8,19 @@ from planning.domain.report.motion_plan import Progress
 from planning.domain.request.deadline import Deadline
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.pipeline.constrained_search import search_constrained
-from planning.pipeline.context import SEARCHING, PlanContext
-from planning.pipeline.region_guide import make_guide
-from planning.search.roadmap.query_roadmap import report_of
+from planning.pipeline.context import SEARCH_FRACTION, PlanContext
+from planning.pipeline.region_guide import make_gcs_planner
+from planning.search.roadmap.query_roadmap import make_roadmap_report
 from planning.search.solver import SearchResult, SearchTask, search
 from planning.world.collision.obstacle_distance import obstacle_distances
 from planning.world.collision.search_padding import endpoint_padding
 
 # Rounds that look into the roadmap; if its paths are never proven, another one has to be found.
-_ROADMAP_ROUNDS = 3
+_MAX_ROADMAP_ROUNDS = 3
 # Share of the time for a search that keeps more distance than is demanded.
-_PADDED_SHARE = 0.6
+_PADDED_TIME_FRACTION = 0.6
 # Time for the search of a canceled plan whose best path so far could not be proven [s].
-_BRIEF = 0.4
+_CANCELED_SEARCH_TIME = 0.4
 
 
 def find_path(context: PlanContext, round_: int) -> SearchResult:
@@ -35,7 +35,7 @@ def find_path(context: PlanContext, round_: int) -> SearchResult:
         DeadlineExceeded: Time ran out.
         Canceled: The end was asked for.
     """
-    context.report(Progress("search", SEARCHING, f"searching, round {round_ + 1}"))
+    context.report_progress(Progress("search", SEARCH_FRACTION, f"searching, round {round_ + 1}"))
     with context.watch.stage("search"):
         return _search(context, 0) if round_ == 0 else _search_again(context, round_)
 
@@ -49,11 +49,13 @@ def _search_again(context: PlanContext, round_: int) -> SearchResult:
         except Canceled:
             if not wants_best:
                 raise
-    once = replace(context.problem.search, attempts=1)
-    brief = context.deadline.uncancelable.within(_BRIEF)
-    hurried = replace(context, problem=replace(context.problem, search=once), deadline=brief)
-    found = _search(hurried, round_)
-    return replace(found, report=replace(found.report, was_canceled=True))
+    one_attempt = replace(context.problem.search, attempts=1)
+    short_deadline = context.deadline.uncancelable.within(_CANCELED_SEARCH_TIME)
+    short_context = replace(
+        context, problem=replace(context.problem, search=one_attempt), deadline=short_deadline
+    )
+    result = _search(short_context, round_)
+    return replace(result, report=replace(result.report, was_canceled=True))
 
 
 def _search(context: PlanContext, round_: int) -> SearchResult:
@@ -63,7 +65,9 @@ def _search(context: PlanContext, round_: int) -> SearchResult:
     )
     if padding * (round_ + 1) > 0:
         try:
-            return _search_padded(context, round_, padding, context.deadline.share(_PADDED_SHARE))
+            return _search_padded(
+                context, round_, padding, context.deadline.at_fraction(_PADDED_TIME_FRACTION)
+            )
         except (NoPathFound, DeadlineExceeded):
             context.deadline.check("search")
     return _search_padded(context, round_, 0.0, context.deadline)
@@ -76,31 +80,31 @@ def _search_padded(
     oracle = context.world.collision_oracle(context.group, margins)
     entries = context.goals.entries
     rows = np.flatnonzero(oracle.are_free(entries))
-    guide = make_guide(context, round_)
-    request = SearchTask(
+    gcs_planner = make_gcs_planner(context, round_)
+    task = SearchTask(
         start=context.start,
         goals=entries[rows],
-        options=context.problem.search if guide is None else guide.options,
+        options=context.problem.search if gcs_planner is None else gcs_planner.options,
         resolution=context.problem.search.resolution / 2**round_,
         padding=padding,
         seed=context.problem.seed + round_,
         clearances=obstacle_distances(context.world, context.group),
         on_best=context.report_best,
-        guide=guide,
+        guide=gcs_planner,
         pool=context.pool,
-        roadmap=context.roadmap if round_ < _ROADMAP_ROUNDS else None,
+        roadmap=context.roadmap if round_ < _MAX_ROADMAP_ROUNDS else None,
     )
-    if context.rules is None:
-        found = search(
-            context.group, context.limits, oracle, request, deadline, watch=context.watch
-        )
+    if context.constraints is None:
+        result = search(context.group, context.limits, oracle, task, deadline, watch=context.watch)
     else:
-        found = search_constrained(
-            context.rules, context.limits, oracle, request, deadline, context.watch
+        result = search_constrained(
+            context.constraints, context.limits, oracle, task, deadline, context.watch
         )
-    if context.roadmap is not None and request.roadmap is None:
-        refused = report_of(context.roadmap, "not_proven")
-        found = replace(found, report=replace(found.report, roadmap=refused))
-    report = found.report if guide is None else guide.told(found.report)
-    goal_row = int(rows[found.goal_row])
-    return replace(found, path=found.path.continuous, goal_row=goal_row, report=report)
+    if context.roadmap is not None and task.roadmap is None:
+        roadmap_report = make_roadmap_report(context.roadmap, "not_proven")
+        result = replace(result, report=replace(result.report, roadmap=roadmap_report))
+    report = (
+        result.report if gcs_planner is None else gcs_planner.with_regions_report(result.report)
+    )
+    goal_row = int(rows[result.goal_row])
+    return replace(result, path=result.path.continuous, goal_row=goal_row, report=report)

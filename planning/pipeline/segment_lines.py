@@ -6,15 +6,20 @@ import numpy as np
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.goals.goal import LineGoal
-from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, LineSection, ToolLine
+from planning.domain.goals.linear_moves import (
+    MAX_POSITION_DEVIATION,
+    MAX_ROTATION_DEVIATION,
+    LineSection,
+    ToolLine,
+)
 from planning.domain.report.motion_plan import PlanPart
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.joints import JointGroup
-from planning.pipeline.segments import tool_of
+from planning.pipeline.segments import tool_frame
 from planning.world.world import World
 
 
-def part_lines(
+def line_sections(
     world: World,
     group: JointGroup,
     problem: PlanningProblem,
@@ -30,8 +35,12 @@ def part_lines(
         motion: The parts, one after another.
         parts: What it is made of.
     """
-    goal, frame = problem.goal, tool_of(group, problem.goal)
-    allowed = (goal.max_shift, goal.max_turn) if isinstance(goal, LineGoal) else ()
+    goal, frame = problem.goal, tool_frame(group, problem.goal)
+    tolerances = (
+        (goal.max_position_deviation, goal.max_rotation_deviation)
+        if isinstance(goal, LineGoal)
+        else ()
+    )
     sections: list[LineSection] = []
     for part in parts:
         if part.kind != "free":
@@ -39,6 +48,11 @@ def part_lines(
             begin, end = (world.frame_pose(frame, q) for q in ends)
             line = ToolLine(frame, begin, end)
             sections.append(
-                LineSection(line, part.begin, part.end, *(allowed or (MAX_SHIFT, MAX_TURN)))
+                LineSection(
+                    line,
+                    part.begin,
+                    part.end,
+                    *(tolerances or (MAX_POSITION_DEVIATION, MAX_ROTATION_DEVIATION)),
+                )
             )
     return tuple(sections)

@@ -42,7 +42,7 @@ class MotionSegment:
         path: Its waypoints.
         curve: What it follows.
         trajectory: From rest to rest, beginning at time 0.
-        leg: The line that it follows, if it does.
+        move: The line that it follows, if it does.
         report: How it was timed.
     """
 
@@ -50,20 +50,22 @@ class MotionSegment:
     path: JointPath
     curve: JointSpline
     trajectory: TimedTrajectory
-    leg: LinearMove | None
+    move: LinearMove | None
     report: RetimeReport
 
 
-def tool_of(group: JointGroup, goal: Goal) -> str:
+def tool_frame(group: JointGroup, goal: Goal) -> str:
     """Return the tool frame that a goal speaks of, or the group's default, or "" for none."""
-    named = goal.frame if isinstance(goal, PoseGoal | RegionGoal | LineGoal) else ""
-    return named or next(iter(group.tool_frames), "")
+    frame = goal.frame if isinstance(goal, PoseGoal | RegionGoal | LineGoal) else ""
+    return frame or next(iter(group.tool_frames), "")
 
 
-def at_end_of(lines: Sequence[LinearMove]) -> GoalConfigurations:
+def end_of_moves(lines: Sequence[LinearMove]) -> GoalConfigurations:
     """Return the goal configuration that lines lead to, one after another."""
     end = lines[-1].positions[-1:]
-    return GoalConfigurations(end, (len(lines) - 1,), Funnel(1, 1, 1, 1, 1, approach_ok=1))
+    return GoalConfigurations(
+        end, (len(lines) - 1,), Funnel(1, 1, 1, 1, 1, num_with_linear_moves=1)
+    )
 
 
 def empty_search_report(path: JointPath) -> SearchReport:
@@ -83,25 +85,27 @@ def empty_search_report(path: JointPath) -> SearchReport:
     )
 
 
-def ends_of(goals: GoalConfigurations) -> Array:
+def end_configurations(goals: GoalConfigurations) -> Array:
     """Return where a motion to each goal configuration ends, shape (n, nq)."""
-    retreats = [legs.retreat for legs in goals.legs if legs.retreat is not None]
-    return np.stack([leg.positions[-1] for leg in retreats]) if retreats else goals.positions
+    retreats = [moves.retreat for moves in goals.moves if moves.retreat is not None]
+    return (
+        np.stack([retreat.positions[-1] for retreat in retreats]) if retreats else goals.positions
+    )
 
 
-def approach_segments(legs: GoalMoves) -> list[tuple[PartKind, LinearMove]]:
+def approach_moves(goal_moves: GoalMoves) -> list[tuple[PartKind, LinearMove]]:
     """Return the legs of a goal in the order in which they are followed."""
-    named: list[tuple[PartKind, LinearMove]] = []
-    if legs.approach is not None:
-        named.append(("approach", legs.approach))
-    if legs.retreat is not None:
-        named.append(("retreat", legs.retreat))
-    return named
+    moves: list[tuple[PartKind, LinearMove]] = []
+    if goal_moves.approach is not None:
+        moves.append(("approach", goal_moves.approach))
+    if goal_moves.retreat is not None:
+        moves.append(("retreat", goal_moves.retreat))
+    return moves
 
 
-def named_lines(legs: Sequence[LinearMove]) -> list[tuple[PartKind, LinearMove]]:
+def line_moves(moves: Sequence[LinearMove]) -> list[tuple[PartKind, LinearMove]]:
     """Return the legs of a line goal, named as such."""
-    return [("line", leg) for leg in legs]
+    return [("line", move) for move in moves]
 
 
 def without_duration(problem: PlanningProblem) -> PlanningProblem:
@@ -109,10 +113,10 @@ def without_duration(problem: PlanningProblem) -> PlanningProblem:
     return replace(problem, retime=replace(problem.retime, duration=None))
 
 
-def timed_legs(  # noqa: PLR0913, PLR0917  (a question in full)
+def retime_moves(  # noqa: PLR0913, PLR0917  (a question in full)
     world: World,
     group: JointGroup,
-    legs: Sequence[tuple[PartKind, LinearMove]],
+    moves: Sequence[tuple[PartKind, LinearMove]],
     problem: PlanningProblem,
     begin: Array,
     path_limits: Sequence[PathLimit],
@@ -123,7 +127,7 @@ def timed_legs(  # noqa: PLR0913, PLR0917  (a question in full)
     Args:
         world: The scene.
         group: What moves.
-        legs: What they are for, and the legs.
+        moves: What they are for, and the legs.
         problem: Its options say how.
         begin: Where the first one begins, shape (nq,); whole turns of joints go on from here.
         path_limits: What the problem limits besides the joints.
@@ -134,20 +138,20 @@ def timed_legs(  # noqa: PLR0913, PLR0917  (a question in full)
         DeadlineExceeded: Time ran out.
         Canceled: The end was asked for.
     """
-    limits, parts = world.limits(group), list[MotionSegment]()
-    for kind, leg in legs:
-        rows = np.concatenate([begin[None], leg.positions])
+    limits, segments = world.limits(group), list[MotionSegment]()
+    for kind, move in moves:
+        rows = np.concatenate([begin[None], move.positions])
         positions = JointPath(group, rows).continuous.waypoints[1:]
-        curve = cubic_through(group.joints, leg.fractions, positions)
+        curve = cubic_through(group.joints, move.fractions, positions)
         options = without_duration(problem).retime
         trajectory, report = retime(curve, limits, options, path_limits, deadline)
         count = max(problem.search.approach_states, len(positions))
         waypoints = curve.manifold.normalized(curve.positions(np.linspace(0.0, 1.0, count)))
-        parts.append(
-            MotionSegment(kind, JointPath(group, waypoints), curve, trajectory, leg, report)
+        segments.append(
+            MotionSegment(kind, JointPath(group, waypoints), curve, trajectory, move, report)
         )
         begin = positions[-1]
-    return tuple(parts)
+    return tuple(segments)
 
 
 def free_segment(path: JointPath, candidate: Candidate) -> MotionSegment:

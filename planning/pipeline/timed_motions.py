@@ -12,10 +12,10 @@ from planning.pipeline.motion import Motion
 from planning.pipeline.segments import (
     MotionSegment,
     PartKind,
-    approach_segments,
+    approach_moves,
     free_segment,
-    named_lines,
-    timed_legs,
+    line_moves,
+    retime_moves,
     without_duration,
 )
 from planning.search.request import SearchResult
@@ -23,7 +23,7 @@ from planning.world.world import Array
 
 
 def refine_and_retime(
-    context: PlanContext, found: SearchResult, round_: int
+    context: PlanContext, search_result: SearchResult, round_: int
 ) -> Iterator[tuple[str, tuple[Motion, RefineReport]]]:
     """Yield motions along a path and the straight moves after it: names, motions, reports.
 
@@ -34,53 +34,57 @@ def refine_and_retime(
         DeadlineExceeded: Time ran out.
         Canceled: The end was asked for.
     """
-    legs = approach_segments(context.goals.legs[found.goal_row]) if context.goals.legs else []
-    with context.watch.stage("retime") if legs else nullcontext():
-        tail = _timed(context, legs, found.path.waypoints[-1])
-    context.report(Progress("refine", 0.5, "refining and timing"))
-    made = candidates(
+    moves = (
+        approach_moves(context.goals.moves[search_result.goal_row]) if context.goals.moves else []
+    )
+    with context.watch.stage("retime") if moves else nullcontext():
+        move_segments = _retime_moves(context, moves, search_result.path.waypoints[-1])
+    context.report_progress(Progress("refine", 0.5, "refining and timing"))
+    all_candidates = candidates(
         context.world,
-        found.path,
-        without_duration(context.problem) if tail else context.problem,
+        search_result.path,
+        without_duration(context.problem) if move_segments else context.problem,
         context.margins,
         context.deadline,
         context.watch,
         path_limits=context.path_limits,
     )
-    for candidate in made:
+    for candidate in all_candidates:
         with context.watch.stage("retime"):
-            motion = _with_duration(context, (free_segment(found.path, candidate), *tail))
-        context.report(Progress("certify", 0.8, f"certifying the {candidate.name}"))
+            motion = _with_duration(
+                context, (free_segment(search_result.path, candidate), *move_segments)
+            )
+        context.report_progress(Progress("certify", 0.8, f"certifying the {candidate.name}"))
         yield f"round {round_ + 1}, {candidate.name}", (motion, candidate.refine)
 
 
 def retime_lines(context: PlanContext) -> Motion:
     """Return the motion along the lines of a goal that is made of nothing else."""
-    context.report(Progress("retime", 0.5, "timing the lines"))
+    context.report_progress(Progress("retime", 0.5, "timing the lines"))
     with context.watch.stage("retime"):
-        segments = _timed(context, named_lines(context.lines), context.start)
+        segments = _retime_moves(context, line_moves(context.lines), context.start)
         return _with_duration(context, segments)
 
 
-def explained(context: PlanContext, motion: Motion) -> Motion:
+def with_explanation(context: PlanContext, motion: Motion) -> Motion:
     """Return a motion with the reasons for its duration, if the problem wants them and in time."""
     if not context.problem.retime.explain:
         return motion
     limits = context.world.limits(context.world.group(context.problem.group))
     with context.watch.stage("explain"):
-        return motion.explained(
+        return motion.with_explanation(
             limits, context.problem.retime, context.path_limits, context.refine_deadline
         )
 
 
-def _timed(
-    context: PlanContext, legs: Sequence[tuple[PartKind, LinearMove]], begin: Array
+def _retime_moves(
+    context: PlanContext, moves: Sequence[tuple[PartKind, LinearMove]], begin: Array
 ) -> tuple[MotionSegment, ...]:
     """Return straight moves as segments, timed under all that limits the motion."""
-    return timed_legs(
+    return retime_moves(
         context.world,
         context.group,
-        legs,
+        moves,
         context.problem,
         begin,
         context.path_limits,
@@ -90,4 +94,4 @@ def _timed(
 
 def _with_duration(context: PlanContext, segments: tuple[MotionSegment, ...]) -> Motion:
     """Return the motion that segments make, as long as the problem wants it."""
-    return Motion(segments).lasting(context.problem.retime, context.path_limits)
+    return Motion(segments).with_duration(context.problem.retime, context.path_limits)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from planning.refine.curves.bspline_basis import centres
+from planning.refine.curves.bspline_basis import greville_abscissae
 from planning.refine.curves.curve_evaluation import CurveEvaluation
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.zone_detour import ZoneDetour
@@ -13,7 +13,7 @@ from planning.world.world import Array, World
 
 # Tolerances of the initial guesses to the path [rad or m]; the second is used if the first led to
 # no free curve.
-_CLOSE = (0.15, 0.04)
+_FIT_TOLERANCES = (0.15, 0.04)
 
 
 @dataclass(frozen=True)
@@ -21,67 +21,73 @@ class MultiStartResult:
     """Best curve over all local optimisations so far.
 
     Attributes:
-        task: Refinement problem of the best curve, in whose coordinates the curve is.
-        guess: Control points of the first guess, in the coordinates of the first problem.
+        problem: Refinement problem of the best curve, in whose coordinates the curve is.
+        first_guess: Control points of the first guess, in the coordinates of the first problem.
         best: The best free curve, or None.
-        steps: Number of trust-region steps.
+        num_steps: Number of trust-region steps.
         reason: Why the last curve of the last optimisation was rejected, or "".
     """
 
-    task: RefineProblem
-    guess: Array
+    problem: RefineProblem
+    first_guess: Array
     best: CurveEvaluation | None = None
-    steps: int = 0
+    num_steps: int = 0
     reason: str = ""
 
-    def descended(
-        self, task: RefineProblem, guess: Float64[np.ndarray, "k nv"]
+    def optimized_from(
+        self, problem: RefineProblem, guess: Float64[np.ndarray, "k nv"]
     ) -> "MultiStartResult":
         """Return the result after one more local optimisation, from another guess."""
-        other, more, reason = task.descend(guess)
-        steps = self.steps + more
-        if self.best is None or (other is not None and other.worth < self.best.worth):
-            return MultiStartResult(task, self.guess, other, steps, reason)
-        return replace(self, steps=steps)
+        candidate, num_more_steps, reason = problem.optimize(guess)
+        num_steps = self.num_steps + num_more_steps
+        if self.best is None or (
+            candidate is not None and candidate.objective < self.best.objective
+        ):
+            return MultiStartResult(problem, self.first_guess, candidate, num_steps, reason)
+        return replace(self, num_steps=num_steps)
 
 
-def solve_multi_start(world: World, task: RefineProblem) -> MultiStartResult:
+def solve_multi_start(world: World, problem: RefineProblem) -> MultiStartResult:
     """Return the best of a few local optimisations; more of them only until one is good enough.
 
     Args:
         world: The scene, loaded.
-        task: Refinement problem of the path.
+        problem: Refinement problem of the path.
     """
-    guesses = [task.fitted(closeness) for closeness in _CLOSE]
-    found = MultiStartResult(task, guesses[0], reason="no time was left")
+    guesses = [problem.fit_path(tolerance) for tolerance in _FIT_TOLERANCES]
+    result = MultiStartResult(problem, guesses[0], reason="no time was left")
     for guess in guesses:
-        if found.best is None and not task.share.is_over:
-            found = found.descended(task, guess)
-    if task.chart.winds and task.wants_more_than(found.best):
-        direct = RefineProblem.of(world, task.request.straight, task.share)
-        found = found.descended(direct, direct.fitted(_CLOSE[0]))
-    if task.request.others.speed_zones and task.wants_more_than(found.best):
-        found = _around(world, found)
-    if found.best is not None and task.wants_more_than(found.best):
-        found = found.descended(found.task, _straightened(found.best.points))
-    return found
+        if result.best is None and not problem.deadline.is_over:
+            result = result.optimized_from(problem, guess)
+    if problem.chart.is_winding and problem.needs_another_start(result.best):
+        straight_problem = RefineProblem.of(world, problem.request.straight, problem.deadline)
+        result = result.optimized_from(
+            straight_problem, straight_problem.fit_path(_FIT_TOLERANCES[0])
+        )
+    if problem.request.motion_limits.speed_zones and problem.needs_another_start(result.best):
+        result = _around_speed_zones(world, result)
+    if result.best is not None and problem.needs_another_start(result.best):
+        result = result.optimized_from(
+            result.problem, _halfway_to_straight_line(result.best.points)
+        )
+    return result
 
 
-def _around(world: World, found: MultiStartResult) -> MultiStartResult:
+def _around_speed_zones(world: World, result: MultiStartResult) -> MultiStartResult:
     """Return the result after local optimisations from guesses around speed zones."""
-    task = found.task
-    detour = ZoneDetour.of(world, task.request, task.share)
-    for guess in () if detour is None else detour.guesses(task.fitted(_CLOSE[0])):
-        if detour is not None and task.wants_more_than(found.best):
-            found = found.descended(detour.task, guess)
-    return found
+    problem = result.problem
+    detour = ZoneDetour.of(world, problem.request, problem.deadline)
+    for guess in () if detour is None else detour.guesses(problem.fit_path(_FIT_TOLERANCES[0])):
+        if detour is not None and problem.needs_another_start(result.best):
+            result = result.optimized_from(detour.problem, guess)
+    return result
 
 
-def _straightened(points: Array) -> Array:
+def _halfway_to_straight_line(points: Array) -> Array:
     """Return control points halfway to the straight line between the ends.
 
     A local optimisation stays on the side of obstacles where it began; from here others are as
     near.
     """
-    straight = points[0] + centres(len(points))[:, None] * (points[-1] - points[0])
+    straight = points[0] + greville_abscissae(len(points))[:, None] * (points[-1] - points[0])
     return (points + straight) / 2

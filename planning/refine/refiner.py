@@ -14,9 +14,9 @@ from planning.domain.curves.path import JointPath
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.steering import steering_of
-from planning.refine.audit import length_of
+from planning.refine.audit import curve_length
 from planning.refine.cars.drive_refiner import refine_drive
-from planning.refine.curves.chart import FlatChart, chart_of
+from planning.refine.curves.chart import FlatChart, make_chart
 from planning.refine.model.penalty_qp import solver_name
 from planning.refine.multi_start import solve_multi_start
 from planning.refine.refine_problem import RefineProblem
@@ -24,9 +24,9 @@ from planning.refine.request import RefineRequest
 from planning.world.world import World
 
 # Least remaining time of a plan for the method "auto" to refine [s].
-_AMPLE = 0.5
+_MIN_REMAINING_TIME = 0.5
 # Share of the remaining time that this stage may use.
-_SHARE = 0.35
+_TIME_SHARE = 0.35
 
 
 def refine(
@@ -48,52 +48,54 @@ def refine(
     """
     path = request.path
     report = RefineReport(request.options.method, improved=False, length_before=path.length)
-    share = deadline.share(_SHARE)
-    refusal = _refusal(request, share)
-    if refusal:
-        return None, replace(report, reason=refusal)
+    stage_deadline = deadline.at_fraction(_TIME_SHARE)
+    skip_reason = _skip_reason(request, stage_deadline)
+    if skip_reason:
+        return None, replace(report, reason=skip_reason)
     if steering_of(path.group):
-        return refine_drive(world, request, share, report)
-    return _refine_curve(world, request, share, report)
+        return refine_drive(world, request, stage_deadline, report)
+    return _refine_curve(world, request, stage_deadline, report)
 
 
 def _refine_curve(
-    world: World, request: RefineRequest, share: Deadline, report: RefineReport
+    world: World, request: RefineRequest, deadline: Deadline, report: RefineReport
 ) -> tuple[JointSpline | None, RefineReport]:
     """Return a curve near a path of joints without steering."""
-    task = RefineProblem.of(world, request, share)
-    report = replace(report, solver=solver_name(), lower_bound=task.least)
-    if not task.is_held:
+    problem = RefineProblem.of(world, request, deadline)
+    report = replace(report, solver=solver_name(), lower_bound=problem.lower_bound)
+    if not problem.is_static_load_feasible:
         return None, replace(report, reason="gravity is more than a joint can hold at an end")
-    found = solve_multi_start(world, task)
-    best = found.best
-    report = replace(report, rounds=found.steps, duration_before=task.duration_of(found.guess))
-    if best is not None and found.steps == 0 and len(task.waypoints) == 2:
+    result = solve_multi_start(world, problem)
+    best = result.best
+    report = replace(
+        report, rounds=result.num_steps, duration_before=problem.duration_of(result.first_guess)
+    )
+    if best is not None and result.num_steps == 0 and len(problem.waypoints) == 2:
         return None, replace(report, reason="nothing is quicker than the straight path")
     if best is None:
-        return None, replace(report, reason=found.reason)
-    curve = found.task.curve_of(best)
+        return None, replace(report, reason=result.reason)
+    curve = result.problem.curve_of(best)
     return curve, replace(
-        report, improved=True, length_after=length_of(curve), duration_after=best.duration
+        report, improved=True, length_after=curve_length(curve), duration_after=best.duration
     )
 
 
-def _refusal(request: RefineRequest, share: Deadline) -> str:
+def _skip_reason(request: RefineRequest, deadline: Deadline) -> str:
     """Return why no refinement begins, or ""."""
     if request.options.method == "none":
         return "not asked for"
-    unfit = _unfit(request.path)
-    if unfit:
-        return unfit
-    if request.options.method == "auto" and share.remaining < _SHARE * _AMPLE:
-        share.on_cut()
-        return f"less than {_AMPLE:g} s were left"
-    return "no time was left" if share.is_over else ""
+    unsupported_reason = _unsupported_reason(request.path)
+    if unsupported_reason:
+        return unsupported_reason
+    if request.options.method == "auto" and deadline.remaining < _TIME_SHARE * _MIN_REMAINING_TIME:
+        deadline.on_expiry()
+        return f"less than {_MIN_REMAINING_TIME:g} s were left"
+    return "no time was left" if deadline.is_over else ""
 
 
-def _unfit(path: JointPath) -> str:
+def _unsupported_reason(path: JointPath) -> str:
     """Return why a path cannot be refined, or ""."""
-    chart, num_cars = chart_of(path), len(steering_of(path.group))
+    chart, num_cars = make_chart(path), len(steering_of(path.group))
     if num_cars > 1 or (num_cars and not isinstance(chart, FlatChart)):
         return "several cars, or a car with a joint that floats, are left alone"
     if len(chart.waypoints) < 2:

@@ -21,10 +21,10 @@ class RefineRequest(Value):
         margins: Least distances between bodies.
         options: Method, and clearance objective if there is one.
         jerk: Whether the retimer will bound jerk, so that it counts here too.
-        rules: Path constraints, or None. Boxes, cones and bands count as distances, locked joints
-            and tighter limits as limits; a predicate accepts or rejects a curve as a whole.
-        others: The retimer's other limits (loads), which count here too.
-        held: Coordinates of v that keep their start values.
+        constraints: Path constraints, or None. Boxes, cones and bands count as distances, locked
+            joints and tighter limits as limits; a predicate accepts or rejects a curve as a whole.
+        motion_limits: The retimer's other limits (loads), which count here too.
+        fixed_coordinates: Coordinates of v that keep their start values.
     """
 
     path: JointPath
@@ -32,9 +32,9 @@ class RefineRequest(Value):
     margins: PairMargins
     options: RefineOptions
     jerk: bool = False
-    rules: PathConstraints | None = None
-    others: MotionLimits = field(default_factory=MotionLimits)
-    held: tuple[int, ...] = ()
+    constraints: PathConstraints | None = None
+    motion_limits: MotionLimits = field(default_factory=MotionLimits)
+    fixed_coordinates: tuple[int, ...] = ()
 
     @property
     def straight(self) -> "RefineRequest":

@@ -13,7 +13,7 @@ from planning.domain.arrays import Array, Flags
 from planning.regions.free_space import FreeSpace
 
 # Sample spacing of visibility checks [rad or m]: a heuristic, not a proof.
-_RESOLUTION = 0.1
+_SAMPLE_SPACING = 0.1
 
 
 def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]:
@@ -23,28 +23,28 @@ def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]
         space: Checks whether configurations and motions are free.
         qs: Free configurations.
     """
-    seen = _visibility(space, qs)
-    left = np.ones(len(qs), dtype=bool)
-    while left.any():
-        chosen = _clique(seen & left, left)
+    is_visible = _visibility(space, qs)
+    is_remaining = np.ones(len(qs), dtype=bool)
+    while is_remaining.any():
+        chosen = _clique(is_visible & is_remaining, is_remaining)
         yield qs[chosen]
-        left[chosen] = False
+        is_remaining[chosen] = False
 
 
-def _clique(seen: Flags, left: Flags) -> list[int]:
+def _clique(is_visible: Flags, is_remaining: Flags) -> list[int]:
     """Return a clique of the visibility graph, by greedy choice of the highest remaining degree."""
-    candidates, chosen = left.copy(), list[int]()
+    candidates, chosen = is_remaining.copy(), list[int]()
     while candidates.any():
-        degrees = np.where(candidates, (seen & candidates).sum(axis=1), -1)
+        degrees = np.where(candidates, (is_visible & candidates).sum(axis=1), -1)
         best = int(np.argmax(degrees))
         chosen.append(best)
-        candidates &= seen[best]
+        candidates &= is_visible[best]
     return chosen
 
 
 def _visibility(space: FreeSpace, qs: Array) -> Flags:
     first, second = np.triu_indices(len(qs), 1)
-    free = space.are_motions_free(qs[first], qs[second] - qs[first], _RESOLUTION)
-    seen = np.zeros((len(qs), len(qs)), dtype=bool)
-    seen[first[free], second[free]] = True
-    return seen | seen.T
+    free = space.are_motions_free(qs[first], qs[second] - qs[first], _SAMPLE_SPACING)
+    is_visible = np.zeros((len(qs), len(qs)), dtype=bool)
+    is_visible[first[free], second[free]] = True
+    return is_visible | is_visible.T

@@ -15,9 +15,9 @@ from planning.domain.arrays import Array
 from planning.domain.planner.regions import Regions
 
 # Factor on the cost of a region for each path through it.
-_DEARER = 1.5
+_COST_FACTOR = 1.5
 # Largest number of paths.
-_MOST_WAYS = 12
+_MAX_PATHS = 12
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Corridor:
 
 
 def corridor(
-    regions: Regions, start: Array, goals: Sequence[tuple[int, Array]], most: int
+    regions: Regions, start: Array, goals: Sequence[tuple[int, Array]], max_regions: int
 ) -> Corridor | None:
     """Return regions that connect the start to goals; None if no goal is connected.
 
@@ -44,32 +44,32 @@ def corridor(
         regions: All regions and their portals.
         start: Start configuration, in a region, shape (nq,).
         goals: Rows and configurations of the goals, each in a region.
-        most: Largest number of regions; the first path is taken whole even if it needs more.
+        max_regions: Largest number of regions; the first path is taken whole even if it needs more.
     """
-    prices, ways = np.ones(len(regions.regions)), _Ways(regions, start, goals)
+    costs, graph = np.ones(len(regions.regions)), _PortalGraph(regions, start, goals)
     rows: set[int] = set()
     reached: dict[int, None] = {}
-    for _ in range(_MOST_WAYS):
-        found = ways.shortest(prices)
-        if found is None:
+    for _ in range(_MAX_PATHS):
+        result = graph.shortest_path(costs)
+        if result is None:
             return None
-        way, goal = found
-        if rows and len(rows | set(way)) > most:
+        path, goal = result
+        if rows and len(rows | set(path)) > max_regions:
             break
-        rows |= set(way)
+        rows |= set(path)
         reached[goal] = None
-        prices[way] *= _DEARER
+        costs[path] *= _COST_FACTOR
     ordered = tuple(sorted(rows))
-    places = {row: place for place, row in enumerate(ordered)}
+    index_of = {row: index for index, row in enumerate(ordered)}
     pairs = tuple(
-        (places[i], places[j])
+        (index_of[i], index_of[j])
         for i, j in (portal.regions for portal in regions.portals)
-        if i in places and j in places
+        if i in index_of and j in index_of
     )
     return Corridor(ordered, pairs, tuple(reached))
 
 
-class _Ways:
+class _PortalGraph:
     """Directed graph of the portals, for A*: a vertex (door) is a portal passed in one direction.
 
     Doors 2 p and 2 p + 1 lead through portal p, into its second and its first region; the doors
@@ -77,56 +77,58 @@ class _Ways:
     """
 
     def __init__(self, regions: Regions, start: Array, goals: Sequence[tuple[int, Array]]) -> None:
-        places = [portal.point for portal in regions.portals for _ in range(2)]
-        enters = [row for portal in regions.portals for row in portal.regions[::-1]]
-        leaves: list[list[int]] = [[] for _ in regions.regions]
-        for door in range(len(enters)):
-            leaves[enters[door ^ 1]].append(door)
-        self._num_doors = len(places)
+        points = [portal.point for portal in regions.portals for _ in range(2)]
+        target_regions = [row for portal in regions.portals for row in portal.regions[::-1]]
+        exits: list[list[int]] = [[] for _ in regions.regions]
+        for vertex in range(len(target_regions)):
+            exits[target_regions[vertex ^ 1]].append(vertex)
+        self._num_portal_vertices = len(points)
         self._goals = [goal for goal, _ in goals]
-        for door, (_, q) in enumerate(goals, self._num_doors):
-            places.append(q)
+        for vertex, (_, q) in enumerate(goals, self._num_portal_vertices):
+            points.append(q)
             for row in regions.containing(q):
-                leaves[row].append(door)
-        self._start, self._first = start, regions.containing(start)
-        self._places, self._enters, self._leaves = np.stack(places), enters, leaves
-        to_goals = self._places[:, None] - self._places[None, self._num_doors :]
-        self._ahead = np.linalg.norm(to_goals, axis=2).min(axis=1)
+                exits[row].append(vertex)
+        self._start, self._start_regions = start, regions.containing(start)
+        self._points, self._target_regions, self._exits = np.stack(points), target_regions, exits
+        to_goals = self._points[:, None] - self._points[None, self._num_portal_vertices :]
+        self._goal_distances = np.linalg.norm(to_goals, axis=2).min(axis=1)
 
-    def shortest(self, prices: Array) -> tuple[list[int], int] | None:
+    def shortest_path(self, costs: Array) -> tuple[list[int], int] | None:
         """Return the regions on the shortest path to a goal, and the goal's row (A*).
 
         Lengths within a region are multiplied by the region's price, which is at least 1. None if
         no goal is connected.
         """
-        best = np.full(len(self._places), np.inf)
-        before: dict[int, tuple[int, int]] = {}
+        best = np.full(len(self._points), np.inf)
+        predecessors: dict[int, tuple[int, int]] = {}
         queue: list[tuple[float, int, float]] = []
 
-        def leave(row: int, door: int, at: Array, length: float) -> None:
-            doors = self._leaves[row]
-            steps = np.linalg.norm(self._places[doors] - at, axis=1)
-            for following, so_far in zip(doors, length + prices[row] * steps, strict=True):
-                if so_far < best[following]:
-                    best[following] = so_far
-                    before[following] = row, door
-                    heappush(queue, (so_far + self._ahead[following], following, so_far))
+        def relax_edges(row: int, vertex: int, point: Array, length: float) -> None:
+            neighbors = self._exits[row]
+            distances = np.linalg.norm(self._points[neighbors] - point, axis=1)
+            for neighbor, cost in zip(neighbors, length + costs[row] * distances, strict=True):
+                if cost < best[neighbor]:
+                    best[neighbor] = cost
+                    predecessors[neighbor] = row, vertex
+                    heappush(queue, (cost + self._goal_distances[neighbor], neighbor, cost))
 
-        for row in self._first:
-            leave(row, -1, self._start, 0.0)
+        for row in self._start_regions:
+            relax_edges(row, -1, self._start, 0.0)
         while queue:
             _, door, length = heappop(queue)
-            if door >= self._num_doors:
-                return _traced(before, door), self._goals[door - self._num_doors]
+            if door >= self._num_portal_vertices:
+                return _trace_path(predecessors, door), self._goals[
+                    door - self._num_portal_vertices
+                ]
             if length <= best[door]:
-                leave(self._enters[door], door, self._places[door], length)
+                relax_edges(self._target_regions[door], door, self._points[door], length)
         return None
 
 
-def _traced(before: dict[int, tuple[int, int]], door: int) -> list[int]:
+def _trace_path(predecessors: dict[int, tuple[int, int]], vertex: int) -> list[int]:
     """Return the rows of the regions along the path to a door, from A*'s predecessors."""
-    way: list[int] = []
-    while door >= 0:
-        row, door = before[door]
-        way.append(row)
-    return way[::-1]
+    path: list[int] = []
+    while vertex >= 0:
+        row, vertex = predecessors[vertex]
+        path.append(row)
+    return path[::-1]

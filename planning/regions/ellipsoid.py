@@ -33,8 +33,8 @@ class GrowthEllipsoid:
         cls, normals: Float64[np.ndarray, "m n"], offsets: Float64[np.ndarray, " m"]
     ) -> "GrowthEllipsoid":
         """Return the inscribed ellipsoid of maximum volume (John's) of a bounded polytope."""
-        found = HPolyhedron(normals, offsets).MaximumVolumeInscribedEllipsoid()
-        return cls(np.array(found.center()), np.linalg.inv(found.A()))
+        ellipsoid = HPolyhedron(normals, offsets).MaximumVolumeInscribedEllipsoid()
+        return cls(np.array(ellipsoid.center()), np.linalg.inv(ellipsoid.A()))
 
     @property
     def log_volume(self) -> float:

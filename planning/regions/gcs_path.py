@@ -20,7 +20,7 @@ from planning.domain.planner.regions import Regions
 from planning.regions.corridor import Corridor, corridor
 
 # Waypoints that differ by less are duplicates [rad or m].
-_SAME = 1e-6
+_DUPLICATE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -61,45 +61,51 @@ def shortest_inside(
         max_rounded_paths: Number of paths sampled from the relaxation and compared.
     """
     if not regions.containing(start):
-        return _none("the start is outside of all regions")
+        return _no_path("the start is outside of all regions")
     inside = [(row, q) for row, q in enumerate(goals) if regions.containing(q)]
     if not inside:
-        return _none("every goal is outside of all regions")
-    where = corridor(regions, start, inside, max_regions)
-    if where is None:
-        return _none("the regions of the start and of the goals are not connected")
-    waypoints = _solve(regions, where, (start, goals[list(where.goals)]), max_rounded_paths)
+        return _no_path("every goal is outside of all regions")
+    subset = corridor(regions, start, inside, max_regions)
+    if subset is None:
+        return _no_path("the regions of the start and of the goals are not connected")
+    waypoints = _solve(regions, subset, (start, goals[list(subset.goals)]), max_rounded_paths)
     if waypoints is None:
-        return GcsPath(np.empty((0, len(start))), -1, where.rows, "the solver found no path")
-    row = min(where.goals, key=lambda goal: float(np.linalg.norm(goals[goal] - waypoints[-1])))
-    return GcsPath(_tidied(waypoints, start, goals[row]), row, where.rows)
+        return GcsPath(np.empty((0, len(start))), -1, subset.rows, "the solver found no path")
+    row = min(subset.goals, key=lambda goal: float(np.linalg.norm(goals[goal] - waypoints[-1])))
+    return GcsPath(_without_duplicates(waypoints, start, goals[row]), row, subset.rows)
 
 
-def _none(reason: str) -> GcsPath:
+def _no_path(reason: str) -> GcsPath:
     return GcsPath(np.empty((0, 0)), -1, (), reason)
 
 
 def _solve(
-    regions: Regions, where: Corridor, ends: tuple[Array, Array], max_rounded_paths: int
+    regions: Regions, subset: Corridor, ends: tuple[Array, Array], max_rounded_paths: int
 ) -> Array | None:
     """Return the vertices of the path, shape (n, nq)."""
     start, goals = ends
     program = GcsTrajectoryOptimization(len(start))
-    sets = [HPolyhedron(regions.regions[i].normals, regions.regions[i].offsets) for i in where.rows]
-    both_ways = [*where.pairs, *((j, i) for i, j in where.pairs)]
-    inside = program.AddRegions(sets, both_ways, 1, 0.0, 1.0, "inside")
+    sets = [
+        HPolyhedron(regions.regions[i].normals, regions.regions[i].offsets) for i in subset.rows
+    ]
+    directed_pairs = [*subset.pairs, *((j, i) for i, j in subset.pairs)]
+    inside = program.AddRegions(sets, directed_pairs, 1, 0.0, 1.0, "inside")
     source = program.AddRegions([Point(start)], [], 0, 0.0, 0.0, "source")
     target = program.AddRegions([Point(goal) for goal in goals], [], 0, 0.0, 0.0, "target")
-    near = [(0, place) for place in _holding(regions, where, start)]
-    far = [(place, k) for k, goal in enumerate(goals) for place in _holding(regions, where, goal)]
-    program.AddEdges(source, inside, None, near)
-    program.AddEdges(inside, target, None, far)
+    source_edges = [(0, index) for index in _indices_containing(regions, subset, start)]
+    target_edges = [
+        (place, k)
+        for k, goal in enumerate(goals)
+        for place in _indices_containing(regions, subset, goal)
+    ]
+    program.AddEdges(source, inside, None, source_edges)
+    program.AddEdges(inside, target, None, target_edges)
     inside.AddPathLengthCost(1.0)
     options = GraphOfConvexSetsOptions()
     options.max_rounded_paths = max_rounded_paths
     options.parallelism = Parallelism(1)
-    found: tuple[Any, Any] = program.SolvePath(source, target, options)
-    trajectory, solution = found
+    result: tuple[Any, Any] = program.SolvePath(source, target, options)
+    trajectory, solution = result
     if not solution.is_success():
         return None
     count = trajectory.get_number_of_segments()
@@ -107,18 +113,22 @@ def _solve(
     return np.concatenate([np.asarray(piece).T for piece in pieces])
 
 
-def _holding(regions: Regions, where: Corridor, q: Array) -> list[int]:
+def _indices_containing(regions: Regions, subset: Corridor, q: Array) -> list[int]:
     rows = set(regions.containing(q))
-    return [place for place, row in enumerate(where.rows) if row in rows]
+    return [index for index, row in enumerate(subset.rows) if row in rows]
 
 
-def _tidied(waypoints: Array, start: Array, goal: Array) -> Array:
+def _without_duplicates(waypoints: Array, start: Array, goal: Array) -> Array:
     """Return the path with the exact start and goal and without duplicate waypoints."""
-    inner = [q for q in waypoints if min(np.abs(q - start).max(), np.abs(q - goal).max()) > _SAME]
-    kept = [start]
-    kept += [q for q, before in zip(inner, [start, *inner], strict=False) if _differ(q, before)]
-    return np.stack([*kept, goal])
+    inner = [
+        q
+        for q in waypoints
+        if min(np.abs(q - start).max(), np.abs(q - goal).max()) > _DUPLICATE_TOLERANCE
+    ]
+    path = [start]
+    path += [q for q, before in zip(inner, [start, *inner], strict=False) if _differ(q, before)]
+    return np.stack([*path, goal])
 
 
 def _differ(q: Array, other: Array) -> bool:
-    return bool(np.abs(q - other).max() > _SAME)
+    return bool(np.abs(q - other).max() > _DUPLICATE_TOLERANCE)

@@ -23,14 +23,14 @@ from planning.regions.iris_zo import IrisZo
 from planning.regions.overlap import portals_of, without_redundant_faces
 
 # Free samples by which coverage is estimated; they seed no region.
-_AUDIENCE = 2000
+_NUM_COVERAGE_SAMPLES = 2000
 # Uncovered free samples of one visibility graph, and the most samples drawn to find them.
-_CROWD = 120
-_MOST_DRAWN = 20_000
+_NUM_CLIQUE_SAMPLES = 120
+_MAX_DRAWN_SAMPLES = 20_000
 # Regions grown from one visibility graph: its largest cliques.
-_CLIQUES = 3
+_CLIQUES_PER_GRAPH = 3
 # Rounds without a new region after which growth ends.
-_FRUITLESS = 3
+_MAX_FRUITLESS_ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class GrowRequest:
     """Inputs of region growth.
 
     Attributes:
-        judge: Collision checker.
+        checker: Collision checker.
         lower: Lower bounds of the sampling domain, shape (nq,).
         upper: Upper bounds of the sampling domain, shape (nq,).
         paths: Free polylines, each shape (n, nq), or single configurations.
@@ -46,7 +46,7 @@ class GrowRequest:
         seed: Random seed.
     """
 
-    judge: FreeSpace
+    checker: FreeSpace
     lower: Array
     upper: Array
     paths: Sequence[Array]
@@ -78,8 +78,8 @@ class Growth:
     @property
     def coverage_error(self) -> float:
         """Standard error of `coverage`."""
-        share = self.coverage
-        return float(np.sqrt(share * (1 - share) / max(1, len(self.is_covered))))
+        coverage = self.coverage
+        return float(np.sqrt(coverage * (1 - coverage) / max(1, len(self.is_covered))))
 
 
 def grow(request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth], None]) -> Growth:
@@ -104,21 +104,23 @@ class _RegionGrower:
     def __init__(
         self, request: GrowRequest, deadline: Deadline, on_region: Callable[[Growth], None]
     ) -> None:
-        self._request, self._deadline, self._tell = request, deadline, on_region
+        self._request, self._deadline, self._on_region = request, deadline, on_region
         streams = np.random.SeedSequence(request.seed).spawn(3)
-        audience, self._crowd, inflating = map(np.random.default_rng, streams)
+        coverage_generator, self._clique_generator, iris_generator = map(
+            np.random.default_rng, streams
+        )
         options = request.options
-        self._inflater = IrisZo(
-            request.judge,
+        self._iris_zo = IrisZo(
+            request.checker,
             request.lower,
             request.upper,
             options.num_free,
             options.iterations,
-            inflating,
+            iris_generator,
             deadline,
         )
-        self._audience = self._free_ones(audience, _AUDIENCE)
-        self._growth = Growth(np.zeros(len(self._audience), dtype=bool))
+        self._coverage_samples = self._free_samples(coverage_generator, _NUM_COVERAGE_SAMPLES)
+        self._growth = Growth(np.zeros(len(self._coverage_samples), dtype=bool))
 
     def grow(self) -> Growth:
         try:
@@ -134,45 +136,47 @@ class _RegionGrower:
         for q in path:
             if self._is_done:
                 return
-            if not self._covered(q[None])[0]:
-                self._plant(q)
+            if not self._are_covered(q[None])[0]:
+                self._add_region(q)
 
     def _cover_rest(self) -> None:
         """Grow regions at cliques of uncovered free samples until done, or none are left."""
-        fruitless = 0
-        while not self._is_done and fruitless < _FRUITLESS:
+        num_fruitless = 0
+        while not self._is_done and num_fruitless < _MAX_FRUITLESS_ROUNDS:
             self._deadline.check("regions")
-            before = len(self._growth.regions)
-            crowd = self._free_ones(self._crowd, _CROWD, is_uncovered=True)
-            if not len(crowd):
+            num_before = len(self._growth.regions)
+            samples = self._free_samples(
+                self._clique_generator, _NUM_CLIQUE_SAMPLES, is_uncovered=True
+            )
+            if not len(samples):
                 return
-            for clique in islice(cliques(self._request.judge, crowd), _CLIQUES):
+            for clique in islice(cliques(self._request.checker, samples), _CLIQUES_PER_GRAPH):
                 self._deadline.check("regions")
                 if self._is_done:
                     return
-                self._plant_clique(clique)
-            fruitless = fruitless + 1 if len(self._growth.regions) == before else 0
+                self._add_clique_region(clique)
+            num_fruitless = num_fruitless + 1 if len(self._growth.regions) == num_before else 0
 
-    def _plant_clique(self, clique: Array) -> None:
+    def _add_clique_region(self, clique: Array) -> None:
         """Grow a region at the mean of a clique, or else at its vertex of highest degree.
 
         None is grown where that seed is in collision or already covered.
         """
         for q in (clique.mean(axis=0), clique[0]):
-            if self._request.judge.are_free(q[None])[0] and not self._covered(q[None])[0]:
-                self._plant(q)
+            if self._request.checker.are_free(q[None])[0] and not self._are_covered(q[None])[0]:
+                self._add_region(q)
                 return
 
-    def _plant(self, seed: Array) -> None:
+    def _add_region(self, seed: Array) -> None:
         """Grow a region around a free configuration and add it with its portals, if any results."""
-        region = self._inflater.inflate(seed)
+        region = self._iris_zo.inflate(seed)
         if region is None:
             return
         growth = self._growth
         growth.regions.append(without_redundant_faces(region))
         growth.portals += portals_of(growth.regions, len(growth.regions) - 1)
-        growth.is_covered |= growth.regions[-1].contains(self._audience)
-        self._tell(growth)
+        growth.is_covered |= growth.regions[-1].contains(self._coverage_samples)
+        self._on_region(growth)
 
     @property
     def _is_done(self) -> bool:
@@ -185,23 +189,25 @@ class _RegionGrower:
             return False
         return True
 
-    def _covered(self, qs: Float64[np.ndarray, "k n"]) -> Bool[np.ndarray, " k"]:
+    def _are_covered(self, qs: Float64[np.ndarray, "k n"]) -> Bool[np.ndarray, " k"]:
         covered = np.zeros(len(qs), dtype=bool)
         for region in self._growth.regions:
             covered |= region.contains(qs)
         return covered
 
-    def _free_ones(
+    def _free_samples(
         self, generator: np.random.Generator, count: int, *, is_uncovered: bool = False
     ) -> Array:
         """Return up to `count` uniform free samples of the domain; fewer if they are rare."""
         request = self._request
-        found: list[Array] = []
-        for _ in range(_MOST_DRAWN // _AUDIENCE):
-            drawn = generator.uniform(request.lower, request.upper, (_AUDIENCE, len(request.lower)))
+        samples: list[Array] = []
+        for _ in range(_MAX_DRAWN_SAMPLES // _NUM_COVERAGE_SAMPLES):
+            candidates = generator.uniform(
+                request.lower, request.upper, (_NUM_COVERAGE_SAMPLES, len(request.lower))
+            )
             if is_uncovered:
-                drawn = drawn[~self._covered(drawn)]
-            found.append(drawn[request.judge.are_free(drawn)])
-            if sum(map(len, found)) >= count:
+                candidates = candidates[~self._are_covered(candidates)]
+            samples.append(candidates[request.checker.are_free(candidates)])
+            if sum(map(len, samples)) >= count:
                 break
-        return np.concatenate(found)[:count]
+        return np.concatenate(samples)[:count]

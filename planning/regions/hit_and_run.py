@@ -25,12 +25,12 @@ def hit_and_run(
     normals, offsets = faces
     qs = np.array(qs)
     for _ in range(num_steps):
-        way = generator.standard_normal(qs.shape) @ shape.T
-        speed = way @ normals.T
+        directions = generator.standard_normal(qs.shape) @ shape.T
+        speed = directions @ normals.T
         slack = np.maximum(offsets - qs @ normals.T, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             time = slack / speed
         last = np.where(speed > 0, time, np.inf).min(axis=1)
         first = np.where(speed < 0, time, -np.inf).max(axis=1)
-        qs += (first + generator.random(len(qs)) * (last - first))[:, None] * way
+        qs += (first + generator.random(len(qs)) * (last - first))[:, None] * directions
     return qs

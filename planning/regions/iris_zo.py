@@ -23,27 +23,27 @@ from planning.regions.hit_and_run import hit_and_run
 type Faces = tuple[Array, Array]
 
 # Samples per batch of collision checks.
-_BATCH = 1000
+_BATCH_SIZE = 1000
 # Share of the samples that may collide in the iterations before the last.
-_ROUGHLY = 0.01
+_ROUGH_COLLISION_FRACTION = 0.01
 # Hit-and-run steps of each walker between two batches, and before the first.
-_STEPS = 8
-_FIRST_STEPS = 40
+_WALK_STEPS = 8
+_FIRST_WALK_STEPS = 40
 # Bisection steps from the center to a colliding sample.
-_HALVINGS = 8
+_BISECTION_STEPS = 8
 # Distance of a face from the colliding point that it excludes [rad or m]; doubled every _PATIENCE
 # rounds, so that growth ends where an obstacle is too round for few faces.
-_RETREAT = 0.02
-_PATIENCE = 15
-_MOST_ROUNDS = 150
+_CONFIGURATION_SPACE_MARGIN = 0.02
+_ROUNDS_PER_DOUBLING = 15
+_MAX_ROUNDS = 150
 # In a polytope with more faces per dimension than _PLENTY, an existing face is moved instead of
 # adding a new one if it moves by no more than the share _SHIFT of its distance to the center.
-_PLENTY = 8
-_SHIFT = 0.2
+_MANY_FACES_PER_DIMENSION = 8
+_MAX_FACE_SHIFT = 0.2
 # Largest number of new faces per round.
-_MOST_FACES = 40
+_MAX_NEW_FACES = 40
 # Growth factor of the ellipsoid's volume below which the iteration ends.
-_GROWTH = 1.1
+_MIN_VOLUME_GROWTH = 1.1
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class IrisZo:
     """IRIS-ZO with its parameters; `inflate` grows one region.
 
     Attributes:
-        judge: Collision checker.
+        checker: Collision checker.
         lower: Lower bounds of the domain, shape (n,).
         upper: Upper bounds of the domain, shape (n,).
         num_free: Number of consecutive free samples that ends the growth of a region.
@@ -60,7 +60,7 @@ class IrisZo:
         deadline: Time limit, checked in every round.
     """
 
-    judge: FreeSpace
+    checker: FreeSpace
     lower: Array
     upper: Array
     num_free: int
@@ -77,115 +77,129 @@ class IrisZo:
             Canceled: Cancellation was requested.
             DeadlineExceeded: The time ran out.
         """
-        ellipsoid, rough = GrowthEllipsoid.ball(seed), None
+        ellipsoid, rough_faces = GrowthEllipsoid.ball(seed), None
         for _ in range(self.iterations):
-            found = self._cut(self._domain, ellipsoid, self.num_free // 20, _ROUGHLY)
-            if found is None or (rough is not None and not _contains(found[0], seed[None])[0]):
+            result = self._exclude_collisions(
+                self._domain, ellipsoid, self.num_free // 20, _ROUGH_COLLISION_FRACTION
+            )
+            if result is None or (
+                rough_faces is not None and not _contains(result[0], seed[None])[0]
+            ):
                 break
-            rough = found[0]
-            largest = GrowthEllipsoid.inscribed(*rough)
-            is_grown = largest.log_volume > ellipsoid.log_volume + np.log(_GROWTH)
-            if not (is_grown and self.judge.are_free(largest.center[None])[0]):
+            rough_faces = result[0]
+            largest = GrowthEllipsoid.inscribed(*rough_faces)
+            is_grown = largest.log_volume > ellipsoid.log_volume + np.log(_MIN_VOLUME_GROWTH)
+            if not (is_grown and self.checker.are_free(largest.center[None])[0]):
                 break
             ellipsoid = largest
-        if rough is None:
+        if rough_faces is None:
             return None
-        found = self._cut(rough, ellipsoid, self.num_free, 0.0)
-        return None if found is None else Region(*found[0], ellipsoid.center, found[1])
+        result = self._exclude_collisions(rough_faces, ellipsoid, self.num_free, 0.0)
+        return None if result is None else Region(*result[0], ellipsoid.center, result[1])
 
     @property
     def _domain(self) -> Faces:
         identity = np.eye(len(self.lower))
         return np.concatenate([identity, -identity]), np.concatenate([self.upper, -self.lower])
 
-    def _cut(
-        self, faces: Faces, ellipsoid: GrowthEllipsoid, needed: int, tolerated: float
+    def _exclude_collisions(
+        self,
+        faces: Faces,
+        ellipsoid: GrowthEllipsoid,
+        required_free: int,
+        max_collision_fraction: float,
     ) -> tuple[Faces, int] | None:
         """Return a polytope with faces that exclude colliding samples, and its count of free ones.
 
         Args:
             faces: Normals and offsets of the polytope to begin with.
             ellipsoid: Metric in which colliding samples are ordered and faces are tangent.
-            needed: Number of consecutive free samples that ends the cutting.
-            tolerated: Share of a batch that may collide.
+            required_free: Number of consecutive free samples that ends the cutting.
+            max_collision_fraction: Share of a batch that may collide.
 
         Returns:
             Normals and offsets, and the number of consecutive free samples; None if that number
-            is not reached within `_MOST_ROUNDS`.
+            is not reached within `_MAX_ROUNDS`.
         """
-        origin = np.repeat(ellipsoid.center[None], _BATCH, axis=0)
-        qs = hit_and_run(origin, faces, ellipsoid.shape, _FIRST_STEPS, self.generator)
+        origin = np.repeat(ellipsoid.center[None], _BATCH_SIZE, axis=0)
+        qs = hit_and_run(origin, faces, ellipsoid.shape, _FIRST_WALK_STEPS, self.generator)
         num_free = 0
-        for round_ in range(_MOST_ROUNDS):
+        for round_ in range(_MAX_ROUNDS):
             self.deadline.check("regions")
-            free = self.judge.are_free(qs)
-            if (~free).sum() <= tolerated * len(qs):
-                num_free += int(free.sum())
-                if num_free >= needed:
+            is_free = self.checker.are_free(qs)
+            if (~is_free).sum() <= max_collision_fraction * len(qs):
+                num_free += int(is_free.sum())
+                if num_free >= required_free:
                     return faces, num_free
             else:
                 num_free = 0
-                retreat = _RETREAT * 2 ** (round_ // _PATIENCE)
-                faces = self._separated(faces, ellipsoid, qs[~free], retreat)
-                qs = self._inside(qs, faces, ellipsoid)
-            qs = hit_and_run(qs, faces, ellipsoid.shape, _STEPS, self.generator)
+                margin = _CONFIGURATION_SPACE_MARGIN * 2 ** (round_ // _ROUNDS_PER_DOUBLING)
+                faces = self._separating_faces(faces, ellipsoid, qs[~is_free], margin)
+                qs = self._walkers_inside(qs, faces, ellipsoid)
+            qs = hit_and_run(qs, faces, ellipsoid.shape, _WALK_STEPS, self.generator)
         return None
 
-    def _separated(
-        self, faces: Faces, ellipsoid: GrowthEllipsoid, blocked: Array, retreat: float
+    def _separating_faces(
+        self, faces: Faces, ellipsoid: GrowthEllipsoid, colliding: Array, margin: float
     ) -> Faces:
         """Return faces that exclude colliding samples: old ones moved a little, and new ones."""
-        walls = self._walls(ellipsoid.center, blocked)
-        if len(faces[0]) > _PLENTY * len(self.lower):
-            faces, walls = _moved(faces, ellipsoid.center, walls, retreat)
-        walls = walls[np.argsort(ellipsoid.distances(walls), kind="stable")]
-        normals = ellipsoid.normals(walls)
-        room = ((walls - ellipsoid.center) * normals).sum(axis=1)
-        offsets = (walls * normals).sum(axis=1) - np.minimum(retreat, 0.5 * room)
+        boundary_points = self._boundary_points(ellipsoid.center, colliding)
+        if len(faces[0]) > _MANY_FACES_PER_DIMENSION * len(self.lower):
+            faces, boundary_points = _move_faces(faces, ellipsoid.center, boundary_points, margin)
+        boundary_points = boundary_points[
+            np.argsort(ellipsoid.distances(boundary_points), kind="stable")
+        ]
+        normals = ellipsoid.normals(boundary_points)
+        center_distances = ((boundary_points - ellipsoid.center) * normals).sum(axis=1)
+        offsets = (boundary_points * normals).sum(axis=1) - np.minimum(
+            margin, 0.5 * center_distances
+        )
         chosen: list[int] = []
-        is_left = np.ones(len(walls), dtype=bool)
-        while is_left.any() and len(chosen) < _MOST_FACES:
-            nearest = int(np.argmax(is_left))
+        is_remaining = np.ones(len(boundary_points), dtype=bool)
+        while is_remaining.any() and len(chosen) < _MAX_NEW_FACES:
+            nearest = int(np.argmax(is_remaining))
             chosen.append(nearest)
-            is_left &= walls @ normals[nearest] <= offsets[nearest]
-            is_left[nearest] = False
+            is_remaining &= boundary_points @ normals[nearest] <= offsets[nearest]
+            is_remaining[nearest] = False
         return (
             np.concatenate([faces[0], normals[chosen]]),
             np.concatenate([faces[1], offsets[chosen]]),
         )
 
-    def _walls(self, center: Array, blocked: Array) -> Array:
+    def _boundary_points(self, center: Array, colliding: Array) -> Array:
         """Return colliding points near the obstacle's boundary, by bisection, shape (k, n)."""
-        near, far = np.zeros(len(blocked)), np.ones(len(blocked))
-        for _ in range(_HALVINGS):
+        near, far = np.zeros(len(colliding)), np.ones(len(colliding))
+        for _ in range(_BISECTION_STEPS):
             middle = 0.5 * (near + far)
-            free = self.judge.are_free(center + middle[:, None] * (blocked - center))
-            near, far = np.where(free, middle, near), np.where(free, far, middle)
-        return center + far[:, None] * (blocked - center)
+            is_free = self.checker.are_free(center + middle[:, None] * (colliding - center))
+            near, far = np.where(is_free, middle, near), np.where(is_free, far, middle)
+        return center + far[:, None] * (colliding - center)
 
-    def _inside(self, qs: Array, faces: Faces, ellipsoid: GrowthEllipsoid) -> Array:
+    def _walkers_inside(self, qs: Array, faces: Faces, ellipsoid: GrowthEllipsoid) -> Array:
         """Return as many walkers, all inside: repeats of those inside, or of the center."""
-        kept = qs[_contains(faces, qs)]
-        kept = kept if len(kept) else ellipsoid.center[None]
-        return kept[np.arange(len(qs)) % len(kept)]
+        inside = qs[_contains(faces, qs)]
+        inside = inside if len(inside) else ellipsoid.center[None]
+        return inside[np.arange(len(qs)) % len(inside)]
 
 
-def _moved(faces: Faces, center: Array, walls: Array, retreat: float) -> tuple[Faces, Array]:
+def _move_faces(
+    faces: Faces, center: Array, boundary_points: Array, margin: float
+) -> tuple[Faces, Array]:
     """Return the faces, some moved inward to exclude points, and the points left for new faces.
 
-    A face moves only if it needs no more than the share `_SHIFT` of its distance to the center. In
-    many dimensions a round obstacle would need many faces; the lost volume costs less.
+    A face moves only if it needs no more than the share `_MAX_FACE_SHIFT` of its distance to the
+    center. In many dimensions a round obstacle would need many faces; the lost volume costs less.
     """
     normals, offsets = faces
-    heights = walls @ normals.T
+    heights = boundary_points @ normals.T
     nearest = np.argmin(offsets - heights, axis=1)
-    reached = heights[np.arange(len(walls)), nearest] - retreat
-    before = offsets[nearest]
-    room = before - normals[nearest] @ center
-    is_near = before - reached <= _SHIFT * room
+    new_offsets = heights[np.arange(len(boundary_points)), nearest] - margin
+    old_offsets = offsets[nearest]
+    center_distances = old_offsets - normals[nearest] @ center
+    is_near = old_offsets - new_offsets <= _MAX_FACE_SHIFT * center_distances
     offsets = offsets.copy()
-    np.minimum.at(offsets, nearest[is_near], reached[is_near])
-    return (normals, offsets), walls[~is_near]
+    np.minimum.at(offsets, nearest[is_near], new_offsets[is_near])
+    return (normals, offsets), boundary_points[~is_near]
 
 
 def _contains(faces: Faces, qs: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:

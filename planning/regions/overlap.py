@@ -9,14 +9,16 @@ from pydrake.solvers import ClpSolver, MathematicalProgram
 from planning.domain.planner.regions import Portal, Region
 
 # Smallest radius of a ball in the intersection that counts as an overlap [rad or m].
-_LEAST = 1e-3
+_MIN_OVERLAP_RADIUS = 1e-3
 
 
 def without_redundant_faces(region: Region) -> Region:
     """Return the region without its redundant faces."""
-    whole = HPolyhedron(region.normals, region.offsets)
-    said = sorted(set(range(len(region.offsets))) - whole.FindRedundant())
-    return Region(region.normals[said], region.offsets[said], region.center, region.num_free)
+    polyhedron = HPolyhedron(region.normals, region.offsets)
+    irredundant = sorted(set(range(len(region.offsets))) - polyhedron.FindRedundant())
+    return Region(
+        region.normals[irredundant], region.offsets[irredundant], region.center, region.num_free
+    )
 
 
 def portals_of(regions: Sequence[Region], newest: int) -> tuple[Portal, ...]:
@@ -28,7 +30,7 @@ def portals_of(regions: Sequence[Region], newest: int) -> tuple[Portal, ...]:
 def _portal(regions: Sequence[Region], first: int, second: int) -> Portal | None:
     """Return the Chebyshev center and radius of the intersection, by linear programming.
 
-    None if the radius is at most `_LEAST`.
+    None if the radius is at most `_MIN_OVERLAP_RADIUS`.
     """
     pair = regions[first], regions[second]
     normals = np.concatenate([region.normals for region in pair])
@@ -44,4 +46,8 @@ def _portal(regions: Sequence[Region], first: int, second: int) -> Portal | None
     if not solution.is_success():
         return None
     size = float(solution.GetSolution(radius)[0])
-    return Portal((first, second), solution.GetSolution(q), size) if size > _LEAST else None
+    return (
+        Portal((first, second), solution.GetSolution(q), size)
+        if size > _MIN_OVERLAP_RADIUS
+        else None
+    )

@@ -18,20 +18,20 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import steering_of
-from planning.retime.collinear_runs import STRAIGHT, without_straight_runs
+from planning.retime.collinear_runs import COLLINEAR_TOLERANCE, without_collinear_waypoints
 
 # 1 / w, and the degree of delta, by smoothness.
-_FARTHEST = {1: 4.0, 2: 16 / 3}
-_DEGREE = {1: 2, 2: 4}
+_DEVIATION_FACTORS = {1: 4.0, 2: 16 / 3}
+_DEGREES = {1: 2, 2: 4}
 # Corners sharper than this (cosine of the turn) are kept, with a rest: rounded, they would be
 # cusps.
-_SHARPEST = -0.98
+_MIN_CORNER_COSINE = -0.98
 # Turns smaller than this (|u2 - u1|) are left to the retimer, which treats them as straight.
-_STRAIGHT = 1e-9
-_SHORTEST = 1e-9
+_MIN_TURN = 1e-9
+_MIN_LENGTH = 1e-9
 # Waypoints within this distance of the one before, or this share of the deviation, are merged:
 # corners so close together would be too short for the retimer's tolerances.
-_ALIKE, _ALIKE_SHARE = 1e-6, 1e-3
+_MERGE_DISTANCE, _MERGE_RATIO = 1e-6, 1e-3
 
 
 def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> JointSpline:
@@ -48,55 +48,63 @@ def blend_corners(path: JointPath, deviation: float, smoothness: int = 1) -> Joi
     if steering_of(path.group):
         return path.spline
     manifold = Manifold.of(path.group.joints)
-    alike = max(_SHORTEST, min(_ALIKE, _ALIKE_SHARE * deviation))
-    waypoints = without_straight_runs(path.waypoints, manifold, STRAIGHT)
+    merge_distance = max(_MIN_LENGTH, min(_MERGE_DISTANCE, _MERGE_RATIO * deviation))
+    waypoints = without_collinear_waypoints(path.waypoints, manifold, COLLINEAR_TOLERANCE)
     if deviation > 0:
-        waypoints = _distinct(waypoints, manifold, alike)
+        waypoints = _without_duplicates(waypoints, manifold, merge_distance)
     if deviation <= 0 or len(waypoints) < 3:
         return JointSpline.through(path.group.joints, waypoints)
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
     lengths = np.sqrt((steps**2).sum(axis=1))
     # Directions of lines at their first waypoint, and at their second.
-    leaving = steps / lengths[:, None]
-    arriving = -manifold.minus(waypoints[:-1], waypoints[1:]) / lengths[:, None]
-    reaches = _reaches(leaving, arriving, lengths, deviation * _FARTHEST[smoothness])
+    start_directions = steps / lengths[:, None]
+    end_directions = -manifold.minus(waypoints[:-1], waypoints[1:]) / lengths[:, None]
+    blend_lengths = _blend_lengths(
+        start_directions, end_directions, lengths, deviation * _DEVIATION_FACTORS[smoothness]
+    )
     # Every line but the last is followed by the corner at its end.
-    widths = np.stack([lengths - reaches[:-1] - reaches[1:], 2 * reaches[1:]], axis=1)
-    polynomials = np.zeros((len(lengths), 2, _DEGREE[smoothness] + 1, leaving.shape[1]))
-    polynomials[:, 0, 0] = reaches[:-1, None] * leaving
-    polynomials[:, 0, 1] = leaving
-    polynomials[:-1, 1] = _arcs(reaches[1:-1, None], arriving[:-1], leaving[1:], smoothness)
-    is_there = widths > [_SHORTEST, 0.0]
+    widths = np.stack(
+        [lengths - blend_lengths[:-1] - blend_lengths[1:], 2 * blend_lengths[1:]], axis=1
+    )
+    polynomials = np.zeros((len(lengths), 2, _DEGREES[smoothness] + 1, start_directions.shape[1]))
+    polynomials[:, 0, 0] = blend_lengths[:-1, None] * start_directions
+    polynomials[:, 0, 1] = start_directions
+    polynomials[:-1, 1] = _corner_polynomials(
+        blend_lengths[1:-1, None], end_directions[:-1], start_directions[1:], smoothness
+    )
+    is_nonempty = widths > [_MIN_LENGTH, 0.0]
     bases = np.stack([waypoints[:-1], waypoints[1:]], axis=1)
-    return _spline(path, widths[is_there], bases[is_there], polynomials[is_there])
+    return _spline(path, widths[is_nonempty], bases[is_nonempty], polynomials[is_nonempty])
 
 
-def _reaches(leaving: Array, arriving: Array, lengths: Array, farthest: float) -> Array:
+def _blend_lengths(
+    start_directions: Array, end_directions: Array, lengths: Array, max_offset: float
+) -> Array:
     """Return lambda at every waypoint; 0 at both ends and at corners that are not rounded.
 
     Args:
-        leaving: Unit directions of the lines where they begin.
-        arriving: Unit directions of the lines where they end.
+        start_directions: Unit directions of the lines where they begin.
+        end_directions: Unit directions of the lines where they end.
         lengths: Lengths of the lines.
-        farthest: Largest value of lambda |u2 - u1|.
+        max_offset: Largest value of lambda |u2 - u1|.
     """
-    before, after = arriving[:-1], leaving[1:]
+    before, after = end_directions[:-1], start_directions[1:]
     turns = np.sqrt(((after - before) ** 2).sum(axis=1))
-    is_rounded = (turns > _STRAIGHT) & ((before * after).sum(axis=1) > _SHARPEST)
-    room = np.minimum(lengths[:-1], lengths[1:]) / 2
-    wanted = np.minimum(farthest / np.maximum(turns, _STRAIGHT), room)
-    return np.concatenate([[0.0], np.where(is_rounded, wanted, 0.0), [0.0]])
+    is_rounded = (turns > _MIN_TURN) & ((before * after).sum(axis=1) > _MIN_CORNER_COSINE)
+    max_lengths = np.minimum(lengths[:-1], lengths[1:]) / 2
+    blend_lengths = np.minimum(max_offset / np.maximum(turns, _MIN_TURN), max_lengths)
+    return np.concatenate([[0.0], np.where(is_rounded, blend_lengths, 0.0), [0.0]])
 
 
-def _arcs(reach: Array, u1: Array, u2: Array, smoothness: int) -> Array:
+def _corner_polynomials(blend_length: Array, u1: Array, u2: Array, smoothness: int) -> Array:
     """Return power-basis coefficients of rounded corners, x in [0, 2 reach], corners first."""
-    width = np.where(reach > 0, 2 * reach, 1.0)
+    width = np.where(blend_length > 0, 2 * blend_length, 1.0)
     turn = u2 - u1
     if smoothness == 1:
-        return np.stack([-reach * u1, u1, turn / (2 * width)], axis=1)
+        return np.stack([-blend_length * u1, u1, turn / (2 * width)], axis=1)
     zero = np.zeros_like(u1)
     ends = turn / width**2, -turn / (2 * width**3)
-    return np.stack([-reach * u1, u1, zero, *ends], axis=1)
+    return np.stack([-blend_length * u1, u1, zero, *ends], axis=1)
 
 
 def _spline(path: JointPath, widths: Array, bases: Array, polynomials: Array) -> JointSpline:
@@ -108,14 +116,14 @@ def _spline(path: JointPath, widths: Array, bases: Array, polynomials: Array) ->
     return JointSpline(path.group.joints, breaks, bases, polynomials * powers[:, None])
 
 
-def _distinct(waypoints: Array, manifold: Manifold, alike: float) -> Array:
+def _without_duplicates(waypoints: Array, manifold: Manifold, merge_distance: float) -> Array:
     """Return the waypoints without repetitions of the one before; both ends are kept."""
-    if (manifold.distance(waypoints[1:], waypoints[:-1]) > alike).all():
+    if (manifold.distance(waypoints[1:], waypoints[:-1]) > merge_distance).all():
         return waypoints
-    keep = [0]
+    kept = [0]
     for i in range(1, len(waypoints)):
-        if float(manifold.distance(waypoints[i], waypoints[keep[-1]])) > alike:
-            keep.append(i)
-    if len(keep) == 1 or keep[-1] != len(waypoints) - 1:
-        keep = [*keep[: max(1, len(keep) - 1)], len(waypoints) - 1]
-    return waypoints[keep]
+        if float(manifold.distance(waypoints[i], waypoints[kept[-1]])) > merge_distance:
+            kept.append(i)
+    if len(kept) == 1 or kept[-1] != len(waypoints) - 1:
+        kept = [*kept[: max(1, len(kept) - 1)], len(waypoints) - 1]
+    return waypoints[kept]

@@ -13,7 +13,7 @@ from planning.retime.limits.angular_rate_bounds import (
 )
 from planning.retime.polynomials import halved, norms, to_bernstein
 
-_HALVINGS = 2
+_NUM_BISECTIONS = 2
 
 
 def block_peaks(curve: Curve, limits: JointLimits, order: int) -> Float64[np.ndarray, "n blocks"]:
@@ -24,7 +24,7 @@ def block_peaks(curve: Curve, limits: JointLimits, order: int) -> Float64[np.nda
     """
     widths = np.diff(curve.breaks)
     polynomials = to_bernstein(derivative(curve.coefficients, order), widths)
-    for _ in range(_HALVINGS if polynomials.shape[1] > 2 else 0):
+    for _ in range(_NUM_BISECTIONS if polynomials.shape[1] > 2 else 0):
         polynomials = halved(polynomials)
     parts = len(polynomials) // len(widths)
     peaks = np.empty((len(widths), len(limits.blocks)))
@@ -32,12 +32,14 @@ def block_peaks(curve: Curve, limits: JointLimits, order: int) -> Float64[np.nda
         sizes = norms(polynomials[:, :, list(block)]).max(axis=1)
         peaks[:, i] = sizes.reshape(len(widths), parts).max(axis=1)
     if order > 1:
-        for i in turning_blocks(curve, limits):
-            _replace_turning(peaks[:, i], curve, list(limits.blocks[i]), order)
+        for i in floating_rotation_blocks(curve, limits):
+            _replace_rotation_bounds(peaks[:, i], curve, list(limits.blocks[i]), order)
     return peaks
 
 
-def block_sizes(curve: Curve, limits: JointLimits, order: int) -> Float64[np.ndarray, "n k blocks"]:
+def bernstein_block_norms(
+    curve: Curve, limits: JointLimits, order: int
+) -> Float64[np.ndarray, "n k blocks"]:
     """Return the norms of the Bernstein coefficients of each block's order-th derivative."""
     polynomials = to_bernstein(derivative(curve.coefficients, order), np.diff(curve.breaks))
     return block_norms(polynomials, limits)
@@ -50,7 +52,7 @@ def block_norms(vectors: Float64[np.ndarray, "*n nv"], limits: JointLimits) -> A
     return np.stack([norms(vectors[..., list(block)]) for block in limits.blocks], axis=-1)
 
 
-def turning_blocks(curve: Curve, limits: JointLimits) -> list[int]:
+def floating_rotation_blocks(curve: Curve, limits: JointLimits) -> list[int]:
     """Return the indices of the blocks that are rotations of floating joints."""
     starts: list[int] = []
     offset = 0
@@ -61,7 +63,7 @@ def turning_blocks(curve: Curve, limits: JointLimits) -> list[int]:
     return [i for i, block in enumerate(limits.blocks) if block[0] in starts and len(block) == 3]
 
 
-def _replace_turning(peaks: Array, curve: Curve, indices: list[int], order: int) -> None:
+def _replace_rotation_bounds(peaks: Array, curve: Curve, indices: list[int], order: int) -> None:
     """Replace the bounds of pieces with a moving rotation axis by those of angular rates."""
     coefficients = curve.coefficients[:, :, indices]
     moving = np.flatnonzero(has_moving_axis(coefficients))
@@ -69,8 +71,8 @@ def _replace_turning(peaks: Array, curve: Curve, indices: list[int], order: int)
         return
     widths = np.diff(curve.breaks)[moving]
     polynomials = with_derivatives(coefficients[moving], widths, order)
-    for _ in range(_HALVINGS):
+    for _ in range(_NUM_BISECTIONS):
         polynomials = halved(polynomials)
-    parts = 2**_HALVINGS
+    parts = 2**_NUM_BISECTIONS
     upper, _ = rate_bounds(polynomials, np.repeat(widths / parts, parts), order)
     peaks[moving] = upper.reshape(-1, parts).max(axis=1)

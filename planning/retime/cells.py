@@ -8,17 +8,17 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
 from planning.domain.curves.curve import Curve, JointSpline
-from planning.retime.compose import shifted
+from planning.retime.compose import taylor_shifted
 from planning.retime.polynomials import norms
 
 # Smallest distance of edges, relative to the curve's whole parameter; nearer ones are left out.
-_APART = 1e-7
+_MIN_EDGE_SPACING = 1e-7
 
 
 def cut_at(curve: Curve, edges: Float64[np.ndarray, " n_plus_1"]) -> JointSpline:
     """Return the curve in pieces between given edges, which must include all its breaks."""
     pieces, _ = curve.locate((edges[:-1] + edges[1:]) / 2)
-    local = shifted(curve.coefficients[pieces], edges[:-1] - curve.breaks[pieces])
+    local = taylor_shifted(curve.coefficients[pieces], edges[:-1] - curve.breaks[pieces])
     return JointSpline(curve.joints, edges, curve.bases[pieces], local)
 
 
@@ -33,29 +33,29 @@ def even_edges(
     return np.append(np.concatenate(parts), breaks[-1])
 
 
-def with_cuts(
-    edges: Float64[np.ndarray, " n_plus_1"], cuts: Sequence[Array]
+def with_extra_edges(
+    edges: Float64[np.ndarray, " n_plus_1"], extra_edges: Sequence[Array]
 ) -> Float64[np.ndarray, " k_plus_1"]:
     """Return the edges with additional cuts, except those right beside an edge."""
-    more = np.concatenate([np.zeros(0), *cuts])
-    near = np.searchsorted(edges, more).clip(1, len(edges) - 1)
-    room = np.minimum(np.abs(more - edges[near - 1]), np.abs(edges[near] - more))
-    more = np.unique(more[room > _APART * (edges[-1] - edges[0])])
-    apart = np.append(True, np.diff(more) > _APART * (edges[-1] - edges[0]))
-    return np.sort(np.concatenate([edges, more[apart[: len(more)]]]))
+    candidates = np.concatenate([np.zeros(0), *extra_edges])
+    near = np.searchsorted(edges, candidates).clip(1, len(edges) - 1)
+    distances = np.minimum(np.abs(candidates - edges[near - 1]), np.abs(edges[near] - candidates))
+    candidates = np.unique(candidates[distances > _MIN_EDGE_SPACING * (edges[-1] - edges[0])])
+    is_separate = np.append(True, np.diff(candidates) > _MIN_EDGE_SPACING * (edges[-1] - edges[0]))
+    return np.sort(np.concatenate([edges, candidates[is_separate[: len(candidates)]]]))
 
 
-def num_short(curve: Curve, longest: float) -> Indices:
+def num_parts(curve: Curve, max_length: float) -> Indices:
     """Return the number of equal parts of each piece that makes the parts short.
 
     Args:
         curve: The curve.
-        longest: Largest length of a part (joint-space length of delta).
+        max_length: Largest length of a part (joint-space length of delta).
     """
-    return np.maximum(1, np.ceil(ways(curve) / longest)).astype(np.int64)
+    return np.maximum(1, np.ceil(piece_length_bounds(curve) / max_length)).astype(np.int64)
 
 
-def ways(curve: Curve) -> Float64[np.ndarray, " n"]:
+def piece_length_bounds(curve: Curve) -> Float64[np.ndarray, " n"]:
     """Return upper bounds on the length of delta on each piece (joint-space length).
 
     The bound is the sum of |c_k| k w^k; for a part of a piece it is at most the part's share of

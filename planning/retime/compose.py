@@ -15,7 +15,7 @@ def compose(spline: JointSpline, profile: SpeedProfile) -> TimedTrajectory:
     """
     middles = (profile.s[:-1] + profile.s[1:]) / 2
     pieces, _ = spline.locate(middles)
-    local = shifted(spline.coefficients[pieces], profile.s[:-1] - spline.breaks[pieces])
+    local = taylor_shifted(spline.coefficients[pieces], profile.s[:-1] - spline.breaks[pieces])
     steps = [profile.v, profile.a / 2] + ([profile.j / 6] if profile.j.any() else [])
     inner = np.stack(steps, axis=1)
     coefficients = _substitute(local, inner)
@@ -23,28 +23,28 @@ def compose(spline: JointSpline, profile: SpeedProfile) -> TimedTrajectory:
     return TimedTrajectory(spline.joints, times, spline.bases[pieces], coefficients)
 
 
-def shifted(coefficients: Array, offsets: Array) -> Array:
+def taylor_shifted(coefficients: Array, offsets: Array) -> Array:
     """Return the coefficients of p(x + offset), by repeated synthetic division."""
-    moved = np.array(coefficients)
-    last = moved.shape[1] - 1
+    coefficients_at_offset = np.array(coefficients)
+    last = coefficients_at_offset.shape[1] - 1
     for i in range(last):
         for k in range(last - 1, i - 1, -1):
-            moved[:, k] += offsets[:, None] * moved[:, k + 1]
-    return moved
+            coefficients_at_offset[:, k] += offsets[:, None] * coefficients_at_offset[:, k + 1]
+    return coefficients_at_offset
 
 
 def _substitute(outer: Array, inner: Array) -> Array:
     """Return p(x(t)) with x(t) = inner[0] t + inner[1] t^2 + ..., by Horner's rule."""
     n, num_terms, nv = outer.shape
-    reach = inner.shape[1]
-    total = np.zeros((n, (num_terms - 1) * reach + 1, nv))
+    inner_degree = inner.shape[1]
+    total = np.zeros((n, (num_terms - 1) * inner_degree + 1, nv))
     total[:, 0] = outer[:, -1]
     length = 1
     for k in range(num_terms - 2, -1, -1):
         product = np.zeros_like(total)
-        for m in range(reach):
+        for m in range(inner_degree):
             product[:, m + 1 : m + 1 + length] += inner[:, m, None, None] * total[:, :length]
         total = product
         total[:, 0] += outer[:, k]
-        length += reach
+        length += inner_degree
     return total

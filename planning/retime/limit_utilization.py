@@ -12,7 +12,7 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, derivative
 from planning.domain.robot.joints import JointLimits
-from planning.retime.bounds import block_norms, turning_blocks
+from planning.retime.bounds import block_norms, floating_rotation_blocks
 from planning.retime.limits.angular_rate_bounds import (
     has_moving_axis,
     rate_bounds,
@@ -21,10 +21,10 @@ from planning.retime.limits.angular_rate_bounds import (
 from planning.retime.polynomials import halved, norms, to_bernstein
 
 # Largest relative excess of the bound over the true peak, unless the search is cut off.
-_GAP = 1e-9
+_RELATIVE_GAP = 1e-9
 # The same for moving rotation axes, where bounds converge more slowly.
-_TURNING_GAP = 1e-6
-_MAX_HALVINGS = 40
+_ROTATION_GAP = 1e-6
+_MAX_DEPTH = 40
 _MAX_NODES = 30_000
 RATES = ("velocity", "acceleration", "jerk")
 
@@ -42,30 +42,32 @@ class LimitUtilization:
     block: int
 
 
-def largest_use(curve: Curve, limits: JointLimits, order: int) -> LimitUtilization:
+def max_utilization(curve: Curve, limits: JointLimits, order: int) -> LimitUtilization:
     """Return the largest peak over limit of the order-th derivative, over all blocks."""
     bounds = getattr(limits, RATES[order - 1])
     widths = np.diff(curve.breaks)
-    turning = {
+    moving_axes = {
         i: has_moving_axis(curve.coefficients[:, :, list(limits.blocks[i])])
-        for i in (turning_blocks(curve, limits) if order > 1 else [])
+        for i in (floating_rotation_blocks(curve, limits) if order > 1 else [])
     }
     polynomials = to_bernstein(derivative(curve.coefficients, order), widths)
     sizes = block_norms(polynomials, limits) / bounds
-    for i, moving in turning.items():
+    for i, moving in moving_axes.items():
         sizes[moving, :, i] = 0.0
-    best = _polynomial_use(polynomials, sizes, limits, bounds)
-    for i, moving in turning.items():
+    best = _max_polynomial_utilization(polynomials, sizes, limits, bounds)
+    for i, moving in moving_axes.items():
         if moving.any():
             indices = list(limits.blocks[i])
             deltas = with_derivatives(
                 curve.coefficients[moving][:, :, indices], widths[moving], order
             )
-            best = _turning_use(deltas, widths[moving], (order, float(bounds[i]), i), best)
+            best = _max_rotation_utilization(
+                deltas, widths[moving], (order, float(bounds[i]), i), best
+            )
     return best
 
 
-def largest_value(polynomials: Array) -> LimitUtilization:
+def max_polynomial_value(polynomials: Array) -> LimitUtilization:
     """Return the largest value of polynomials, at least zero, and the index of its column.
 
     Args:
@@ -73,15 +75,15 @@ def largest_value(polynomials: Array) -> LimitUtilization:
     """
     count = polynomials.shape[2]
     nodes = polynomials.transpose(0, 2, 1).reshape(-1, polynomials.shape[1], 1)
-    owners = np.tile(np.arange(count), len(polynomials))
-    return _search(nodes, owners, _value_bounds, _GAP, LimitUtilization(0.0, 0))
+    columns = np.tile(np.arange(count), len(polynomials))
+    return _branch_and_bound(nodes, columns, _value_bounds, _RELATIVE_GAP, LimitUtilization(0.0, 0))
 
 
 def _value_bounds(nodes: Array, _: int) -> tuple[Array, Array]:
-    return _extremes(nodes[:, :, 0])
+    return _norm_bounds_from_coefficients(nodes[:, :, 0])
 
 
-def _polynomial_use(
+def _max_polynomial_utilization(
     polynomials: Array, sizes: Array, limits: JointLimits, bounds: Array
 ) -> LimitUtilization:
     """Return the largest norm over limit, from norms of Bernstein coefficients over limits.
@@ -92,29 +94,31 @@ def _polynomial_use(
         limits: Joint limits, for their blocks.
         bounds: Limits of the blocks.
     """
-    upper, attained = _extremes(sizes)
-    top = int(np.argmax(attained))
-    floor = float(attained.flat[top])
-    keep = upper > floor * (1 + _GAP)
-    best = LimitUtilization(floor, top % upper.shape[1])
-    if keep.any():
-        nodes, owners = _nodes(polynomials, keep, limits, bounds)
-        best = _search(nodes, owners, _norm_bounds, _GAP, best)
+    upper, attained = _norm_bounds_from_coefficients(sizes)
+    largest = int(np.argmax(attained))
+    lower_bound = float(attained.flat[largest])
+    is_open = upper > lower_bound * (1 + _RELATIVE_GAP)
+    best = LimitUtilization(lower_bound, largest % upper.shape[1])
+    if is_open.any():
+        nodes, blocks = _nodes(polynomials, is_open, limits, bounds)
+        best = _branch_and_bound(nodes, blocks, _norm_bounds, _RELATIVE_GAP, best)
     # Pieces that are not refined may exceed the attained value by the gap.
-    return LimitUtilization(max(best.fraction, float(upper[~keep].max(initial=0.0))), best.block)
+    return LimitUtilization(max(best.fraction, float(upper[~is_open].max(initial=0.0))), best.block)
 
 
-def _nodes(polynomials: Array, keep: Any, limits: JointLimits, bounds: Array) -> tuple[Array, Any]:
+def _nodes(
+    polynomials: Array, is_open: Any, limits: JointLimits, bounds: Array
+) -> tuple[Array, Any]:
     """Return the chosen pieces of blocks over their limits, padded to one width, and the blocks."""
-    pieces, owners = np.nonzero(keep)
+    pieces, blocks = np.nonzero(is_open)
     width = max(len(block) for block in limits.blocks)
-    columns = np.array([[*block, *[-1] * (width - len(block))] for block in limits.blocks])[owners]
-    nodes = polynomials[pieces[:, None], :, columns] / bounds[owners][:, None, None]
+    columns = np.array([[*block, *[-1] * (width - len(block))] for block in limits.blocks])[blocks]
+    nodes = polynomials[pieces[:, None], :, columns] / bounds[blocks][:, None, None]
     nodes[columns < 0] = 0.0
-    return nodes.transpose(0, 2, 1), owners
+    return nodes.transpose(0, 2, 1), blocks
 
 
-def _extremes(sizes: Array) -> tuple[Array, Array]:
+def _norm_bounds_from_coefficients(sizes: Array) -> tuple[Array, Array]:
     """Return upper bounds and attained values of norms, from those of Bernstein coefficients.
 
     The second axis runs along the coefficients.
@@ -123,45 +127,45 @@ def _extremes(sizes: Array) -> tuple[Array, Array]:
 
 
 def _norm_bounds(nodes: Array, _: int) -> tuple[Array, Array]:
-    return _extremes(norms(nodes))
+    return _norm_bounds_from_coefficients(norms(nodes))
 
 
-def _turning_use(
-    deltas: Array, widths: Array, what: tuple[int, float, int], best: LimitUtilization
+def _max_rotation_utilization(
+    deltas: Array, widths: Array, block_limit: tuple[int, float, int], best: LimitUtilization
 ) -> LimitUtilization:
     """Return the larger of `best` and the utilization of a turning block."""
-    order, bound, block = what
+    order, bound, block = block_limit
     # Widths halve along with the nodes: they are appended as one more row of equal coefficients.
-    ride = np.broadcast_to(widths[:, None, None], (*deltas.shape[:2], 1))
+    width_rows = np.broadcast_to(widths[:, None, None], (*deltas.shape[:2], 1))
 
-    def bounded(nodes: Array, depth: int) -> tuple[Array, Array]:
+    def bounds_of(nodes: Array, depth: int) -> tuple[Array, Array]:
         upper, attained = rate_bounds(nodes[:, :, :-1], nodes[:, 0, -1] / 2.0**depth, order)
         return upper / bound, attained / bound
 
-    nodes = np.concatenate([deltas, ride], axis=2)
-    return _search(nodes, np.full(len(nodes), block), bounded, _TURNING_GAP, best)
+    nodes = np.concatenate([deltas, width_rows], axis=2)
+    return _branch_and_bound(nodes, np.full(len(nodes), block), bounds_of, _ROTATION_GAP, best)
 
 
-def _search(
+def _branch_and_bound(
     nodes: Array,
-    owners: Any,
-    bounded: Callable[[Array, int], tuple[Array, Array]],
+    blocks: Any,
+    bounds_of: Callable[[Array, int], tuple[Array, Array]],
     gap: float,
     best: LimitUtilization,
 ) -> LimitUtilization:
     """Branch and bound: halve the intervals that may exceed the largest attained value."""
-    floor, owner, dropped = best.fraction, best.block, 0.0
-    for depth in range(_MAX_HALVINGS):
-        upper, attained = bounded(nodes, depth)
-        top = int(np.argmax(attained)) if len(attained) else 0
-        if len(attained) and attained[top] > floor:
-            floor, owner = float(attained[top]), int(owners[top])
-        keep = upper > floor * (1 + gap)
-        dropped = max(dropped, float(upper[~keep].max(initial=0.0)))
-        if not keep.any():
+    lower_bound, block, discarded_bound = best.fraction, best.block, 0.0
+    for depth in range(_MAX_DEPTH):
+        upper, attained = bounds_of(nodes, depth)
+        largest = int(np.argmax(attained)) if len(attained) else 0
+        if len(attained) and attained[largest] > lower_bound:
+            lower_bound, block = float(attained[largest]), int(blocks[largest])
+        is_open = upper > lower_bound * (1 + gap)
+        discarded_bound = max(discarded_bound, float(upper[~is_open].max(initial=0.0)))
+        if not is_open.any():
             break
-        if keep.sum() > _MAX_NODES or depth == _MAX_HALVINGS - 1:
+        if is_open.sum() > _MAX_NODES or depth == _MAX_DEPTH - 1:
             worst = int(np.argmax(upper))
-            return LimitUtilization(float(upper[worst]), int(owners[worst]))
-        nodes, owners = halved(nodes[keep]), np.repeat(owners[keep], 2)
-    return LimitUtilization(max(floor, dropped), owner)
+            return LimitUtilization(float(upper[worst]), int(blocks[worst]))
+        nodes, blocks = halved(nodes[is_open]), np.repeat(blocks[is_open], 2)
+    return LimitUtilization(max(lower_bound, discarded_bound), block)

@@ -13,7 +13,7 @@ from planning.domain.arrays import Array
 from planning.retime.profile import SpeedProfile
 
 # Shortest phase relative to the whole duration; shorter ones are left out.
-_BRIEF = 1e-12
+_MIN_PHASE_SHARE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ def line_profile(s0: float, s1: float, speed: float, acceleration: float) -> Spe
         speed: Largest ds/dt [1/s].
         acceleration: Largest d2s/dt2 [1/s^2].
     """
-    push = np.array([acceleration])
-    lines = LineLimits(np.array([True]), np.array([speed]), push, push)
+    accelerations = np.array([acceleration])
+    lines = LineLimits(np.array([True]), np.array([speed]), accelerations, accelerations)
     return profile_between(np.array([s0, s1]), np.zeros(2), lines)
 
 
@@ -60,41 +60,46 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
     v, widths = np.sqrt(x), np.diff(edges)
     before, after = v[:-1], v[1:]
     needed = (x[1:] - x[:-1]) / (2 * widths)
-    a, b = _pushes(lines, needed)
+    a, b = _connecting_accelerations(lines, needed)
     # Squared speed at which full acceleration meets full braking; for equal ones the shares are
     # 1/2.
-    share = b / (a + b)
-    met = share * x[:-1] + (1 - share) * x[1:] + 2 * share * a * widths
-    top = np.minimum(lines.speed, np.sqrt(met))
-    top = np.maximum(top, np.maximum(before, after))
-    times = np.stack([(top - before) / a, np.zeros_like(a), (top - after) / b])
-    climb, brake = times[0] * (top + before) / 2, times[2] * (top + after) / 2
-    times[1] = np.maximum(widths - climb - brake, 0.0) / top
+    braking_share = b / (a + b)
+    meeting_speed_squared = (
+        braking_share * x[:-1] + (1 - braking_share) * x[1:] + 2 * braking_share * a * widths
+    )
+    top_speeds = np.minimum(lines.speed, np.sqrt(meeting_speed_squared))
+    top_speeds = np.maximum(top_speeds, np.maximum(before, after))
+    times = np.stack([(top_speeds - before) / a, np.zeros_like(a), (top_speeds - after) / b])
+    acceleration_lengths, braking_lengths = (
+        times[0] * (top_speeds + before) / 2,
+        times[2] * (top_speeds + after) / 2,
+    )
+    times[1] = np.maximum(widths - acceleration_lengths - braking_lengths, 0.0) / top_speeds
     curved = np.flatnonzero(~lines.is_line)
     times[0, curved] = 2 * widths[curved] / (before[curved] + after[curved])
     times[1:, curved] = 0.0
-    keep = times > _BRIEF * times.sum()
+    keep = times > _MIN_PHASE_SHARE * times.sum()
     # The distance of an omitted phase is added to the next, so that every edge begins a phase.
-    places = np.stack([
+    parameters = np.stack([
         edges[:-1],
-        np.where(keep[0], edges[:-1] + climb, edges[:-1]),
-        np.where(keep[0] | keep[1], edges[1:] - brake, edges[:-1]),
+        np.where(keep[0], edges[:-1] + acceleration_lengths, edges[:-1]),
+        np.where(keep[0] | keep[1], edges[1:] - braking_lengths, edges[:-1]),
     ])
-    speeds = np.stack([before, top, top])
-    pushes = np.stack([np.where(lines.is_line, a, needed), np.zeros_like(a), -b])
+    speeds = np.stack([before, top_speeds, top_speeds])
+    accelerations = np.stack([np.where(lines.is_line, a, needed), np.zeros_like(a), -b])
     kept = keep.T
     return SpeedProfile(
-        np.append(places.T[kept], edges[-1]),
+        np.append(parameters.T[kept], edges[-1]),
         speeds.T[kept],
-        pushes.T[kept],
+        accelerations.T[kept],
         np.zeros(int(kept.sum())),
         times.T[kept],
     )
 
 
-def _pushes(lines: LineLimits, needed: Array) -> tuple[Array, Array]:
+def _connecting_accelerations(lines: LineLimits, needed: Array) -> tuple[Array, Array]:
     """Return acceleration and braking, at least the values that connect the speeds."""
-    alike = lines.acceleration == lines.braking
+    is_symmetric = lines.acceleration == lines.braking
     both = np.maximum(lines.acceleration, np.abs(needed))
-    a = np.where(alike, both, np.maximum(lines.acceleration, needed))
-    return a, np.where(alike, both, np.maximum(lines.braking, -needed))
+    a = np.where(is_symmetric, both, np.maximum(lines.acceleration, needed))
+    return a, np.where(is_symmetric, both, np.maximum(lines.braking, -needed))

@@ -12,7 +12,7 @@ from planning.domain.value import Value
 
 _BISECTIONS = 60
 # Shortest phase relative to the whole duration.
-_BRIEF = 1e-12
+_MIN_PHASE_SHARE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,40 +49,44 @@ class SpeedProfile(Value):
         """Duration of the whole profile [s]."""
         return float(self.h.sum())
 
-    def split_at(self, places: Float64[np.ndarray, " m"]) -> "SpeedProfile":
+    def split_at(self, parameters: Float64[np.ndarray, " m"]) -> "SpeedProfile":
         """Return the same profile with additional phase boundaries at increasing path parameters.
 
         Parameters reached within a moment of another boundary get none of their own.
         """
-        phases = np.searchsorted(self.s, places, side="right") - 1
-        inside = (places > self.s[0]) & (places < self.s[-1])
-        inside &= places != self.s[np.clip(phases, 0, len(self.h) - 1)]
-        places, phases = places[inside], phases[inside]
-        if not len(places):
+        phases = np.searchsorted(self.s, parameters, side="right") - 1
+        inside = (parameters > self.s[0]) & (parameters < self.s[-1])
+        inside &= parameters != self.s[np.clip(phases, 0, len(self.h) - 1)]
+        parameters, phases = parameters[inside], phases[inside]
+        if not len(parameters):
             return self
-        times = self._times(phases, places)
-        brief = _BRIEF * self.duration
-        inside = (times > brief) & (times < self.h[phases] - brief)
-        inside[1:] &= (np.diff(times) > brief) | (np.diff(phases) > 0)
-        places, phases, times = places[inside], phases[inside], times[inside]
+        times = self._times(phases, parameters)
+        min_phase = _MIN_PHASE_SHARE * self.duration
+        inside = (times > min_phase) & (times < self.h[phases] - min_phase)
+        inside[1:] &= (np.diff(times) > min_phase) | (np.diff(phases) > 0)
+        parameters, phases, times = parameters[inside], phases[inside], times[inside]
         # Boundaries in order: the beginning of each phase, then the parameters inside it.
-        owner = np.concatenate([np.arange(len(self.h)), phases])
-        begin = np.concatenate([np.zeros(len(self.h)), times])
-        s = np.concatenate([self.s[:-1], places])
-        order = np.lexsort((begin, owner))
-        owner, begin, s = owner[order], begin[order], s[order]
-        is_last = np.append(owner[1:] != owner[:-1], True)
-        end = np.where(is_last, self.h[owner], np.append(begin[1:], 0.0))
-        v = self.v[owner] + begin * (self.a[owner] + self.j[owner] * begin / 2)
-        a = self.a[owner] + self.j[owner] * begin
-        return SpeedProfile(np.append(s, self.s[-1]), v, a, self.j[owner], end - begin)
+        phase_indices = np.concatenate([np.arange(len(self.h)), phases])
+        begin_times = np.concatenate([np.zeros(len(self.h)), times])
+        s = np.concatenate([self.s[:-1], parameters])
+        order = np.lexsort((begin_times, phase_indices))
+        phase_indices, begin_times, s = phase_indices[order], begin_times[order], s[order]
+        is_last = np.append(phase_indices[1:] != phase_indices[:-1], True)
+        end = np.where(is_last, self.h[phase_indices], np.append(begin_times[1:], 0.0))
+        v = self.v[phase_indices] + begin_times * (
+            self.a[phase_indices] + self.j[phase_indices] * begin_times / 2
+        )
+        a = self.a[phase_indices] + self.j[phase_indices] * begin_times
+        return SpeedProfile(
+            np.append(s, self.s[-1]), v, a, self.j[phase_indices], end - begin_times
+        )
 
-    def _times(self, phases: Any, places: Array) -> Array:
+    def _times(self, phases: Any, parameters: Array) -> Array:
         """Return the time at which each phase reaches a parameter, by bisection: s(t) increases."""
         s, v, a, j = self.s[phases], self.v[phases], self.a[phases], self.j[phases]
         low, high = np.zeros(len(phases)), self.h[phases]
         for _ in range(_BISECTIONS):
             t = (low + high) / 2
-            is_before = s + t * (v + t * (a / 2 + t * j / 6)) < places
+            is_before = s + t * (v + t * (a / 2 + t * j / 6)) < parameters
             low, high = np.where(is_before, t, low), np.where(is_before, high, t)
         return (low + high) / 2

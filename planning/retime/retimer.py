@@ -7,25 +7,25 @@ import numpy as np
 
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.report.stage_reports import RetimeReport
-from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointLimits
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.retime.compose import compose
 from planning.retime.jerk.ruckig_retimer import ruckig_profile
-from planning.retime.limit_utilization import RATES, LimitUtilization, largest_use
-from planning.retime.limits.path_limit import PathLimit, PathUtilization, uses_of
+from planning.retime.limit_utilization import RATES, LimitUtilization, max_utilization
+from planning.retime.limits.path_limit import PathLimit, PathUtilization, path_limit_utilizations
 from planning.retime.profile import SpeedProfile
 from planning.retime.smooth_pieces import smooth_pieces
 from planning.retime.toppra.toppra_retimer import toppra_profile
 
 # Duration of a motion without displacement, so that it can be sampled and executed [s].
-_HOLD = 1e-3
+_REST_DURATION = 1e-3
 _STANDSTILL = 1e-9
 # Relative reserve to every limit that the audit leaves.
-_SPARE = 1e-9
+_LIMIT_RESERVE = 1e-9
 # Limit that stands for unlimited rates [1/s and powers].
-_UNLIMITED = 1e6
+_MAX_RATE = 1e6
 
 
 @dataclass(frozen=True)
@@ -50,20 +50,20 @@ RETIMERS = {
 
 
 @dataclass(frozen=True)
-class _Timed:
+class _TimedPiece:
     """One timed smooth piece.
 
     Attributes:
         trajectory: The motion, within all limits.
-        uses: Utilization of the joint limits, by order of derivative.
-        path_uses: Utilization of the path limits, by name of the limit.
-        raw: Duration before the audit [s].
+        utilizations: Utilization of the joint limits, by order of derivative.
+        path_utilizations: Utilization of the path limits, by name of the limit.
+        raw_duration: Duration before the audit [s].
     """
 
     trajectory: TimedTrajectory
-    uses: list[LimitUtilization]
-    path_uses: list[tuple[str, PathUtilization]]
-    raw: float
+    utilizations: list[LimitUtilization]
+    path_utilizations: list[tuple[str, PathUtilization]]
+    raw_duration: float
 
 
 def retime(
@@ -71,7 +71,7 @@ def retime(
     limits: JointLimits,
     options: RetimeOptions,
     path_limits: Sequence[PathLimit] = (),
-    deadline: Deadline = UNHURRIED,
+    deadline: Deadline = NO_DEADLINE,
 ) -> tuple[TimedTrajectory, RetimeReport]:
     """Return a trajectory exactly on the spline, from rest to rest, within scaled limits.
 
@@ -101,66 +101,80 @@ def retime(
             raise ProblemInvalid(message, {"field": f"retime.{name}"})
     retimer = RETIMERS[options.method]
     if float(np.abs(spline.coefficients[:, 1:]).max(initial=0.0)) < _STANDSTILL:
-        rest = _hold(spline, options.duration or _HOLD)
+        rest = _rest_trajectory(spline, options.duration or _REST_DURATION)
         return rest, RetimeReport(options.method, rest.duration, 1.0)
-    scaled = limits.scaled(options.velocity_scale, options.acceleration_scale)
-    usable = _usable(spline, scaled, options.method)
-    timed = [
-        _timed(stretch, usable, retimer, path_limits, deadline)
-        for stretch in smooth_pieces(spline, retimer.smoothness)
+    scaled_limits = limits.scaled(options.velocity_scale, options.acceleration_scale)
+    positive_limits = _positive_limits(spline, scaled_limits, options.method)
+    timed_pieces = [
+        _time_piece(smooth_piece, positive_limits, retimer, path_limits, deadline)
+        for smooth_piece in smooth_pieces(spline, retimer.smoothness)
     ]
-    trajectory = TimedTrajectory.joined([part.trajectory for part in timed])
-    slower = _slower(trajectory.duration, options)
+    trajectory = TimedTrajectory.joined([part.trajectory for part in timed_pieces])
+    time_scaling = _requested_time_scaling(trajectory.duration, options)
     names = _block_names(spline)
-    worst = [
-        max((part.uses[i] for part in timed), key=lambda use: use.fraction)
+    max_utilizations = [
+        max((part.utilizations[i] for part in timed_pieces), key=lambda use: use.fraction)
         for i in range(len(retimer.rates))
     ]
-    delivered = trajectory if slower == 1.0 else trajectory.slowed(slower)
-    binding = {rate: names[use.block] for rate, use in zip(retimer.rates, worst, strict=True)}
-    utilisation = {
-        rate: use.fraction / slower**order
-        for order, (rate, use) in enumerate(zip(retimer.rates, worst, strict=True), start=1)
+    result = trajectory if time_scaling == 1.0 else trajectory.time_scaled(time_scaling)
+    binding = {
+        rate: names[use.block] for rate, use in zip(retimer.rates, max_utilizations, strict=True)
     }
-    for name, use in (entry for part in timed for entry in part.path_uses):
-        share = use.share(slower)
-        if share > utilisation.get(name, -1.0):
-            binding[name], utilisation[name] = use.where, share
-    return delivered, RetimeReport(
+    utilisation = {
+        rate: use.fraction / time_scaling**order
+        for order, (rate, use) in enumerate(
+            zip(retimer.rates, max_utilizations, strict=True), start=1
+        )
+    }
+    for name, entry_utilization in (
+        entry for part in timed_pieces for entry in part.path_utilizations
+    ):
+        fraction = entry_utilization.fraction_at(time_scaling)
+        if fraction > utilisation.get(name, -1.0):
+            binding[name], utilisation[name] = entry_utilization.where, fraction
+    return result, RetimeReport(
         method=options.method,
-        duration=delivered.duration,
-        slowed=trajectory.duration / sum(part.raw for part in timed),
+        duration=result.duration,
+        slowed=trajectory.duration / sum(part.raw_duration for part in timed_pieces),
         binding=binding,
         utilisation=utilisation,
-        stops=len(timed) - 1,
+        stops=len(timed_pieces) - 1,
     )
 
 
-def _timed(
-    stretch: JointSpline,
+def _time_piece(
+    smooth_piece: JointSpline,
     limits: JointLimits,
     retimer: Retimer,
     path_limits: Sequence[PathLimit],
     deadline: Deadline,
-) -> _Timed:
+) -> _TimedPiece:
     """Return one smooth piece timed, audited and slowed by the factor of the audit."""
     deadline.check("retime")
-    profile = retimer.profile(stretch, limits, path_limits, deadline)
-    raw = compose(stretch, profile)
-    uses = [largest_use(raw, limits, order) for order in range(1, len(retimer.rates) + 1)]
-    path_uses = uses_of(path_limits, raw, deadline)
-    factor = max(use.fraction ** (1 / order) for order, use in enumerate(uses, start=1))
-    factor = max(factor, *(use.factor for _, use in path_uses)) if path_uses else factor
-    factor *= 1 + _SPARE
-    scaled = [
-        replace(use, fraction=use.fraction / factor**order)
-        for order, use in enumerate(uses, start=1)
+    profile = retimer.profile(smooth_piece, limits, path_limits, deadline)
+    raw = compose(smooth_piece, profile)
+    utilizations = [
+        max_utilization(raw, limits, order) for order in range(1, len(retimer.rates) + 1)
     ]
-    slowed = [(name, use.slowed(factor)) for name, use in path_uses]
-    return _Timed(raw.slowed(factor), scaled, slowed, raw.duration)
+    path_utilizations = path_limit_utilizations(path_limits, raw, deadline)
+    time_scaling = max(
+        use.fraction ** (1 / order) for order, use in enumerate(utilizations, start=1)
+    )
+    time_scaling = (
+        max(time_scaling, *(use.time_scaling for _, use in path_utilizations))
+        if path_utilizations
+        else time_scaling
+    )
+    time_scaling *= 1 + _LIMIT_RESERVE
+    scaled = [
+        replace(use, fraction=use.fraction / time_scaling**order)
+        for order, use in enumerate(utilizations, start=1)
+    ]
+    slowed = [(name, use.slowed(time_scaling)) for name, use in path_utilizations]
+    return _TimedPiece(raw.time_scaled(time_scaling), scaled, slowed, raw.duration)
 
 
-def _slower(least: float, options: RetimeOptions) -> float:
+def _requested_time_scaling(min_duration: float, options: RetimeOptions) -> float:
     """Return the ratio of the requested to the least duration.
 
     Raises:
@@ -168,21 +182,21 @@ def _slower(least: float, options: RetimeOptions) -> float:
     """
     if options.duration is None:
         return 1.0
-    if options.duration < least * (1 - _SPARE):
-        message = f"the limits allow {least:.4g} s at least, not {options.duration:.4g} s"
-        evidence = {"method": options.method, "duration": options.duration, "least": least}
+    if options.duration < min_duration * (1 - _LIMIT_RESERVE):
+        message = f"the limits allow {min_duration:.4g} s at least, not {options.duration:.4g} s"
+        evidence = {"method": options.method, "duration": options.duration, "least": min_duration}
         raise RetimingFailed(message, evidence)
-    return max(1.0, options.duration / least)
+    return max(1.0, options.duration / min_duration)
 
 
-def _usable(spline: JointSpline, limits: JointLimits, method: str) -> JointLimits:
+def _positive_limits(spline: JointSpline, limits: JointLimits, method: str) -> JointLimits:
     """Return limits that are positive and finite for every block.
 
     Raises:
         RetimingFailed: A block that moves along the spline has a limit of zero.
     """
     rates = {name: np.asarray(getattr(limits, name)) for name in RATES}
-    if all((values > 0).all() and (values <= _UNLIMITED).all() for values in rates.values()):
+    if all((values > 0).all() and (values <= _MAX_RATE).all() for values in rates.values()):
         return limits
     moving = [bool(spline.coefficients[:, 1:, list(block)].any()) for block in limits.blocks]
     names = _block_names(spline)
@@ -191,11 +205,11 @@ def _usable(spline: JointSpline, limits: JointLimits, method: str) -> JointLimit
         if stuck and name in RETIMERS[method].rates:
             message = f"the path moves {', '.join(stuck)}, whose {name} limit is not positive"
             raise RetimingFailed(message, {"method": method, "limit": name, "stuck": stuck})
-        rates[name] = np.where(values > 0, np.minimum(values, _UNLIMITED), 1.0)
+        rates[name] = np.where(values > 0, np.minimum(values, _MAX_RATE), 1.0)
     return replace(limits, **rates)
 
 
-def _hold(spline: JointSpline, duration: float) -> TimedTrajectory:
+def _rest_trajectory(spline: JointSpline, duration: float) -> TimedTrajectory:
     """Return a rest at the spline's beginning."""
     rest = np.zeros((1, 1, spline.coefficients.shape[2]))
     return TimedTrajectory(spline.joints, np.array([0.0, duration]), spline.start[None], rest)

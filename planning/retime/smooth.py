@@ -18,22 +18,22 @@ from planning.domain.curves.path import JointPath
 from planning.domain.robot.joints import Joint
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import steering_of
-from planning.retime.cells import cut_at, with_cuts
-from planning.retime.collinear_runs import STRAIGHT, without_straight_runs
+from planning.retime.cells import cut_at, with_extra_edges
+from planning.retime.collinear_runs import COLLINEAR_TOLERANCE, without_collinear_waypoints
 from planning.retime.polynomials import halved, norms, to_bernstein
 
 # Numbers of control points to try, fewest first.
-_COUNTS = (6, 8, 11, 16, 23, 32, 45, 64, 90)
+_CONTROL_POINT_COUNTS = (6, 8, 11, 16, 23, 32, 45, 64, 90)
 # Largest number of waypoints for an interpolating spline.
-_MOST_THROUGH = 100
-_FEWEST = 4
+_MAX_INTERPOLATED_WAYPOINTS = 100
+_MIN_WAYPOINTS = 4
 # Weight of points between waypoints relative to waypoints: the path cuts corners of the curve
 # there.
-_BETWEEN = 0.03
+_MIDPOINT_WEIGHT = 0.03
 _DEGREE = 3
 
 
-def smoothed(path: JointPath, deviations: Sequence[float]) -> list[tuple[float, JointSpline]]:
+def smooth_path(path: JointPath, deviations: Sequence[float]) -> list[tuple[float, JointSpline]]:
     """Return curves with continuous second derivative near a path, with bounds on their deviation.
 
     With a floating joint or a steered base there are none; there are fewer curves than deviations
@@ -46,55 +46,64 @@ def smoothed(path: JointPath, deviations: Sequence[float]) -> list[tuple[float, 
     joints, manifold = path.group.joints, Manifold(path.group.joints)
     if steering_of(path.group) or not manifold.is_flat:
         return []
-    places, points = _line(path, manifold)
-    found: list[tuple[float, JointSpline]] = []
-    allowed = list(deviations)
-    for curve in _nearer_and_nearer(joints, places, points) if len(points) >= _FEWEST else ():
-        away = _distance(curve, places, points)
-        if allowed and away <= allowed[0]:
-            found.append((away, curve))
-            allowed = [deviation for deviation in allowed if deviation < away]
-        if not allowed:
+    parameters, points = _polyline(path, manifold)
+    curves: list[tuple[float, JointSpline]] = []
+    remaining = list(deviations)
+    for curve in (
+        _candidate_curves(joints, parameters, points) if len(points) >= _MIN_WAYPOINTS else ()
+    ):
+        deviation_bound = _deviation_bound(curve, parameters, points)
+        if remaining and deviation_bound <= remaining[0]:
+            curves.append((deviation_bound, curve))
+            remaining = [deviation for deviation in remaining if deviation < deviation_bound]
+        if not remaining:
             break
-    return found
+    return curves
 
 
-def _line(path: JointPath, manifold: Manifold) -> tuple[Array, Array]:
+def _polyline(path: JointPath, manifold: Manifold) -> tuple[Array, Array]:
     """Return waypoints without collinear runs or whole turns, and their parameters in [0, 1]."""
-    waypoints = without_straight_runs(path.waypoints, manifold, STRAIGHT)
+    waypoints = without_collinear_waypoints(path.waypoints, manifold, COLLINEAR_TOLERANCE)
     steps = manifold.minus(waypoints[1:], waypoints[:-1])
-    steps = steps[np.sqrt((steps**2).sum(axis=1)) > STRAIGHT]
-    moved = np.concatenate([np.zeros((1, path.waypoints.shape[1])), np.cumsum(steps, axis=0)])
-    places = np.append(0.0, np.cumsum(np.sqrt((steps**2).sum(axis=1))))
-    return places / max(places[-1], STRAIGHT), waypoints[0] + moved
+    steps = steps[np.sqrt((steps**2).sum(axis=1)) > COLLINEAR_TOLERANCE]
+    displacements = np.concatenate([
+        np.zeros((1, path.waypoints.shape[1])),
+        np.cumsum(steps, axis=0),
+    ])
+    parameters = np.append(0.0, np.cumsum(np.sqrt((steps**2).sum(axis=1))))
+    return parameters / max(parameters[-1], COLLINEAR_TOLERANCE), waypoints[0] + displacements
 
 
-def _nearer_and_nearer(
-    joints: tuple[Joint, ...], places: Array, points: Array
+def _candidate_curves(
+    joints: tuple[Joint, ...], parameters: Array, points: Array
 ) -> Iterator[JointSpline]:
-    for count in _COUNTS:
-        if count + 2 <= len(points):
-            yield _fitted(joints, places, points, count)
-    if len(points) <= _MOST_THROUGH:
-        yield cubic_through(joints, places, points)
+    for num_control_points in _CONTROL_POINT_COUNTS:
+        if num_control_points + 2 <= len(points):
+            yield _fit_bspline(joints, parameters, points, num_control_points)
+    if len(points) <= _MAX_INTERPOLATED_WAYPOINTS:
+        yield cubic_through(joints, parameters, points)
 
 
-def _fitted(joints: tuple[Joint, ...], places: Array, points: Array, count: int) -> JointSpline:
-    """Return the least-squares B-spline with `count` control points, through both end points."""
-    between = np.linspace(0.0, 1.0, 4 * count)[1:-1]
-    straight = np.stack([np.interp(between, places, column) for column in points.T], axis=1)
-    at = np.concatenate([places[1:-1], between])
-    weight = np.repeat([1.0, _BETWEEN], [len(places) - 2, len(between)])[:, None]
-    matrix = _basis(count, at)
+def _fit_bspline(
+    joints: tuple[Joint, ...], parameters: Array, points: Array, num_control_points: int
+) -> JointSpline:
+    """Return the least-squares B-spline of `num_control_points`, through both end points."""
+    between = np.linspace(0.0, 1.0, 4 * num_control_points)[1:-1]
+    polyline_points = np.stack(
+        [np.interp(between, parameters, column) for column in points.T], axis=1
+    )
+    sample_parameters = np.concatenate([parameters[1:-1], between])
+    weights = np.repeat([1.0, _MIDPOINT_WEIGHT], [len(parameters) - 2, len(between)])[:, None]
+    matrix = _bspline_basis(num_control_points, sample_parameters)
     ends = matrix[:, :1] * points[0] + matrix[:, -1:] * points[-1]
-    wanted = np.concatenate([points[1:-1], straight]) - ends
-    weighted = (weight**2 * matrix[:, 1:-1]).T
-    inner = np.linalg.solve(weighted @ matrix[:, 1:-1], weighted @ wanted)
-    controls = np.concatenate([points[:1], inner, points[-1:]])
-    edges = np.linspace(0.0, 1.0, count - _DEGREE + 1)
+    targets = np.concatenate([points[1:-1], polyline_points]) - ends
+    weighted = (weights**2 * matrix[:, 1:-1]).T
+    inner = np.linalg.solve(weighted @ matrix[:, 1:-1], weighted @ targets)
+    control_points = np.concatenate([points[:1], inner, points[-1:]])
+    edges = np.linspace(0.0, 1.0, num_control_points - _DEGREE + 1)
     inside = np.linspace(0.0, 1.0, _DEGREE + 1)
     local = inside * edges[1]
-    values = _basis(count, (edges[:-1, None] + local).ravel()) @ controls
+    values = _bspline_basis(num_control_points, (edges[:-1, None] + local).ravel()) @ control_points
     # Four values between two knots determine the cubic.
     pieces = values.reshape(len(edges) - 1, _DEGREE + 1, -1)
     pieces[1:, 0] = pieces[:-1, -1]
@@ -107,31 +116,33 @@ def _fitted(joints: tuple[Joint, ...], places: Array, points: Array, count: int)
     return JointSpline(joints, edges, bases, coefficients)
 
 
-def _basis(count: int, s: Array) -> Array:
+def _bspline_basis(num_control_points: int, s: Array) -> Array:
     """Return the clamped uniform cubic B-splines at s, shape (m, count), by Cox and de Boor."""
-    spans = count - _DEGREE
+    spans = num_control_points - _DEGREE
     knots = np.concatenate([np.zeros(_DEGREE), np.linspace(0, 1, spans + 1), np.ones(_DEGREE)])
-    which = _DEGREE + np.clip((s * spans).astype(int), 0, spans - 1)
+    knot_spans = _DEGREE + np.clip((s * spans).astype(int), 0, spans - 1)
     values = np.zeros((len(s), len(knots) - 1))
-    values[np.arange(len(s)), which] = 1.0
+    values[np.arange(len(s)), knot_spans] = 1.0
     for degree in range(1, _DEGREE + 1):
         widths = knots[degree:] - knots[:-degree]
-        share = (s[:, None] - knots[:-degree]) / np.where(widths > 0, widths, 1.0)
-        share[:, widths <= 0] = 0.0
-        rising = share[:, : values.shape[1] - 1] * values[:, :-1]
-        falling = np.where(widths[1:] > 0, 1 - share[:, 1:], 0.0) * values[:, 1:]
+        fractions = (s[:, None] - knots[:-degree]) / np.where(widths > 0, widths, 1.0)
+        fractions[:, widths <= 0] = 0.0
+        rising = fractions[:, : values.shape[1] - 1] * values[:, :-1]
+        falling = np.where(widths[1:] > 0, 1 - fractions[:, 1:], 0.0) * values[:, 1:]
         values = rising + falling
     return values
 
 
-def _distance(curve: JointSpline, places: Array, points: Array) -> float:
+def _deviation_bound(curve: JointSpline, parameters: Array, points: Array) -> float:
     """Return a bound on the distance of a curve from the polyline with the same parameter."""
-    edges = with_cuts(curve.breaks, [places])
+    edges = with_extra_edges(curve.breaks, [parameters])
     cut = cut_at(curve, edges)
-    line = np.clip(np.searchsorted(places, (edges[:-1] + edges[1:]) / 2) - 1, 0, len(places) - 2)
-    slopes = np.diff(points, axis=0) / np.diff(places)[:, None]
-    away = np.array(cut.coefficients)
-    begin = points[line] + slopes[line] * (edges[:-1] - places[line])[:, None]
-    away[:, 0] += cut.bases - begin
-    away[:, 1] -= slopes[line]
-    return float(norms(halved(to_bernstein(away, np.diff(edges)))).max())
+    line = np.clip(
+        np.searchsorted(parameters, (edges[:-1] + edges[1:]) / 2) - 1, 0, len(parameters) - 2
+    )
+    slopes = np.diff(points, axis=0) / np.diff(parameters)[:, None]
+    difference = np.array(cut.coefficients)
+    begin = points[line] + slopes[line] * (edges[:-1] - parameters[line])[:, None]
+    difference[:, 0] += cut.bases - begin
+    difference[:, 1] -= slopes[line]
+    return float(norms(halved(to_bernstein(difference, np.diff(edges)))).max())

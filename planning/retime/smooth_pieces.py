@@ -10,7 +10,7 @@ from planning.domain.curves.curve import Curve, JointSpline, derivative
 from planning.retime.polynomials import norms
 
 # Smallest relative jump of a derivative that counts as one.
-_JUMP = 1e-8
+_MIN_JUMP = 1e-8
 
 
 def smooth_pieces(spline: JointSpline, smoothness: int) -> list[JointSpline]:
@@ -45,10 +45,13 @@ def path_derivatives(
     """
     coefficients = curve.coefficients[pieces]
     slopes = derivative(coefficients, 1)
-    rate, curvature = evaluated(slopes, local), evaluated(derivative(slopes, 1), local)
+    rate, curvature = (
+        evaluate_polynomials(slopes, local),
+        evaluate_polynomials(derivative(slopes, 1), local),
+    )
     if curve.manifold.is_flat:
         return rate, curvature
-    delta = evaluated(coefficients, local)
+    delta = evaluate_polynomials(coefficients, local)
     q = curve.manifold.plus(curve.bases[pieces], delta)
     return (
         curve.manifold.generalized_velocity(q, delta, rate),
@@ -69,11 +72,11 @@ def _jumps(spline: JointSpline, smoothness: int) -> Any:
     for both in path_derivatives(spline, pieces, local)[:smoothness]:
         before, after = both[:count], both[count:]
         scale = np.maximum(scale, np.maximum(norms(before), norms(after)))
-        jumps |= norms(after - before) > _JUMP * scale
+        jumps |= norms(after - before) > _MIN_JUMP * scale
     return jumps
 
 
-def evaluated(
+def evaluate_polynomials(
     coefficients: Float64[np.ndarray, "n k nv"], local: Float64[np.ndarray, " n"]
 ) -> Float64[np.ndarray, "n nv"]:
     """Return each row's polynomial at its own argument, by Horner's rule."""

@@ -11,9 +11,9 @@ from planning.roadmaps.roadmap_cache import RoadmapStore
 from planning.roadmaps.roadmap_context import RoadmapContext
 from planning.search.roadmap.build import grow_roadmap
 from planning.search.space_options import resolve_space
-from planning.world.constraints.constraints_fingerprint import predicates_refused
+from planning.world.constraints.constraints_fingerprint import predicate_error
 from planning.world.constraints.path_constraints import PathConstraints
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
@@ -37,15 +37,19 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
     given = world.positions(group) if problem.start is None else problem.start
-    start = require_positions(group, given, "start")
+    start = validate_positions(group, given, "start")
     constraints = problem.constraints
-    rules = PathConstraints.compiled(world, group, constraints, start) if constraints else None
+    path_constraints = (
+        PathConstraints.compiled(world, group, constraints, start) if constraints else None
+    )
     watch = Stopwatch(deadline.clock)
     with watch.timing_failures(), watch.stage("roadmap"):
-        return _grown(RoadmapContext.from_problem(problem, world, start, rules), deadline)
+        return _build(
+            RoadmapContext.from_problem(problem, world, start, path_constraints), deadline
+        )
 
 
-def validate_search(problem: PlanningProblem) -> None:
+def validate_roadmap_options(problem: PlanningProblem) -> None:
     """Check that a problem whose search options have a roadmap is compatible with roadmaps.
 
     Raises:
@@ -59,11 +63,11 @@ def validate_search(problem: PlanningProblem) -> None:
         raise ProblemInvalid(message, {"field": field})
     for index, constraint in enumerate(problem.constraints):
         if isinstance(constraint, PathPredicate):
-            raise predicates_refused(constraint_label(index, constraint))
+            raise predicate_error(constraint_label(index, constraint))
 
 
 def load_or_build(
-    ground: RoadmapContext, store: RoadmapStore | None, deadline: Deadline, watch: Stopwatch
+    context: RoadmapContext, store: RoadmapStore | None, deadline: Deadline, watch: Stopwatch
 ) -> Roadmap:
     """Return the roadmap of a roadmap context: from the store, or else built and stored.
 
@@ -71,23 +75,25 @@ def load_or_build(
         DeadlineExceeded: The time has run out.
         Canceled: Cancellation was requested.
     """
-    found = None if store is None else store.get(ground.key)
-    if found is not None:
-        return found
-    with watch.note("roadmap_build"):
-        built = _grown(ground, deadline)
+    cached = None if store is None else store.get(context.key)
+    if cached is not None:
+        return cached
+    with watch.measure("roadmap_build"):
+        built = _build(context, deadline)
     if store is not None:
         store.put(built)
     return built
 
 
-def _grown(ground: RoadmapContext, deadline: Deadline) -> Roadmap:
+def _build(context: RoadmapContext, deadline: Deadline) -> Roadmap:
     try:
-        return grow_roadmap(ground.recipe, ground.oracle, ground.key, deadline, ground.residual)
+        return grow_roadmap(
+            context.build_request, context.oracle, context.key, deadline, context.residual
+        )
     except DeadlineExceeded as error:
         message = (
-            f"the allowed {deadline.allowed:g} s ran out while the roadmap of "
-            f"{ground.recipe.options.states} states was built; it is built once, so allow for it "
-            "once, or ask for fewer states"
+            f"the allowed {deadline.time_limit:g} s ran out while the roadmap of "
+            f"{context.build_request.options.states} states was built; it is built once, "
+            "so allow for it once, or ask for fewer states"
         )
         raise error.saying(message, {"during": "roadmap"}).in_stage("roadmap") from error

@@ -15,7 +15,7 @@ from planning.parallel.atomic_files import evict_oldest, write_atomically
 
 type AnyArray = np.ndarray[Any, np.dtype[Any]]
 
-_STATE, _ROW = "<f8", "<i4"
+_STATE_DTYPE, _ROW_DTYPE = "<f8", "<i4"
 
 
 @runtime_checkable
@@ -43,24 +43,24 @@ class RoadmapCache:
         roadmaps: Iterable[Roadmap] = (),
         *,
         folder: Path | None = None,
-        most_bytes: int = 2**27,
-        most_bytes_on_disk: int = 2**29,
+        max_bytes: int = 2**27,
+        max_bytes_on_disk: int = 2**29,
     ) -> None:
         """Create a cache.
 
         Args:
             roadmaps: Initial content in memory.
             folder: Folder of the cache files, which outlive the process; None for memory only.
-            most_bytes: Limit of all arrays in memory [bytes]; the most recently used roadmap stays
+            max_bytes: Limit of all arrays in memory [bytes]; the most recently used roadmap stays
                 whatever its size.
-            most_bytes_on_disk: Limit of all files [bytes]; least recently read files go first.
+            max_bytes_on_disk: Limit of all files [bytes]; least recently read files go first.
         """
         self._folder = folder
-        self._most_bytes = most_bytes
-        self._most_bytes_on_disk = most_bytes_on_disk
-        self._kept: OrderedDict[str, Roadmap] = OrderedDict()
+        self._max_bytes = max_bytes
+        self._max_bytes_on_disk = max_bytes_on_disk
+        self._roadmaps: OrderedDict[str, Roadmap] = OrderedDict()
         for roadmap in roadmaps:
-            self._keep(roadmap)
+            self._insert(roadmap)
 
     def get(self, key: str) -> Roadmap | None:
         """Return the roadmap of that key, from memory or from its file; None if it is in neither.
@@ -68,57 +68,59 @@ class RoadmapCache:
         Args:
             key: `Roadmap.key`.
         """
-        found = self._kept.get(key) or self._read(key)
-        if found is not None:
-            self._keep(found)
-        return found
+        roadmap = self._roadmaps.get(key) or self._read_file(key)
+        if roadmap is not None:
+            self._insert(roadmap)
+        return roadmap
 
     def put(self, roadmap: Roadmap) -> None:
         """Store a roadmap in memory and in its file; errors of the file system are ignored."""
-        self._keep(roadmap)
+        self._insert(roadmap)
         if self._folder is not None:
             with suppress(OSError):
-                write_atomically(self._file(self._folder, roadmap.key), json.dumps(_plain(roadmap)))
-                evict_oldest(self._folder, self._most_bytes_on_disk)
+                write_atomically(
+                    self._path_of(self._folder, roadmap.key), json.dumps(_to_document(roadmap))
+                )
+                evict_oldest(self._folder, self._max_bytes_on_disk)
 
-    def _keep(self, roadmap: Roadmap) -> None:
-        self._kept[roadmap.key] = roadmap
-        self._kept.move_to_end(roadmap.key)
-        while len(self._kept) > 1 and self._num_bytes > self._most_bytes:
-            self._kept.popitem(last=False)
+    def _insert(self, roadmap: Roadmap) -> None:
+        self._roadmaps[roadmap.key] = roadmap
+        self._roadmaps.move_to_end(roadmap.key)
+        while len(self._roadmaps) > 1 and self._num_bytes > self._max_bytes:
+            self._roadmaps.popitem(last=False)
 
     @property
     def _num_bytes(self) -> int:
-        return sum(roadmap.num_bytes for roadmap in self._kept.values())
+        return sum(roadmap.num_bytes for roadmap in self._roadmaps.values())
 
-    def _read(self, key: str) -> Roadmap | None:
+    def _read_file(self, key: str) -> Roadmap | None:
         if self._folder is None:
             return None
-        file = self._file(self._folder, key)
+        file = self._path_of(self._folder, key)
         try:
-            found = _roadmap(json.loads(file.read_text("utf-8")))
+            roadmap = _from_document(json.loads(file.read_text("utf-8")))
             file.touch()
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return None
-        return found if found is not None and found.key == key else None
+        return roadmap if roadmap is not None and roadmap.key == key else None
 
     @staticmethod
-    def _file(folder: Path, key: str) -> Path:
+    def _path_of(folder: Path, key: str) -> Path:
         return folder / f"{key}.json"
 
 
-def _plain(roadmap: Roadmap) -> dict[str, Any]:
+def _to_document(roadmap: Roadmap) -> dict[str, Any]:
     return {
         "key": roadmap.key,
         "digest": roadmap.digest,
         "size": list(roadmap.states.shape),
-        "states": _text(roadmap.states.astype(_STATE)),
-        "edges": _text(roadmap.edges.astype(_ROW)),
+        "states": _encode(roadmap.states.astype(_STATE_DTYPE)),
+        "edges": _encode(roadmap.edges.astype(_ROW_DTYPE)),
         "num_states_checked": roadmap.num_states_checked,
     }
 
 
-def _roadmap(document: dict[str, Any]) -> Roadmap | None:
+def _from_document(document: dict[str, Any]) -> Roadmap | None:
     """Return the roadmap of a parsed cache file; None if its digest does not match.
 
     Raises:
@@ -126,18 +128,18 @@ def _roadmap(document: dict[str, Any]) -> Roadmap | None:
         KeyError: A field is missing.
         TypeError: A field has the wrong type.
     """
-    found = Roadmap(
+    roadmap = Roadmap(
         document["key"],
-        _array(document["states"], _STATE).astype(np.float64).reshape(document["size"]),
-        _array(document["edges"], _ROW).astype(np.int32).reshape(-1, 2),
+        _decode(document["states"], _STATE_DTYPE).astype(np.float64).reshape(document["size"]),
+        _decode(document["edges"], _ROW_DTYPE).astype(np.int32).reshape(-1, 2),
         document["num_states_checked"],
     )
-    return found if found.digest == document["digest"] else None
+    return roadmap if roadmap.digest == document["digest"] else None
 
 
-def _text(array: AnyArray) -> str:
+def _encode(array: AnyArray) -> str:
     return base64.b64encode(array.tobytes()).decode("ascii")
 
 
-def _array(text: str, kind: str) -> AnyArray:
-    return np.frombuffer(base64.b64decode(text, validate=True), dtype=kind)
+def _decode(text: str, dtype: str) -> AnyArray:
+    return np.frombuffer(base64.b64decode(text, validate=True), dtype=dtype)

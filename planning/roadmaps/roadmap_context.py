@@ -23,22 +23,22 @@ from planning.world.fingerprint import collision_fingerprint
 from planning.world.world import World
 
 # Version of the roadmap construction: to be raised with every change of its result.
-_GROWTH = 1
+_BUILD_VERSION = 1
 # Libraries whose versions affect the result; part of the cache key.
 _LIBRARIES = ("drake", "numpy")
 
 
 @dataclass(frozen=True)
-class _Ruled:
+class _RoadmapConstraints:
     """Path constraints of a roadmap and the joints that they lock.
 
     Attributes:
-        rules: Path constraints tightened by their full preferred margins, since one roadmap serves
-            every start and goal.
+        tightened: Path constraints tightened by their full preferred margins, since one roadmap
+            serves every start and goal.
         lock: Split of the group's joints into locked and free ones.
     """
 
-    rules: PathConstraints
+    tightened: PathConstraints
     lock: JointLock
 
 
@@ -50,19 +50,23 @@ class RoadmapContext:
         world: Loaded scene.
         group: Joint group, locked joints included.
         margins: Required distance of every body pair, search padding included.
-        recipe: Build request for the joints that are not locked.
-        ruled: Path constraints and locked joints; None without path constraints.
+        build_request: Build request for the joints that are not locked.
+        constraints: Path constraints and locked joints; None without path constraints.
     """
 
     world: World
     group: JointGroup
     margins: PairMargins
-    recipe: RoadmapBuildRequest
-    ruled: _Ruled | None
+    build_request: RoadmapBuildRequest
+    constraints: _RoadmapConstraints | None
 
     @classmethod
     def from_problem(
-        cls, problem: PlanningProblem, world: World, start: Array, rules: PathConstraints | None
+        cls,
+        problem: PlanningProblem,
+        world: World,
+        start: Array,
+        constraints: PathConstraints | None,
     ) -> "RoadmapContext":
         """Build the context of the roadmap of a problem.
 
@@ -70,7 +74,7 @@ class RoadmapContext:
             problem: Group, margin and options of the search.
             world: Loaded scene.
             start: Start, shape (nq,); only its fixed and locked coordinates matter.
-            rules: The problem's path constraints, compiled for that start; None for none.
+            constraints: The problem's path constraints, compiled for that start; None for none.
 
         Raises:
             UnknownName: The options name a joint, block or coordinate that does not exist.
@@ -78,22 +82,31 @@ class RoadmapContext:
                 reverse, while roadmap edges lead both ways.
             NoPathFound: All joints are locked.
         """
-        _require_sense(problem)
+        _validate_options(problem)
         group = resolve_space(world.group(problem.group), problem.search.spaces)
-        _require_way_back(group)
+        _validate_reversible(group)
         margins = world.margins(problem.margin, SEARCH_PADDING)
         limits, options = world.limits(group), problem.search
-        if rules is None:
-            recipe = RoadmapBuildRequest.from_search(group, limits, start, options)
-            return cls(world, group, margins, recipe, None)
-        lock = JointLock(group, rules.locked, start)
+        if constraints is None:
+            build_request = RoadmapBuildRequest.from_search(group, limits, start, options)
+            return cls(world, group, margins, build_request, None)
+        lock = JointLock(group, constraints.locked, start)
         if not lock.free.joints:
             message = "every joint is locked where the start has it"
-            raise NoPathFound(message, {"reason": "goals", "locked": sorted(rules.locked)})
-        recipe = RoadmapBuildRequest.from_search(
-            lock.free, lock.limits(rules.limits(limits)), start[lock.move_q], lock.options(options)
+            raise NoPathFound(message, {"reason": "goals", "locked": sorted(constraints.locked)})
+        build_request = RoadmapBuildRequest.from_search(
+            lock.free,
+            lock.limits(constraints.limits(limits)),
+            start[lock.free_q_indices],
+            lock.options(options),
         )
-        return cls(world, group, margins, recipe, _Ruled(rules.roomy, lock))
+        return cls(
+            world,
+            group,
+            margins,
+            build_request,
+            _RoadmapConstraints(constraints.fully_tightened, lock),
+        )
 
     @property
     def key(self) -> str:
@@ -102,19 +115,19 @@ class RoadmapContext:
         Raises:
             ProblemInvalid: A path constraint is a predicate.
         """
-        seen = collision_fingerprint(self.world, self.group)
-        decided = _GROWTH, _versions(), seen, self.margins, self.recipe
-        if self.ruled is None:
-            return digest(decided)
-        return digest((*decided, constraints_fingerprint(self.ruled.rules)))
+        scene_digest = collision_fingerprint(self.world, self.group)
+        inputs = _BUILD_VERSION, _library_versions(), scene_digest, self.margins, self.build_request
+        if self.constraints is None:
+            return digest(inputs)
+        return digest((*inputs, constraints_fingerprint(self.constraints.tightened)))
 
     @property
     def oracle(self) -> CollisionOracle:
         """Collision oracle over the unlocked joints; path constraints count as collisions."""
-        judge = self.world.collision_oracle(self.group, self.margins)
-        if self.ruled is None:
-            return judge
-        return LockedJointOracle(self.ruled.lock, self.ruled.rules.oracle(judge))
+        checker = self.world.collision_oracle(self.group, self.margins)
+        if self.constraints is None:
+            return checker
+        return LockedJointOracle(self.constraints.lock, self.constraints.tightened.oracle(checker))
 
     @property
     def residual(self) -> Residual | None:
@@ -122,13 +135,13 @@ class RoadmapContext:
 
         Rejection sampling cannot reach such a set of measure zero. None without such constraints.
         """
-        residual = None if self.ruled is None else self.ruled.rules.residual
-        if self.ruled is None or residual is None:
+        residual = None if self.constraints is None else self.constraints.tightened.residual
+        if self.constraints is None or residual is None:
             return None
-        return LockedResidual(self.ruled.lock, residual)
+        return LockedResidual(self.constraints.lock, residual)
 
 
-def _require_sense(problem: PlanningProblem) -> None:
+def _validate_options(problem: PlanningProblem) -> None:
     options = problem.search.roadmap
     if options is not None and (options.states < 1 or options.neighbours < 1 or options.seed < 0):
         field = "search.roadmap"
@@ -136,7 +149,7 @@ def _require_sense(problem: PlanningProblem) -> None:
         raise ProblemInvalid(message, {"field": field})
 
 
-def _require_way_back(group: JointGroup) -> None:
+def _validate_reversible(group: JointGroup) -> None:
     cars = [name for name, how in steering_of(group).items() if not how.reverse]
     if cars:
         field = "search.roadmap"
@@ -147,5 +160,5 @@ def _require_way_back(group: JointGroup) -> None:
 
 
 @cache
-def _versions() -> tuple[str, ...]:
+def _library_versions() -> tuple[str, ...]:
     return tuple(version(name) for name in _LIBRARIES)

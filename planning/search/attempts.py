@@ -22,7 +22,7 @@ from planning.search.statistics import SearchStatistics
 from planning.search.verified_path import CheckResolution, VerificationTrial, verified_attempt
 
 # If an attempt takes less than this, the next one runs in this process too [s].
-_WORTH_IT = 0.03
+_MIN_POOL_SECONDS = 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,18 +33,18 @@ class AttemptResult(Value):
         planner: OMPL's name of the planner.
         trial: The verified path, or the reason why there is none.
         num_states: Configurations that were checked.
-        num_fine: Edges that were checked at the fine resolution.
+        num_fine_edges: Edges that were checked at the fine resolution.
         seconds: Duration of the attempt [s].
-        parts: Durations of its stages [s] by name, if it ran in another process.
+        stage_seconds: Durations of its stages [s] by name, if it ran in another process.
         was_cut: Whether a deadline cut it short in that process.
     """
 
     planner: str
     trial: VerificationTrial
     num_states: int
-    num_fine: int
+    num_fine_edges: int
     seconds: float
-    parts: Mapping[str, float] = field(default_factory=dict)
+    stage_seconds: Mapping[str, float] = field(default_factory=dict)
     was_cut: bool = False
 
 
@@ -54,19 +54,19 @@ class AttemptSchedule:
     def __init__(
         self,
         query: Query,
-        closeness: CheckResolution,
+        resolution: CheckResolution,
         seeds: list[np.random.SeedSequence],
-        tally: SearchStatistics,
+        statistics: SearchStatistics,
     ) -> None:
         """Plan one attempt for every seed; planners take turns."""
         self._query = query
-        self._closeness = closeness
+        self._resolution = resolution
         self._seeds = seeds
-        self._tally = tally
-        self._elsewhere: dict[int, AttemptResult | WayproofError] = {}
-        self._next = 0
+        self._statistics = statistics
+        self._pool_results: dict[int, AttemptResult | WayproofError] = {}
+        self._next_index = 0
 
-    def play(self, pool: AttemptPool | None) -> None:
+    def run_all(self, pool: AttemptPool | None) -> None:
         """Run all attempts, in the pool or here, and record them in the search statistics.
 
         Raises:
@@ -74,95 +74,95 @@ class AttemptSchedule:
             DeadlineExceeded: The time has run out; attempts that ended before that are recorded.
         """
         try:
-            while self._next < len(self._seeds):
-                if self._next in self._elsewhere:
-                    self._advance()
-                elif self._make_next() >= _WORTH_IT and pool is not None:
-                    self._send(pool)
+            while self._next_index < len(self._seeds):
+                if self._next_index in self._pool_results:
+                    self._record_next()
+                elif self._run_next() >= _MIN_POOL_SECONDS and pool is not None:
+                    self._run_in_pool(pool)
                     pool = None
         except (Canceled, DeadlineExceeded):
-            for _, outcome in sorted(self._elsewhere.items()):
+            for _, outcome in sorted(self._pool_results.items()):
                 if isinstance(outcome, AttemptResult):
-                    self._note(outcome)
+                    self._record(outcome)
             raise
 
-    def _send(self, pool: AttemptPool) -> None:
+    def _run_in_pool(self, pool: AttemptPool) -> None:
         """Run the remaining attempts in the pool."""
-        first = self._next
+        first = self._next_index
         count = len(self._seeds) - first
 
-        def make(piece: int) -> AttemptResult:
-            return self._make_elsewhere(first + piece)
+        def run_task(index: int) -> AttemptResult:
+            return self._run_in_child(first + index)
 
-        with closing(pool.each(make, count, self._query.deadline)) as arrivals:
-            for piece, outcome in arrivals:
-                self._elsewhere[first + piece] = outcome
-                self._advance()
+        with closing(pool.each(run_task, count, self._query.deadline)) as results:
+            for piece, outcome in results:
+                self._pool_results[first + piece] = outcome
+                self._record_next()
 
-    def _advance(self) -> None:
+    def _record_next(self) -> None:
         """Record the next attempts whose results have come from the pool."""
-        while self._next in self._elsewhere:
-            outcome = self._elsewhere.pop(self._next)
-            self._next += 1
-            self._note(outcome)
+        while self._next_index in self._pool_results:
+            outcome = self._pool_results.pop(self._next_index)
+            self._next_index += 1
+            self._record(outcome)
 
-    def _make_next(self) -> float:
+    def _run_next(self) -> float:
         """Run the next attempt here, record it, and return its duration [s]."""
-        tally, query, k = self._tally, self._query, self._next
-        self._next += 1
-        tally.num_attempts += 1
+        statistics, query, k = self._statistics, self._query, self._next_index
+        self._next_index += 1
+        statistics.num_attempts += 1
         if len(self._seeds) == 1:
-            made = self._made(k, query)
+            result = self._run(k, query)
         else:
-            with query.watch.note(f"attempt_{tally.num_attempts}"):
-                made = self._made(k, query)
-        tally.note(made.planner, made.trial, made.num_states)
-        return made.seconds
+            with query.watch.measure(f"attempt_{statistics.num_attempts}"):
+                result = self._run(k, query)
+        statistics.record(result.planner, result.trial, result.num_states)
+        return result.seconds
 
-    def _make_elsewhere(self, k: int) -> AttemptResult:
+    def _run_in_child(self, k: int) -> AttemptResult:
         """Return an attempt made in another process, which only the deadline ends, not a cancel."""
         cuts: list[int] = []
-        deadline = self._query.deadline.uncancelable.cutting(lambda: cuts.append(k))
+        deadline = self._query.deadline.uncancelable.with_on_expiry(lambda: cuts.append(k))
         watch = Stopwatch(deadline.clock)
-        query = replace(self._query, deadline=deadline, on_better=None, watch=watch)
-        with query.oracle.until(query.deadline):
-            made = self._made(k, query)
-        return replace(made, parts=watch.parts, was_cut=bool(cuts))
+        query = replace(self._query, deadline=deadline, on_improvement=None, watch=watch)
+        with query.oracle.with_deadline(query.deadline):
+            result = self._run(k, query)
+        return replace(result, stage_seconds=watch.seconds_by_name, was_cut=bool(cuts))
 
-    def _note(self, outcome: AttemptResult | WayproofError) -> None:
+    def _record(self, outcome: AttemptResult | WayproofError) -> None:
         """Record an attempt that ran in another process.
 
         Raises:
             WayproofError: The attempt ended with this error.
         """
-        tally, query = self._tally, self._query
-        tally.num_attempts += 1
+        statistics, query = self._statistics, self._query
+        statistics.num_attempts += 1
         if isinstance(outcome, DeadlineExceeded) or (
             isinstance(outcome, AttemptResult) and outcome.was_cut
         ):
-            query.deadline.on_cut()
+            query.deadline.on_expiry()
         if isinstance(outcome, WayproofError):
             raise outcome
-        query.watch.add(f"attempt_{tally.num_attempts}", outcome.seconds)
-        for name, seconds in outcome.parts.items():
+        query.watch.add(f"attempt_{statistics.num_attempts}", outcome.seconds)
+        for name, seconds in outcome.stage_seconds.items():
             query.watch.add(name, seconds)
         query.oracle.num_states += outcome.num_states
-        self._closeness.fine.num_motions += outcome.num_fine
-        tally.note(outcome.planner, outcome.trial, outcome.num_states)
+        self._resolution.fine.num_motions += outcome.num_fine_edges
+        statistics.record(outcome.planner, outcome.trial, outcome.num_states)
 
-    def _made(self, k: int, query: Query) -> AttemptResult:
+    def _run(self, k: int, query: Query) -> AttemptResult:
         names = query.options.planners
         name, parameters = names[k % len(names)], query.parameters
         if len(names) > 1:
             parameters = own_parameters(name, parameters)
-        clock, fine = query.deadline.clock, self._closeness.fine
+        clock, fine = query.deadline.clock, self._resolution.fine
         began, states, edges = clock(), query.oracle.num_states, fine.num_motions
-        own = replace(query, planner=name, parameters=parameters)
-        trial = verified_attempt(own, self._closeness, self._seeds[k])
+        attempt_query = replace(query, planner=name, parameters=parameters)
+        trial = verified_attempt(attempt_query, self._resolution, self._seeds[k])
         return AttemptResult(
             planner=name,
             trial=trial,
             num_states=query.oracle.num_states - states,
-            num_fine=fine.num_motions - edges,
+            num_fine_edges=fine.num_motions - edges,
             seconds=clock() - began,
         )

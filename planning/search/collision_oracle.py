@@ -14,7 +14,7 @@ from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
 
 # Most states in one call of the inner oracle between two checks of the deadline (or one motion).
-_MOST_AT_ONCE = 4096
+_MAX_BATCH_STATES = 4096
 
 
 @runtime_checkable
@@ -74,22 +74,26 @@ class WatchedOracle:
         """Wrap the oracle `inner`, for the joints and limits of a group."""
         self._inner = inner
         self._deadline = deadline
-        self._edge = inner.is_edge_free if isinstance(inner, EdgeOracle) else self._judge_edge
+        self._check_edge = (
+            inner.is_edge_free if isinstance(inner, EdgeOracle) else self._check_edge_as_motion
+        )
         self._manifold = Manifold.of(group.joints)
-        self._circle, self._lower, self._width = _bounded_circles(group, limits)
+        self._wrapping_indices, self._lower, self._widths = _limited_wrapping_coordinates(
+            group, limits
+        )
         self.num_states = 0
 
     @contextmanager
-    def until(self, deadline: Deadline) -> Generator[None]:
+    def with_deadline(self, deadline: Deadline) -> Generator[None]:
         """Use another deadline within the context."""
-        kept, self._deadline = self._deadline, deadline
+        previous, self._deadline = self._deadline, deadline
         try:
             yield
         finally:
-            self._deadline = kept
+            self._deadline = previous
 
-    def heed(self, deadline: Deadline) -> None:
-        """Use another deadline from now on; inside an `until` context, up to its end."""
+    def set_deadline(self, deadline: Deadline) -> None:
+        """Use another deadline from now on; inside an `with_deadline` context, up to its end."""
         self._deadline = deadline
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
@@ -101,7 +105,7 @@ class WatchedOracle:
         """
         self._deadline.check("search")
         self.num_states += 1
-        if self._circle and not self._keeps_circles(q[None])[0]:
+        if self._wrapping_indices and not self._are_within_wrapping_limits(q[None])[0]:
             return False
         return self._inner.is_free(q)
 
@@ -115,7 +119,9 @@ class WatchedOracle:
         self._deadline.check("search")
         self.num_states += len(qs)
         verdicts = self._inner.are_free(qs)
-        return verdicts & self._keeps_circles(qs) if self._circle else verdicts
+        return (
+            verdicts & self._are_within_wrapping_limits(qs) if self._wrapping_indices else verdicts
+        )
 
     def is_motion_free(
         self,
@@ -130,7 +136,7 @@ class WatchedOracle:
             DeadlineExceeded: The time has run out.
         """
         steps = num_steps(displacement, resolution)
-        if self._circle or steps > _MOST_AT_ONCE:
+        if self._wrapping_indices or steps > _MAX_BATCH_STATES:
             return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
         self._deadline.check("search")
         self.num_states += steps
@@ -146,11 +152,13 @@ class WatchedOracle:
             DeadlineExceeded: The time has run out.
         """
         self._deadline.check("search")
-        free, steps = self._edge(q0, q1, resolution)
+        free, steps = self._check_edge(q0, q1, resolution)
         self.num_states += steps + 1
         return free
 
-    def _judge_edge(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
+    def _check_edge_as_motion(
+        self, q0: list[float], q1: list[float], resolution: float
+    ) -> tuple[bool, int]:
         begin, end = np.array(q0), np.array(q1)
         steps = num_steps(end - begin, resolution)
         free = self._inner.is_free(begin) and self._inner.is_motion_free(
@@ -172,16 +180,16 @@ class WatchedOracle:
         """
         counts = steps_of(displacements, resolution)
         total = int(counts.sum())
-        if not self._circle and total <= _MOST_AT_ONCE:
+        if not self._wrapping_indices and total <= _MAX_BATCH_STATES:
             self._deadline.check("search")
             self.num_states += total
             return self._inner.are_motions_free(origins, displacements, resolution)
         self.num_states += total
-        free = self._stay_on_circles(origins, displacements, resolution)
-        is_long = counts > _MOST_AT_ONCE
+        free = self._are_motions_within_wrapping_limits(origins, displacements, resolution)
+        is_long = counts > _MAX_BATCH_STATES
         for row in np.flatnonzero(free & is_long):
             free[row] = self._is_long_motion_free((origins[row], displacements[row]), resolution)
-        for rows in _portions(np.flatnonzero(free & ~is_long), counts):
+        for rows in _batches(np.flatnonzero(free & ~is_long), counts):
             self._deadline.check("search")
             free[rows] = self._inner.are_motions_free(
                 origins[rows], displacements[rows], resolution
@@ -195,42 +203,48 @@ class WatchedOracle:
                 return False
         return True
 
-    def _stay_on_circles(self, origins: Array, displacements: Array, resolution: float) -> Flags:
+    def _are_motions_within_wrapping_limits(
+        self, origins: Array, displacements: Array, resolution: float
+    ) -> Flags:
         """Return for every motion whether its samples keep the limits of wrapping joints."""
-        if not self._circle:
+        if not self._wrapping_indices:
             return np.ones(len(origins), dtype=bool)
         verdicts = [
             all(
-                self._keeps_circles(qs).all()
+                self._are_within_wrapping_limits(qs).all()
                 for qs in sample_batches(self._manifold, motion, resolution)
             )
             for motion in zip(origins, displacements, strict=True)
         ]
         return np.array(verdicts, dtype=bool)
 
-    def _keeps_circles(self, qs: Array) -> Flags:
-        beyond = np.remainder(qs[:, self._circle] - self._lower, 2 * np.pi)
-        dust = 1e-9
-        return ((beyond <= self._width + dust) | (beyond >= 2 * np.pi - dust)).all(axis=1)
+    def _are_within_wrapping_limits(self, qs: Array) -> Flags:
+        offsets = np.remainder(qs[:, self._wrapping_indices] - self._lower, 2 * np.pi)
+        rounding = 1e-9
+        return ((offsets <= self._widths + rounding) | (offsets >= 2 * np.pi - rounding)).all(
+            axis=1
+        )
 
 
-def _portions(rows: Indices, counts: Indices) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
-    """Return the rows split into batches of at most about `_MOST_AT_ONCE` states each."""
+def _batches(rows: Indices, counts: Indices) -> list[np.ndarray[Any, np.dtype[np.intp]]]:
+    """Return the rows split into batches of at most about `_MAX_BATCH_STATES` states each."""
     if not len(rows):
         return []
-    place = np.cumsum(counts[rows]) // _MOST_AT_ONCE
-    return np.split(rows, np.flatnonzero(np.diff(place)) + 1)
+    batch_index = np.cumsum(counts[rows]) // _MAX_BATCH_STATES
+    return np.split(rows, np.flatnonzero(np.diff(batch_index)) + 1)
 
 
-def _bounded_circles(group: JointGroup, limits: JointLimits) -> tuple[list[int], Array, Array]:
+def _limited_wrapping_coordinates(
+    group: JointGroup, limits: JointLimits
+) -> tuple[list[int], Array, Array]:
     """Return coordinates of q that are limited angles on a circle, their lower limits, widths."""
     width = limits.upper - limits.lower
-    found: list[int] = []
+    indices: list[int] = []
     iq = 0
     for joint in group.joints:
         wraps = joint.wraps
         count = joint.num_positions
         if any(wraps):
-            found += [iq + k for k in range(count) if wraps[k] and width[iq + k] < 2 * np.pi]
+            indices += [iq + k for k in range(count) if wraps[k] and width[iq + k] < 2 * np.pi]
         iq += count
-    return found, limits.lower[found], width[found]
+    return indices, limits.lower[indices], width[indices]

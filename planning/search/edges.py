@@ -34,7 +34,7 @@ class EdgeChecker:
         self.resolution = resolution
         self.num_motions = 0
         self._oracle = oracle
-        self._is_vector = manifold.is_vector
+        self._is_vector = manifold.is_vector_space
 
     def is_free(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all samples of the geodesic are free, q1's included, q0's not.
@@ -80,7 +80,7 @@ class EdgeChecker:
         """Return the lengths by `norm` of the geodesics between rows."""
         return self.norm(self.manifold.minus(q1s, q0s))
 
-    def between(
+    def interpolate_pairs(
         self,
         q0s: Float64[np.ndarray, "m nq"],
         q1s: Float64[np.ndarray, "m nq"],
@@ -89,7 +89,7 @@ class EdgeChecker:
         """Return the configuration at a fraction of the geodesic between each pair of rows."""
         return self.manifold.plus(q0s, fractions[:, None] * self.manifold.minus(q1s, q0s))
 
-    def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
+    def local_path(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
         """Return waypoints from q0 to q1, joined by geodesics, shape (k, nq): here q0 and q1."""
         return np.stack([q0, q1])
 

@@ -21,7 +21,7 @@ from planning.search.request import SearchResult, SearchTask
 from planning.search.solver import search
 
 # Largest difference between start and goal in a locked joint, for the goal to count [rad or m].
-_SAME = 1e-6
+_POSITION_TOLERANCE = 1e-6
 
 
 def search_with_locked_joints(  # noqa: PLR0913, PLR0917  (what `search` takes, and what is locked)
@@ -46,28 +46,29 @@ def search_with_locked_joints(  # noqa: PLR0913, PLR0917  (what `search` takes, 
         return search(group, limits, oracle, task, deadline, watch)
     lock = JointLock(group, locked, task.start)
     rows = np.flatnonzero(
-        np.abs(task.goals[:, lock.stay_q] - task.start[lock.stay_q]).max(1) <= _SAME
+        np.abs(task.goals[:, lock.locked_q_indices] - task.start[lock.locked_q_indices]).max(1)
+        <= _POSITION_TOLERANCE
     )
     if not len(rows) or not lock.free.joints:
         message = "no goal is reached with the locked joints where the start has them"
         raise NoPathFound(message, {"reason": "goals", "locked": sorted(locked)})
     clearances = task.clearances
-    part = replace(
+    free_task = replace(
         task,
-        start=task.start[lock.move_q],
-        goals=task.goals[rows][:, lock.move_q],
+        start=task.start[lock.free_q_indices],
+        goals=task.goals[rows][:, lock.free_q_indices],
         options=lock.options(task.options),
         residual=None if task.residual is None else LockedResidual(lock, task.residual),
         clearances=None if clearances is None else (lambda q: clearances(lock.expand(q))),
     )
-    found = search(
-        lock.free, lock.limits(limits), LockedJointOracle(lock, oracle), part, deadline, watch
+    result = search(
+        lock.free, lock.limits(limits), LockedJointOracle(lock, oracle), free_task, deadline, watch
     )
-    graph = found.graph
+    graph = result.graph
     return replace(
-        found,
-        path=JointPath(group, lock.expand(found.path.waypoints)),
-        goal_row=int(rows[found.goal_row]),
+        result,
+        path=JointPath(group, lock.expand(result.path.waypoints)),
+        goal_row=int(rows[result.goal_row]),
         graph=None if graph is None else replace(graph, vertices=lock.expand(graph.vertices)),
     )
 
@@ -77,9 +78,9 @@ class JointLock:
 
     Attributes:
         free: The moving joints, as a group.
-        move_q: Indices of their coordinates in the group's q.
-        move_v: Indices of their coordinates in the group's v.
-        stay_q: Indices of the locked joints' coordinates in q.
+        free_q_indices: Indices of their coordinates in the group's q.
+        free_v_indices: Indices of their coordinates in the group's v.
+        locked_q_indices: Indices of the locked joints' coordinates in q.
     """
 
     def __init__(
@@ -94,13 +95,15 @@ class JointLock:
         self._start = start
         self._nv = group.num_velocities
         self._joints, self._locked = group.joints, locked
-        self.move_q, self.stay_q = self._split([j.num_positions for j in group.joints])
-        self.move_v, _ = self._split([j.num_velocities for j in group.joints])
+        self.free_q_indices, self.locked_q_indices = self._split([
+            j.num_positions for j in group.joints
+        ])
+        self.free_v_indices, _ = self._split([j.num_velocities for j in group.joints])
 
     def options(self, options: SearchOptions) -> SearchOptions:
         """Return the options without weights, bounds and spaces of locked joints."""
 
-        def moving(by_name: Mapping[str, Any]) -> dict[str, Any]:
+        def of_free_joints(by_name: Mapping[str, Any]) -> dict[str, Any]:
             return {
                 name: value
                 for name, value in by_name.items()
@@ -109,18 +112,18 @@ class JointLock:
 
         return replace(
             options,
-            weights=moving(options.weights),
-            bounds=moving(options.bounds),
-            spaces=moving(options.spaces),
+            weights=of_free_joints(options.weights),
+            bounds=of_free_joints(options.bounds),
+            spaces=of_free_joints(options.spaces),
         )
 
     def limits(self, limits: JointLimits) -> JointLimits:
         """Return the limits of the moving joints."""
-        moves = [joint.name not in self._locked for joint in self._joints for _ in joint.blocks]
-        rows = np.flatnonzero(moves)
+        is_free = [joint.name not in self._locked for joint in self._joints for _ in joint.blocks]
+        rows = np.flatnonzero(is_free)
         return JointLimits(
-            limits.lower[self.move_q],
-            limits.upper[self.move_q],
+            limits.lower[self.free_q_indices],
+            limits.upper[self.free_q_indices],
             limits.velocity[rows],
             limits.acceleration[rows],
             limits.jerk[rows],
@@ -130,15 +133,15 @@ class JointLock:
 
     def expand(self, qs: Float64[np.ndarray, "*m nf"]) -> Float64[np.ndarray, "*m nq"]:
         """Return configurations of the whole group from those of the moving joints."""
-        whole = np.broadcast_to(self._start, (*qs.shape[:-1], len(self._start))).copy()
-        whole[..., self.move_q] = qs
-        return whole
+        full_q = np.broadcast_to(self._start, (*qs.shape[:-1], len(self._start))).copy()
+        full_q[..., self.free_q_indices] = qs
+        return full_q
 
     def expand_tangents(self, v: Float64[np.ndarray, "*m nf"]) -> Float64[np.ndarray, "*m nv"]:
         """Return displacements of the whole group from those of the moving joints."""
-        whole = np.zeros((*v.shape[:-1], self._nv))
-        whole[..., self.move_v] = v
-        return whole
+        full_v = np.zeros((*v.shape[:-1], self._nv))
+        full_v[..., self.free_v_indices] = v
+        return full_v
 
     def _split(self, counts: list[int]) -> tuple[Indices, Indices]:
         """Return the indices of the moving joints' coordinates, and of the locked ones'."""
@@ -171,8 +174,8 @@ class LockedJointOracle:
         resolution: float,
     ) -> bool:
         """Return whether every sample of a motion is free."""
-        whole = self.lock.expand(origin), self.lock.expand_tangents(displacement)
-        return self.inner.is_motion_free(*whole, resolution)
+        full_motion = self.lock.expand(origin), self.lock.expand_tangents(displacement)
+        return self.inner.is_motion_free(*full_motion, resolution)
 
     def are_motions_free(
         self,
@@ -181,8 +184,8 @@ class LockedJointOracle:
         resolution: float,
     ) -> Bool[np.ndarray, " m"]:
         """Return whether every sample of each motion is free, by pairs of rows."""
-        whole = self.lock.expand(origins), self.lock.expand_tangents(displacements)
-        return self.inner.are_motions_free(*whole, resolution)
+        full_motions = self.lock.expand(origins), self.lock.expand_tangents(displacements)
+        return self.inner.are_motions_free(*full_motions, resolution)
 
 
 @dataclass(frozen=True)
@@ -203,4 +206,4 @@ class LockedResidual:
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "size nv"]:
         """Return its derivative with respect to v of the moving joints."""
-        return self.inner.jacobian(self.lock.expand(q))[:, self.lock.move_v]
+        return self.inner.jacobian(self.lock.expand(q))[:, self.lock.free_v_indices]

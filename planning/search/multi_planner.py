@@ -20,12 +20,12 @@ from planning.search.statistics import SearchStatistics
 from planning.search.verified_path import CheckResolution
 
 # States that an attempt of several planners may check in the first round; growth factor per round.
-_FIRST_STATES = 20_000
-_MORE = 4
+_INITIAL_MAX_STATES = 20_000
+_GROWTH_FACTOR = 4
 
 
 def solve_concurrently(
-    query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
+    query: Query, resolution: CheckResolution, task: SearchTask, statistics: SearchStatistics
 ) -> None:
     """Run rounds of attempts until one has a path; keep the best path in the search statistics.
 
@@ -35,16 +35,16 @@ def solve_concurrently(
     """
     seeds = np.random.SeedSequence(task.seed)
     # Costs of other objectives than the length are no lengths to report.
-    tell = task.on_best if query.objective.is_length else None
-    on_better = None if tell is None else partial(tally.hear, tell)
+    report = task.on_best if query.objective.is_length else None
+    on_improvement = None if report is None else partial(statistics.report_improvement, report)
     is_alone = len(query.options.planners) == 1
-    is_bounded = math.isfinite(task.most_states)
-    states = task.most_states if is_alone or is_bounded else _FIRST_STATES
+    is_bounded = math.isfinite(task.max_states)
+    max_states = task.max_states if is_alone or is_bounded else _INITIAL_MAX_STATES
     while True:
-        tally.num_spent = 0
-        limited = replace(query, most_states=states, on_better=on_better)
-        round_ = seeds.spawn(query.options.num_attempts)
-        AttemptSchedule(limited, closeness, round_, tally).play(task.pool)
-        if tally.best is not None or not tally.num_spent or is_bounded:
+        statistics.num_given_up = 0
+        limited_query = replace(query, max_states=max_states, on_improvement=on_improvement)
+        attempt_seeds = seeds.spawn(query.options.num_attempts)
+        AttemptSchedule(limited_query, resolution, attempt_seeds, statistics).run_all(task.pool)
+        if statistics.best is not None or not statistics.num_given_up or is_bounded:
             return
-        states *= _MORE
+        max_states *= _GROWTH_FACTOR

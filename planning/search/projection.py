@@ -11,29 +11,29 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.projected_space import MOST_ITERATIONS, ON, STEP, Residual
+from planning.search.ompl.projected_space import MAX_ITERATIONS, SET_STEP, SET_TOLERANCE, Residual
 
 # A projected step longer than this many nominal steps has jumped to another part of the set.
-_JUMP = 2.0
+_MAX_STEP_RATIO = 2.0
 # Least progress toward the goal per step, as a share of the step length.
-_PROGRESS = 0.1
+_MIN_PROGRESS = 0.1
 # How many times a step is halved whose straight edge leaves the set.
-_HALVINGS = 2
+_MAX_HALVINGS = 2
 
 
-def projected(residual: Residual, q: Float64[np.ndarray, " nq"]) -> Array | None:
+def project(residual: Residual, q: Float64[np.ndarray, " nq"]) -> Array | None:
     """Return a configuration near q, shape (nq,), where the residual vanishes, or None."""
-    for _ in range(MOST_ITERATIONS):
-        miss = residual.residual(q)
-        if float(np.linalg.norm(miss)) <= ON:
+    for _ in range(MAX_ITERATIONS):
+        value = residual.residual(q)
+        if float(np.linalg.norm(value)) <= SET_TOLERANCE:
             return q
-        rows = miss != 0
-        step, *_ = np.linalg.lstsq(residual.jacobian(q)[rows], miss[rows], rcond=None)
+        rows = value != 0
+        step, *_ = np.linalg.lstsq(residual.jacobian(q)[rows], value[rows], rcond=None)
         q = q - step
     return None
 
 
-def way_along(
+def path_along_set(
     residual: Residual,
     edges: EdgeChecker,
     q0: Float64[np.ndarray, " nq"],
@@ -53,38 +53,38 @@ def way_along(
         Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
-    way = _chain(residual, q0, q1)
-    for _ in range(_HALVINGS + 1):
-        if way is None:
+    chain = _chain(residual, q0, q1)
+    for _ in range(_MAX_HALVINGS + 1):
+        if chain is None:
             return None
-        free = edges.are_free(way[:-1], way[1:])
+        free = edges.are_free(chain[:-1], chain[1:])
         if free.all():
-            return way[1:-1]
-        way = _halved(residual, way, np.flatnonzero(~free))
+            return chain[1:-1]
+        chain = _refined(residual, chain, np.flatnonzero(~free))
     return None
 
 
 def _chain(residual: Residual, q0: Array, q1: Array) -> Array | None:
     """Return projected steps from q0 to q1, both included."""
     rows = [q0]
-    left = float(np.linalg.norm(q1 - q0))
-    while left > STEP:
+    remaining = float(np.linalg.norm(q1 - q0))
+    while remaining > SET_STEP:
         here = rows[-1]
-        there = projected(residual, here + STEP / left * (q1 - here))
-        if there is None or np.linalg.norm(there - here) > _JUMP * STEP:
+        there = project(residual, here + SET_STEP / remaining * (q1 - here))
+        if there is None or np.linalg.norm(there - here) > _MAX_STEP_RATIO * SET_STEP:
             return None
-        rest = float(np.linalg.norm(q1 - there))
-        if rest > left - _PROGRESS * STEP:
+        next_remaining = float(np.linalg.norm(q1 - there))
+        if next_remaining > remaining - _MIN_PROGRESS * SET_STEP:
             return None
         rows.append(there)
-        left = rest
+        remaining = next_remaining
     return np.stack([*rows, q1])
 
 
-def _halved(residual: Residual, way: Array, blocked: Indices) -> Array | None:
+def _refined(residual: Residual, chain: Array, blocked: Indices) -> Array | None:
     """Return the chain with a projected midpoint added to each blocked step."""
-    middles = [projected(residual, (way[i] + way[i + 1]) / 2) for i in blocked]
-    found = [q for q in middles if q is not None]
-    if len(found) < len(middles):
+    midpoints = [project(residual, (chain[i] + chain[i + 1]) / 2) for i in blocked]
+    projected_midpoints = [q for q in midpoints if q is not None]
+    if len(projected_midpoints) < len(midpoints):
         return None
-    return np.insert(way, blocked + 1, np.stack(found), axis=0)
+    return np.insert(chain, blocked + 1, np.stack(projected_midpoints), axis=0)

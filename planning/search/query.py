@@ -12,7 +12,7 @@ from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import SearchOptions
 from planning.domain.request.stopwatch import Stopwatch
-from planning.domain.robot.car_request import require_directed
+from planning.domain.robot.car_request import validate_forward_planners
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.steering import steering_of
 from planning.errors import NoPathFound
@@ -43,8 +43,8 @@ class Query:
         objective: Cost of a path, to be minimised.
         options: The other options of the request.
         space_seconds: Duration of the construction of the space [s].
-        most_states: Checked states after which a planner without a solution gives up.
-        on_better: Callback with the planner's name and its best cost, at intervals while it
+        max_states: Checked states after which a planner without a solution gives up.
+        on_improvement: Callback with the planner's name and its best cost, at intervals while it
             improves.
     """
 
@@ -59,22 +59,22 @@ class Query:
     objective: Objective
     options: SearchOptions
     space_seconds: float = 0.0
-    most_states: float = math.inf
-    on_better: Callable[[str, float], None] | None = None
+    max_states: float = math.inf
+    on_improvement: Callable[[str, float], None] | None = None
 
     @property
-    def is_hurried(self) -> bool:
+    def is_canceled_keeping_best(self) -> bool:
         """Whether the request was canceled with the option to return the best path so far."""
         return self.options.on_cancel == "best" and self.deadline.is_canceled()
 
     @property
-    def patience(self) -> Deadline:
+    def completion_deadline(self) -> Deadline:
         """Deadline for finishing a path: a cancel that wants the best path does not end it."""
         keeps_best = self.options.on_cancel == "best"
         return self.deadline.uncancelable if keeps_best else self.deadline
 
 
-def query_of(
+def make_query(
     group: JointGroup,
     limits: JointLimits,
     oracle: CollisionOracle,
@@ -85,13 +85,13 @@ def query_of(
     """Return the search problem of a task, and the rows of the admissible goals."""
     options = task.options
     check_planners(options.planners, options.parameters)
-    require_directed(options.planners, steering_of(group))
+    validate_forward_planners(options.planners, steering_of(group))
     limits = bounded_limits(group, limits, options.bounds)
     weights = metric_weights(group, options.weights)
     watched = WatchedOracle(oracle, group, limits, deadline)
     watch = watch or Stopwatch(deadline.clock)
     began = deadline.clock()
-    space = _space(group, limits, task, weights)
+    space = _make_space(group, limits, task, weights)
     space_seconds = deadline.clock() - began
     watch.add("setup", space_seconds)
     rows = _admissible_goals(space, watched, task)
@@ -111,14 +111,16 @@ def query_of(
     return query, rows
 
 
-def _space(group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array) -> SearchSpace:
+def _make_space(
+    group: JointGroup, limits: JointLimits, task: SearchTask, weights: Array
+) -> SearchSpace:
     anchors = np.concatenate([task.start[None], task.goals])
-    held = held_rotations(group, task.options.spaces)
+    held_indices = held_rotations(group, task.options.spaces)
     if task.residual is not None:
         return ProjectedSpace(group, limits, anchors, task.residual)
     if steering_of(group):
         return CarSpace(group, limits, anchors, weights)
-    return SearchSpace(group, limits, anchors, weights, held)
+    return SearchSpace(group, limits, anchors, weights, held_indices)
 
 
 def can_project(group: JointGroup, options: SearchOptions) -> bool:
@@ -141,8 +143,8 @@ def _admissible_goals(
             "is demanded"
         )
         raise NoPathFound(message, evidence | {"reason": "start"})
-    inside = [row for row, q in enumerate(task.goals) if space.contains(q)]
-    rows = np.array(inside, dtype=np.intp)
+    inside_rows = [row for row, q in enumerate(task.goals) if space.contains(q)]
+    rows = np.array(inside_rows, dtype=np.intp)
     rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
     if not len(rows):
         message = (

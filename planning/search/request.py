@@ -32,7 +32,7 @@ class PathGuide(Protocol):
 
     name: str
 
-    def lead(
+    def propose_path(
         self, goals: Float64[np.ndarray, "n nq"]
     ) -> tuple[Float64[np.ndarray, "m nq"], int] | None:
         """Return a path from the start to one of the goals, and that goal's row, or None."""
@@ -52,7 +52,7 @@ class SearchTask(Value):
         padding: Distance that the oracle requires beyond the margin [m]; for the report.
         seed: Seed of all random numbers, not negative.
         residual: Constraint residual, on whose zero set samples are projected, or None.
-        most_states: States that an attempt may check until it has a solution. If all attempts have
+        max_states: States that an attempt may check until it has a solution. If all attempts have
             checked as many, the search gives up, and the failure's evidence has `num_given_up`.
         clearances: Returns for rows of q the distances to everything but the robot [m]; for the
             objective "clearance".
@@ -70,7 +70,7 @@ class SearchTask(Value):
     padding: float
     seed: int
     residual: Residual | None = None
-    most_states: float = math.inf
+    max_states: float = math.inf
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
     guide: PathGuide | None = None

@@ -20,27 +20,27 @@ from planning.errors import Canceled, DeadlineExceeded, NoPathFound, ProblemInva
 from planning.search.collision_oracle import CollisionOracle
 from planning.search.multi_planner import solve_concurrently
 from planning.search.ompl.graph import line_graph
-from planning.search.query import Query, query_of
+from planning.search.query import Query, make_query
 from planning.search.request import SearchResult, SearchTask
-from planning.search.roadmap.query_roadmap import query_roadmap, report_of
+from planning.search.roadmap.query_roadmap import make_roadmap_report, query_roadmap
 from planning.search.space_options import resolve_space
 from planning.search.statistics import SearchStatistics
 from planning.search.verified_path import (
     CheckResolution,
     VerifiedPath,
-    delivered,
     fine_checker,
-    followed,
+    make_verified_path,
+    verify_path,
 )
 
 # A straight line is taken at once only if it is no longer than this factor times the distance to
 # the nearest goal, plus a constant (joint-space length).
-_DETOUR = 1.3
-_NEAR = 0.5
+_MAX_DETOUR_FACTOR = 1.3
+_DETOUR_ALLOWANCE = 0.5
 # Number of goals to which straight lines are checked.
-_MOST_LINES = 16
+_MAX_STRAIGHT_LINES = 16
 
-_FIELDS = {
+_REQUIREMENTS = {
     "start": "one finite number per coordinate is needed",
     "goal": "one finite number per coordinate is needed in every row",
     "search.resolution": "it must be positive",
@@ -86,30 +86,30 @@ def search(
         DeadlineExceeded: The time ran out before there was any.
         Canceled: The request was canceled.
     """
-    _require_sense(group, task)
+    _validate_task(group, task)
     group = resolve_space(group, task.options.spaces)
-    query, rows = query_of(group, limits, oracle, task, deadline, watch)
+    query, rows = make_query(group, limits, oracle, task, deadline, watch)
     fine = fine_checker(query, task.resolution)
-    closeness = CheckResolution(task.resolution, task.options.num_states, fine, query.objective)
+    resolution = CheckResolution(task.resolution, task.options.num_states, fine, query.objective)
     # With one attempt the end of the search gives the same report.
     on_best = task.on_best if task.options.num_attempts > 1 else None
-    tally = SearchStatistics(on_best, direct=_straight_line(query, closeness))
-    if tally.best is None or _is_detour(tally.best, query):
-        _look(query, closeness, task, tally)
-    best = tally.best
+    statistics = SearchStatistics(on_best, straight_line=_straight_line(query, resolution))
+    if statistics.best is None or _is_detour(statistics.best, query):
+        _query_guide_roadmap_and_planners(query, resolution, task, statistics)
+    best = statistics.best
     if best is None:
-        raise _no_path(query, tally)
-    graph = tally.graph
-    if graph is None and task.options.keep_graph and best is tally.direct:
+        raise _no_path_found(query, statistics)
+    graph = statistics.graph
+    if graph is None and task.options.keep_graph and best is statistics.straight_line:
         graph = line_graph(best.waypoints[[0, -1]])
     path = JointPath(group, best.waypoints)
     return SearchResult(
-        path, int(rows[best.goal_row]), _report(query, closeness, task, tally, best), graph
+        path, int(rows[best.goal_row]), _report(query, resolution, task, statistics, best), graph
     )
 
 
-def _look(
-    query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
+def _query_guide_roadmap_and_planners(
+    query: Query, resolution: CheckResolution, task: SearchTask, statistics: SearchStatistics
 ) -> None:
     """Query the guide and the roadmap if there are any, then the planners unless one has a path.
 
@@ -120,77 +120,77 @@ def _look(
         DeadlineExceeded: The time ran out before there was any path.
     """
     try:
-        is_led = _is_led(query, closeness, task, tally)
-        if task.roadmap is not None and not is_led:
-            query_roadmap(task.roadmap, query, closeness, tally)
-        if not is_led and not (tally.roadmap and tally.roadmap.used):
-            solve_concurrently(query, closeness, task, tally)
-        tally.was_canceled = query.is_hurried
+        has_guided_path = _has_guided_path(query, resolution, task, statistics)
+        if task.roadmap is not None and not has_guided_path:
+            query_roadmap(task.roadmap, query, resolution, statistics)
+        if not has_guided_path and not (statistics.roadmap and statistics.roadmap.used):
+            solve_concurrently(query, resolution, task, statistics)
+        statistics.was_canceled = query.is_canceled_keeping_best
     except Canceled:
-        if query.options.on_cancel == "discard" or tally.best is None:
+        if query.options.on_cancel == "discard" or statistics.best is None:
             raise
-        tally.was_canceled = True
+        statistics.was_canceled = True
     except DeadlineExceeded as error:
-        if tally.best is not None:
+        if statistics.best is not None:
             return
-        tally.note_growth(error.evidence)
-        raise error.saying(error.detail, tally.evidence(query)) from error
+        statistics.record_failure_evidence(error.evidence)
+        raise error.saying(error.detail, statistics.evidence(query)) from error
 
 
 def _report(
     query: Query,
-    closeness: CheckResolution,
+    resolution: CheckResolution,
     task: SearchTask,
-    tally: SearchStatistics,
+    statistics: SearchStatistics,
     best: VerifiedPath,
 ) -> SearchReport:
-    fine = closeness.fine
-    roadmap = tally.roadmap
+    fine = resolution.fine
+    roadmap = statistics.roadmap
     if roadmap is None and task.roadmap is not None:
-        roadmap = report_of(task.roadmap, "straight_line")
+        roadmap = make_roadmap_report(task.roadmap, "straight_line")
     return SearchReport(
-        planner=tally.winner or query.planner,
-        attempts=tally.num_attempts,
-        solved=tally.num_solved,
+        planner=statistics.best_planner or query.planner,
+        attempts=statistics.num_attempts,
+        solved=statistics.num_solved,
         num_states_checked=query.oracle.num_states,
-        num_motions_checked=tally.num_motions + fine.num_motions,
+        num_motions_checked=statistics.num_motions + fine.num_motions,
         raw_length=best.raw_length,
         length=best.length,
         num_waypoints=len(best.waypoints),
         resolution=fine.resolution,
         padding=task.padding,
-        direct=best is tally.direct,
+        direct=best is statistics.straight_line,
         objective=task.options.objective,
         cost=best.cost,
-        attempts_log=tuple(tally.log),
-        was_canceled=tally.was_canceled,
+        attempts_log=tuple(statistics.log),
+        was_canceled=statistics.was_canceled,
         roadmap=roadmap,
         interpolated=best.is_interpolated,
     )
 
 
-def _is_led(
-    query: Query, closeness: CheckResolution, task: SearchTask, tally: SearchStatistics
+def _has_guided_path(
+    query: Query, resolution: CheckResolution, task: SearchTask, statistics: SearchStatistics
 ) -> bool:
     """Return whether the task's guide has a path that is free; it is recorded then."""
-    with query.watch.note("guide") if task.guide else nullcontext():
-        found = None if task.guide is None else task.guide.lead(query.goals)
-    if task.guide is None or found is None:
+    with query.watch.measure("guide") if task.guide else nullcontext():
+        proposal = None if task.guide is None else task.guide.propose_path(query.goals)
+    if task.guide is None or proposal is None:
         return False
     before = query.oracle.num_states
-    trial = followed(query, closeness, *found)
-    tally.num_attempts += 1
-    tally.note(task.guide.name, trial, query.oracle.num_states - before)
+    trial = verify_path(query, resolution, *proposal)
+    statistics.num_attempts += 1
+    statistics.record(task.guide.name, trial, query.oracle.num_states - before)
     return trial.path is not None
 
 
 def _is_detour(direct: VerifiedPath, query: Query) -> bool:
     """Return whether a path to a nearer goal may well be shorter than this straight line."""
     nearest = float(query.space.manifold.distance(query.goals[0], query.start))
-    return direct.length > _DETOUR * nearest + _NEAR
+    return direct.length > _MAX_DETOUR_FACTOR * nearest + _DETOUR_ALLOWANCE
 
 
-def _require_sense(group: JointGroup, task: SearchTask) -> None:
+def _validate_task(group: JointGroup, task: SearchTask) -> None:
     """Check that the numbers of a task are in range.
 
     Raises:
@@ -216,31 +216,33 @@ def _require_sense(group: JointGroup, task: SearchTask) -> None:
     }
     for field, is_fault in faults.items():
         if is_fault:
-            raise ProblemInvalid(f"{field} makes no sense: {_FIELDS[field]}", {"field": field})
+            raise ProblemInvalid(
+                f"{field} makes no sense: {_REQUIREMENTS[field]}", {"field": field}
+            )
 
 
-def _straight_line(query: Query, closeness: CheckResolution) -> VerifiedPath | None:
+def _straight_line(query: Query, resolution: CheckResolution) -> VerifiedPath | None:
     """Return the first free geodesic to one of the nearest goals."""
-    for row, goal in enumerate(query.goals[:_MOST_LINES]):
-        if closeness.fine.is_free(query.start, goal):
-            waypoints = closeness.fine.way(query.start, goal)
-            path = delivered(query, waypoints, waypoints, row, closeness)
+    for row, goal in enumerate(query.goals[:_MAX_STRAIGHT_LINES]):
+        if resolution.fine.is_free(query.start, goal):
+            waypoints = resolution.fine.local_path(query.start, goal)
+            path = make_verified_path(query, waypoints, waypoints, row, resolution)
             if path is not None:
                 return path
     return None
 
 
-def _no_path(query: Query, tally: SearchStatistics) -> NoPathFound:
-    last, evidence = tally.last, tally.evidence(query)
-    blocked = last is not None and len(last.waypoints) > 0
-    why = "what it found collides on a closer look" if blocked else "it ended without a solution"
+def _no_path_found(query: Query, statistics: SearchStatistics) -> NoPathFound:
+    last_attempt, evidence = statistics.last_attempt, statistics.evidence(query)
+    is_blocked = last_attempt is not None and len(last_attempt.waypoints) > 0
+    why = "what it found collides on a closer look" if is_blocked else "it ended without a solution"
     advice = "more attempts, more samples or another planner may find one"
-    if last is not None and last.growth.get("reason") == "setup":
-        budget, spent = evidence["budget"], evidence["spent"]
-        why = f"setting the last one up took {spent:.3g} s of the {budget:g} s that it may"
+    if last_attempt is not None and last_attempt.failure_evidence.get("reason") == "setup":
+        budget, setup_seconds = evidence["budget"], evidence["spent"]
+        why = f"setting the last one up took {setup_seconds:.3g} s of the {budget:g} s that it may"
         advice = "search.setup_time is what to raise"
     message = (
-        f"{', '.join(query.options.planners)} found no path in {tally.num_attempts} attempts: "
+        f"{', '.join(query.options.planners)} found no path in {statistics.num_attempts} attempts: "
         f"{why}; {advice}"
     )
     return NoPathFound(message, evidence)

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.robot.car_request import agreed_steering, bad_space
+from planning.domain.robot.car_request import invalid_space, resolve_steering
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.steering import Steering, steered, steering_of
 from planning.errors import ProblemInvalid, UnknownName
 
-_WEIGHTS = (1e-3, 1e3)
+_WEIGHT_RANGE = (1e-3, 1e3)
 _SPACES = ("full", "position")
-_ROTATES = (JointType.PLANAR, JointType.FLOATING)
+_ROTATION_TYPES = (JointType.PLANAR, JointType.FLOATING)
 
 
 def metric_weights(
@@ -30,7 +30,7 @@ def metric_weights(
     for name, weight in weights.items():
         if name not in known:
             raise UnknownName.among("joint or block", name, known)
-        if not _WEIGHTS[0] <= weight <= _WEIGHTS[1]:
+        if not _WEIGHT_RANGE[0] <= weight <= _WEIGHT_RANGE[1]:
             field = "search.weights"
             message = f"{field}: {name!r} is {weight}; it must be between 0.001 and 1000"
             raise ProblemInvalid(message, {"field": field, "name": name})
@@ -75,11 +75,11 @@ def resolve_space(group: JointGroup, spaces: Mapping[str, str | Steering]) -> Jo
         UnknownName: There is no such planar joint.
         ProblemInvalid: A turning radius is out of range, or the robot itself cannot drive so.
     """
-    asked = {name: how for name, how in spaces.items() if isinstance(how, Steering)}
-    if not asked:
+    requested = {name: how for name, how in spaces.items() if isinstance(how, Steering)}
+    if not requested:
         return group
     planar = [joint.name for joint in group.joints if joint.type is JointType.PLANAR]
-    return steered(group, agreed_steering(steering_of(group), asked, planar))
+    return steered(group, resolve_steering(steering_of(group), requested, planar))
 
 
 def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> list[int]:
@@ -92,11 +92,11 @@ def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> l
     offsets: dict[str, list[int]] = {}
     iq = 0
     for joint in group.joints:
-        if joint.type in _ROTATES:
+        if joint.type in _ROTATION_TYPES:
             is_planar = joint.type is JointType.PLANAR
             offsets[joint.name] = [iq + 2] if is_planar else list(range(iq, iq + 4))
         iq += joint.num_positions
-    held: list[int] = []
+    held_indices: list[int] = []
     for name, space in spaces.items():
         if name not in offsets:
             raise UnknownName.among("planar or floating joint", name, offsets)
@@ -105,9 +105,9 @@ def held_rotations(group: JointGroup, spaces: Mapping[str, str | Steering]) -> l
         if space not in _SPACES:
             raise UnknownName.among("space", space, _SPACES)
         if space == "position" and name in steering_of(group):
-            raise bad_space(name, "a car cannot keep its rotation")
-        held += offsets[name] if space == "position" else []
-    return sorted(held)
+            raise invalid_space(name, "a car cannot keep its rotation")
+        held_indices += offsets[name] if space == "position" else []
+    return sorted(held_indices)
 
 
 def _bad_bounds(name: str, reason: str) -> ProblemInvalid:

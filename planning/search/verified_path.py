@@ -12,22 +12,22 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.value import Value
-from planning.search.cars.drive_shortcut import shortened_drive
+from planning.search.cars.drive_shortcut import shortcut_steering_path
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.attempt import Array, Attempt, attempt
+from planning.search.ompl.attempt import Array, Attempt, run_planner
 from planning.search.ompl.objective import Objective
 from planning.search.query import Query
-from planning.search.shortcut.polyline import path_length, unrolled
+from planning.search.shortcut.polyline import path_length, unwrap
 from planning.search.shortcut.repair import repair_path
-from planning.search.shortcut.resampling import interpolated
+from planning.search.shortcut.resampling import resample_within_budget
 from planning.search.shortcut.shortcut_path import shortcut
 
 # Factor by which results are checked more finely than the search, and halvings up to it.
-FINER = 4
-_HALVINGS = 2
+FINE_FACTOR = 4
+_MAX_HALVINGS = 2
 # Share of the remaining time that shortcutting may use; the rest is for the final check.
-_SHORTCUT_SHARE = 0.7
+_SHORTCUT_TIME_FRACTION = 0.7
 
 
 @dataclass(frozen=True)
@@ -35,13 +35,14 @@ class CheckResolution:
     """Resolutions of the search and of the final check.
 
     Attributes:
-        resolution: Resolution at which the planner begins to check edges (joint-space length).
+        search_resolution: Resolution at which the planner begins to check edges (joint-space
+            length).
         num_states: Least number of waypoints, or None.
         fine: Checker of edges at a quarter of that resolution.
         objective: Cost of paths.
     """
 
-    resolution: float
+    search_resolution: float
     num_states: int | None
     fine: EdgeChecker
     objective: Objective
@@ -73,12 +74,12 @@ class VerificationTrial(Value):
     """Result of one attempt, its repetitions at finer resolutions included.
 
     Attributes:
-        last: The planner's last result.
+        attempt: The planner's last result.
         path: The verified path, or None.
         num_motions: Edges that the planner checked.
     """
 
-    last: Attempt
+    attempt: Attempt
     path: VerifiedPath | None
     num_motions: int
 
@@ -90,11 +91,11 @@ def coarse_checker(query: Query, resolution: float) -> EdgeChecker:
 
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:
     """Return the edge checker of results, for a search at `resolution`."""
-    return coarse_checker(query, resolution / FINER)
+    return coarse_checker(query, resolution / FINE_FACTOR)
 
 
-def followed(
-    query: Query, closeness: CheckResolution, raw: Array, goal_row: int
+def verify_path(
+    query: Query, resolution: CheckResolution, raw: Array, goal_row: int
 ) -> VerificationTrial:
     """Shorten and check a path from another source than a planner, shape (n, nq).
 
@@ -102,13 +103,17 @@ def followed(
         Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
-    edges = coarse_checker(query, closeness.resolution)
-    found = Attempt("Exact solution", raw, goal_row, {}, None, is_spent=False)
-    return VerificationTrial(found, shortened(query, found, edges, closeness), edges.num_motions)
+    edges = coarse_checker(query, resolution.search_resolution)
+    attempt_result = Attempt("Exact solution", raw, goal_row, {}, None, has_given_up=False)
+    return VerificationTrial(
+        attempt_result,
+        shorten_and_verify(query, attempt_result, edges, resolution),
+        edges.num_motions,
+    )
 
 
 def verified_attempt(
-    query: Query, closeness: CheckResolution, seeds: np.random.SeedSequence
+    query: Query, resolution: CheckResolution, seeds: np.random.SeedSequence
 ) -> VerificationTrial:
     """Search, shorten and check; repeat with half the resolution if the check finds a collision.
 
@@ -119,51 +124,57 @@ def verified_attempt(
     num_motions = halvings = 0
     while True:
         child = seeds.spawn(1)[0]
-        edges = coarse_checker(query, closeness.resolution / 2**halvings)
+        edges = coarse_checker(query, resolution.search_resolution / 2**halvings)
         seed = max(1, int(child.generate_state(1)[0]))
-        found = attempt(query, edges, closeness.fine, seed)
-        path = shortened(query, found, edges, closeness)
+        attempt_result = run_planner(query, edges, resolution.fine, seed)
+        path = shorten_and_verify(query, attempt_result, edges, resolution)
         num_motions += edges.num_motions
-        if path is None and len(found.waypoints) and (found.improves or query.is_hurried):
-            path = _mended(query, found, closeness, seed)
-        if path is not None or not len(found.waypoints) or halvings == _HALVINGS:
-            return VerificationTrial(found, path, num_motions)
+        if (
+            path is None
+            and len(attempt_result.waypoints)
+            and (attempt_result.is_optimizing or query.is_canceled_keeping_best)
+        ):
+            path = _repaired(query, attempt_result, resolution, seed)
+        if path is not None or not len(attempt_result.waypoints) or halvings == _MAX_HALVINGS:
+            return VerificationTrial(attempt_result, path, num_motions)
         halvings += 1
 
 
-def _mended(
-    query: Query, found: Attempt, closeness: CheckResolution, seed: int
+def _repaired(
+    query: Query, attempt_result: Attempt, resolution: CheckResolution, seed: int
 ) -> VerifiedPath | None:
-    raw = repair_path(query, found.waypoints, closeness.fine, seed)
+    raw = repair_path(query, attempt_result.waypoints, resolution.fine, seed)
     if raw is None:
         return None
-    return shortened(query, replace(found, waypoints=raw), closeness.fine, closeness)
+    return shorten_and_verify(
+        query, replace(attempt_result, waypoints=raw), resolution.fine, resolution
+    )
 
 
-def shortened(
-    query: Query, found: Attempt, coarse: EdgeChecker, closeness: CheckResolution
+def shorten_and_verify(
+    query: Query, attempt_result: Attempt, coarse: EdgeChecker, resolution: CheckResolution
 ) -> VerifiedPath | None:
     """Return a shorter path that is free at the fine resolution, if there is one.
 
     After a cancel with the option "best" the path is only checked.
     """
-    if not len(found.waypoints):
+    if not len(attempt_result.waypoints):
         return None
-    is_late = _shortcut_end(query)
-    raw, fine = found.waypoints, closeness.fine
-    with query.watch.stage("shortcut"), query.oracle.until(query.patience):
+    is_over = _shortcut_end(query)
+    raw, fine = attempt_result.waypoints, resolution.fine
+    with query.watch.stage("shortcut"), query.oracle.with_deadline(query.completion_deadline):
         if isinstance(fine, SteeringEdgeChecker):
-            shorter = shortened_drive(raw, fine, is_late)
+            shorter = shortcut_steering_path(raw, fine, is_over)
         else:
-            shorter = shortcut(raw, coarse, fine, is_late)
+            shorter = shortcut(raw, coarse, fine, is_over)
         if shorter is None:
             return None
-        path = unrolled(shorter, query.space.manifold)
-        best = delivered(query, path, raw, found.goal_row, closeness)
+        path = unwrap(shorter, query.space.manifold)
+        best = make_verified_path(query, path, raw, attempt_result.goal_row, resolution)
         if query.objective.name == "clearance" and fine.are_free(raw[:-1], raw[1:]).all():
             # A shorter path may be nearer to obstacles.
-            untouched = delivered(query, raw, raw, found.goal_row, closeness)
-            both = [path for path in (best, untouched) if path is not None]
+            unshortened = make_verified_path(query, raw, raw, attempt_result.goal_row, resolution)
+            both = [path for path in (best, unshortened) if path is not None]
             best = min(both, key=lambda path: path.cost, default=None)
     return best
 
@@ -171,13 +182,13 @@ def shortened(
 def _shortcut_end(query: Query) -> Callable[[], bool]:
     """Return a function that says whether the time for shortcutting is over."""
     seconds = query.options.shortcut_time
-    time = query.deadline.share(_SHORTCUT_SHARE).within(seconds)
+    shortcut_deadline = query.deadline.at_fraction(_SHORTCUT_TIME_FRACTION).within(seconds)
     # A budget of zero means no shortcuts by request, not a cut by the clock.
-    return (lambda: True) if seconds == 0 else (lambda: time.is_over)
+    return (lambda: True) if seconds == 0 else (lambda: shortcut_deadline.is_over)
 
 
-def delivered(
-    query: Query, waypoints: Array, raw: Array, goal_row: int, closeness: CheckResolution
+def make_verified_path(
+    query: Query, waypoints: Array, raw: Array, goal_row: int, resolution: CheckResolution
 ) -> VerifiedPath | None:
     """Return the path with the requested number of waypoints; None if a new edge is blocked.
 
@@ -186,14 +197,14 @@ def delivered(
         waypoints: A path of edges that are free at the fine resolution, shape (n, nq).
         raw: The path before shortcutting, shape (m, nq).
         goal_row: Row of the goal in which it ends.
-        closeness: Resolutions and number of waypoints.
+        resolution: Resolutions and number of waypoints.
     """
-    fine = closeness.fine
-    objective = closeness.objective
+    fine = resolution.fine
+    objective = resolution.objective
     lengths = path_length(raw, fine.manifold), path_length(waypoints, fine.manifold)
     cost = lengths[1] if objective.is_length else objective.cost(waypoints)
     path = VerifiedPath(waypoints, goal_row, *lengths, cost)
-    if closeness.num_states is None:
+    if resolution.num_states is None:
         return path
-    dense = interpolated(query, fine, waypoints, closeness.num_states)
+    dense = resample_within_budget(query, fine, waypoints, resolution.num_states)
     return dense and replace(path, waypoints=dense[0], is_interpolated=dense[1])

@@ -9,11 +9,11 @@ from jaxtyping import Float64
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 # Largest distance at which the nearest pair of a configuration is measured [m].
-_HORIZON = 10.0
+_MAX_MEASURED_DISTANCE = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,17 +70,19 @@ def check_configurations(
     limits = world.limits(joints)
     verdicts: list[StateVerdict] = []
     for i, row in enumerate(configurations):
-        q = require_positions(joints, row, f"configurations.{i}")
+        q = validate_positions(joints, row, f"configurations.{i}")
         full = world.embed(joints, q)
-        pairs = probe.nearest_within(full, _HORIZON, margins.largest)
-        near = tuple(pair for pair in pairs if pair.distance < margins.of(*pair.bodies))
-        outside = _outside(joints.position_names, q, limits.lower, limits.upper)
+        pairs = probe.nearest_within(full, _MAX_MEASURED_DISTANCE, margins.largest)
+        too_near = tuple(pair for pair in pairs if pair.distance < margins.of(*pair.bodies))
+        limit_violations = _limit_violations(joints.position_names, q, limits.lower, limits.upper)
         nearest = pairs[0] if pairs else None
-        verdicts.append(StateVerdict(not near and not outside, near, outside, nearest))
+        verdicts.append(
+            StateVerdict(not too_near and not limit_violations, too_near, limit_violations, nearest)
+        )
     return tuple(verdicts)
 
 
-def _outside(names: Any, q: Any, lower: Any, upper: Any) -> tuple[LimitViolation, ...]:
+def _limit_violations(names: Any, q: Any, lower: Any, upper: Any) -> tuple[LimitViolation, ...]:
     return tuple(
         LimitViolation(name, float(x), float(low), float(high))
         for name, x, low, high in zip(names, q, lower, upper, strict=True)

@@ -6,13 +6,13 @@ from weakref import WeakKeyDictionary
 from pydrake.planning import RobotDiagram
 from pydrake.systems.framework import Context
 
-from planning.world.collision.half_spaces import half_space_pairs_of, leave_out_half_spaces
+from planning.world.collision.half_spaces import exclude_half_spaces, half_space_pairs_of
 from planning.world.drake_model import DrakeModel
 
-_made: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[RobotDiagram, Context] = WeakKeyDictionary()
 
 
-def measuring_context(model: DrakeModel) -> Context:
+def make_query_context(model: DrakeModel) -> Context:
     """Return a new context for all distance queries that Drake supports.
 
     Pairs with half spaces are not among them (`half_spaces`).
@@ -20,7 +20,7 @@ def measuring_context(model: DrakeModel) -> Context:
     context: Any = model.diagram.CreateDefaultContext()
     if half_space_pairs_of(model).ids:
         graph_context = model.scene_graph.GetMyMutableContextFromRoot(context)
-        leave_out_half_spaces(model.scene_graph, graph_context)
+        exclude_half_spaces(model.scene_graph, graph_context)
     return context
 
 
@@ -29,7 +29,7 @@ def shared_context(model: DrakeModel) -> Context:
 
     Making one takes longer than most queries. Every user sets all positions first.
     """
-    context = _made.get(model.diagram)
+    context = _cache.get(model.diagram)
     if context is None:
-        context = _made[model.diagram] = measuring_context(model)
+        context = _cache[model.diagram] = make_query_context(model)
     return context

@@ -18,7 +18,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
 from planning.world.collision.static_objects import StaticObjects
 
-type Reasons = Mapping[frozenset[str], tuple[UncheckedReason, str]]
+type UncheckedReasons = Mapping[frozenset[str], tuple[UncheckedReason, str]]
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,9 @@ class DrakeModel:
         joint_indices: Drake's joint by full name.
         couplings: Mimic joints, none before its leader; the plant itself does not have them.
         owners: The robot of each attached object, by the object's name.
-        standing: Objects outside of the plant and the scene graph.
+        static_objects: Objects outside of the plant and the scene graph.
         uses_kernel: Whether the native kernel may decide where it is certain, or Drake always does.
-        reasons: Reasons for the pairs of bodies that we left out of collision checks.
+        unchecked_reasons: Reasons for the pairs of bodies that we left out of collision checks.
         warnings: Warnings of the builder.
     """
 
@@ -62,23 +62,23 @@ class DrakeModel:
     joint_indices: Mapping[str, JointIndex]
     couplings: tuple[Coupling, ...]
     owners: Mapping[str, str] = field(default_factory=dict)
-    standing: StaticObjects = field(default_factory=StaticObjects)
+    static_objects: StaticObjects = field(default_factory=StaticObjects)
     uses_kernel: bool = True
-    reasons: Reasons = field(default_factory=dict)
+    unchecked_reasons: UncheckedReasons = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-    _known: dict[tuple[str, ...], tuple[Indices, Indices]] = field(
+    _index_cache: dict[tuple[str, ...], tuple[Indices, Indices]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
     @cached_property
     def all_bodies(self) -> frozenset[str]:
         """Full names of the plant's bodies and of the objects outside of it."""
-        return frozenset({*self.bodies, *self.standing.rows})
+        return frozenset({*self.bodies, *self.static_objects.rows})
 
     @property
     def all_frames(self) -> set[str]:
         """Full names of Drake's frames and of the frames of objects outside of its plant."""
-        return {*self.frames, *self.standing.frames}
+        return {*self.frames, *self.static_objects.frames}
 
     def frame(self, name: str) -> Frame:
         """Return Drake's frame of a name that exists.
@@ -86,7 +86,7 @@ class DrakeModel:
         Raises:
             ProblemInvalid: The frame stands in the world, and one that can move is needed.
         """
-        if name in self.standing.frames:
+        if name in self.static_objects.frames:
             message = f"frame {name!r} stands in the world: one is needed that can move"
             raise ProblemInvalid(message, {"field": "frame", "frame": name})
         return self.frames[name]
@@ -96,13 +96,13 @@ class DrakeModel:
         """(follower, leader, multiplier) of every coupling, as indices into v."""
         return tuple((c.follower_velocity, c.leader_velocity, c.multiplier) for c in self.couplings)
 
-    def following(self, group: JointGroup) -> tuple[Coupling, ...]:
+    def followers_of(self, group: JointGroup) -> tuple[Coupling, ...]:
         """Return the followers of a group's joints, directly or through other followers."""
-        moving = set(self.velocity_indices(group).tolist())
+        moved_velocities = set(self.velocity_indices(group).tolist())
         found: list[Coupling] = []
         for c in self.couplings:
-            if c.leader_velocity in moving:
-                moving.add(c.follower_velocity)
+            if c.leader_velocity in moved_velocities:
+                moved_velocities.add(c.follower_velocity)
                 found.append(c)
         return tuple(found)
 
@@ -123,9 +123,9 @@ class DrakeModel:
         """Return full configurations: the group at q, mimics following, the rest at `state`."""
         full = np.broadcast_to(state, (*q.shape[:-1], len(state))).copy()
         full[..., self.position_indices(group)] = q
-        return self.follow(full)
+        return self.apply_couplings(full)
 
-    def follow(self, full: Float64[np.ndarray, "*n num_positions"]) -> Array:
+    def apply_couplings(self, full: Float64[np.ndarray, "*n num_positions"]) -> Array:
         """Set every mimic joint in `full` to its leader's multiple, and return `full`."""
         for c in self.couplings:
             full[..., c.follower_position] = c.multiplier * full[..., c.leader_position] + c.offset
@@ -134,12 +134,12 @@ class DrakeModel:
     def _indices(self, group: JointGroup) -> tuple[Indices, Indices]:
         """Return both index arrays, cached by group."""
         names = tuple(joint.name for joint in group.joints)
-        found = self._known.get(names)
+        found = self._index_cache.get(names)
         if found is None:
             joints: list[Any] = [self.plant.get_joint(self.joint_indices[name]) for name in names]
             in_q = [_range(j.position_start(), j.num_positions()) for j in joints]
             in_v = [_range(j.velocity_start(), j.num_velocities()) for j in joints]
-            found = self._known[names] = _stacked(in_q), _stacked(in_v)
+            found = self._index_cache[names] = _stacked(in_q), _stacked(in_v)
         return found
 
 

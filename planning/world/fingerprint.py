@@ -22,30 +22,32 @@ from planning.world.world import World
 
 # Number of configurations at which body poses are compared: two kinematic chains that agree at
 # these agree everywhere, except on a set of measure zero.
-_NUM_PROBES = 4
+_NUM_PROBE_CONFIGURATIONS = 4
 
 
-_known: WeakKeyDictionary[StaticObjects, dict[str, str]] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[StaticObjects, dict[str, str]] = WeakKeyDictionary()
 
 
 def collision_fingerprint(world: World, group: JointGroup) -> str:
     """Return the sha256 of shapes, collision filters, and body poses over the group's motion."""
-    known = _known.setdefault(world.drake.standing, {})
-    if group.name not in known:
-        known[group.name] = _taken(world, group)
-    return known[group.name]
+    fingerprints = _cache.setdefault(world.drake.static_objects, {})
+    if group.name not in fingerprints:
+        fingerprints[group.name] = _compute_fingerprint(world, group)
+    return fingerprints[group.name]
 
 
-def _taken(world: World, group: JointGroup) -> str:
+def _compute_fingerprint(world: World, group: JointGroup) -> str:
     inspector = world.drake.scene_graph.model_inspector()
-    candidates, standing = candidates_of(world.drake), world.drake.standing
-    ids = candidates.ids[: candidates.num_of_drake]
-    alone = [
+    candidates, static_objects = candidates_of(world.drake), world.drake.static_objects
+    ids = candidates.ids[: candidates.num_drake_shapes]
+    static_shapes = [
         [thing.name, x.GetAsMatrix34(), shape]
-        for thing, x, shape in zip(standing.things, standing.poses, standing.shapes, strict=True)
+        for thing, x, shape in zip(
+            static_objects.objects, static_objects.poses, static_objects.shapes, strict=True
+        )
     ]
     return digest((
-        [_geometry(world, inspector, geometry) for geometry in ids] + alone,
+        [_geometry(world, inspector, geometry) for geometry in ids] + static_shapes,
         candidates.rows.astype(np.int32),
         list(group.position_names),
         _body_poses(world, group),
@@ -69,7 +71,7 @@ def _body_poses(world: World, group: JointGroup) -> Array:
     plant = world.drake.plant
     context = plant.CreateDefaultContext()
     poses: list[list[Array]] = []
-    for full in world.embed(group, probes(group)):
+    for full in world.embed(group, probe_configurations(group)):
         plant.SetPositions(context, full)
         poses.append([
             plant.EvalBodyPoseInWorld(context, plant.get_body(index)).GetAsMatrix34()
@@ -78,7 +80,9 @@ def _body_poses(world: World, group: JointGroup) -> Array:
     return np.array(poses)
 
 
-def probes(group: JointGroup) -> Array:
+def probe_configurations(group: JointGroup) -> Array:
     """Return arbitrary fixed configurations, shape (probes, nq)."""
-    numbers = np.random.default_rng(0).uniform(0.1, 1.0, (_NUM_PROBES, group.num_positions))
+    numbers = np.random.default_rng(0).uniform(
+        0.1, 1.0, (_NUM_PROBE_CONFIGURATIONS, group.num_positions)
+    )
     return Manifold(group.joints).normalized(numbers)

@@ -12,7 +12,7 @@ from pydrake.planning import RobotDiagram, SceneGraphCollisionChecker
 from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.geometry.pose import Pose
-from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.followers import Follower, combine_limits
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.scene.scene import Scene
 from planning.domain.scene.summary import GroupSummary, SceneSummary
@@ -32,17 +32,17 @@ from planning.world.files.hull_warnings import hull_warnings
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.loading.builder import pose_of
-from planning.world.loading.placement import named_configurations, placed_state
+from planning.world.loading.placement import initial_state, named_configurations
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.start_warnings import start_warnings
 from planning.world.models.groups import RobotGroups, group_limits, robot_groups
 from planning.world.models.mimic_limits import followers_of
 from planning.world.models.model_library import ModelLibrary
 
-type CollisionJudge = DrakeCollisionOracle | KernelCollisionOracle
+type CollisionChecker = DrakeCollisionOracle | KernelCollisionOracle
 
 # Making a checker takes longer than most of its queries: the last used ones are kept.
-_MOST_JUDGES = 16
+_MAX_ORACLES = 16
 
 
 class World:
@@ -67,10 +67,10 @@ class World:
         self.library = library
         self.drake = drake
         self._robots = robots
-        self._judges: dict[tuple[Any, ...], CollisionJudge] = {}
+        self._oracles: dict[tuple[Any, ...], CollisionChecker] = {}
         self._checkers: list[SceneGraphCollisionChecker] = []
         self._limits: dict[tuple[str, ...], JointLimits] = {}
-        self._stated: dict[tuple[str, ...], tuple[JointLimits, tuple[Follower, ...]]] = {}
+        self._stated_limits: dict[tuple[str, ...], tuple[JointLimits, tuple[Follower, ...]]] = {}
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
         self._groups = {
             group.name: group for own in self._robot_groups for group in own.groups.values()
@@ -80,7 +80,7 @@ class World:
                 self._groups.setdefault(f"{own.robot}::{name}", group)
         self._configurations = named_configurations(scene, self._robot_groups, self.group)
         nominal = np.array(drake.plant.GetPositions(self._plant_context))
-        self.state = placed_state(drake, robots, self._robot_groups, self._configurations, nominal)
+        self.state = initial_state(drake, robots, self._robot_groups, self._configurations, nominal)
         self.state.flags.writeable = False
 
     @cached_property
@@ -93,7 +93,7 @@ class World:
         return self.drake.diagram is other.drake.diagram
 
     @cached_property
-    def _near(self) -> NearStatic:
+    def _near_static(self) -> NearStatic:
         """Context for distance queries, made when it is first needed."""
         return NearStatic(self.drake)
 
@@ -128,23 +128,26 @@ class World:
         Raises:
             ModelInvalid: No position of a leader keeps both its own limits and its follower's.
         """
-        key = _key_of(group)
+        key = _joint_key(group)
         if key not in self._limits:
-            self._limits[key] = together(*self.stated_limits(group))
+            self._limits[key] = combine_limits(*self.stated_limits(group))
         return self._limits[key]
 
     def stated_limits(self, group: JointGroup) -> tuple[JointLimits, tuple[Follower, ...]]:
         """Return the group's own limits, without those of its followers, and its followers."""
-        key = _key_of(group)
-        if key not in self._stated:
+        key = _joint_key(group)
+        if key not in self._stated_limits:
             followers = followers_of(self.drake, group, self._robots)
-            self._stated[key] = group_limits(self.drake, group, list(self._robots)), followers
-        return self._stated[key]
+            self._stated_limits[key] = (
+                group_limits(self.drake, group, list(self._robots)),
+                followers,
+            )
+        return self._stated_limits[key]
 
-    def limited(self, group: JointGroup, limits: JointLimits) -> "World":
+    def with_limits(self, group: JointGroup, limits: JointLimits) -> "World":
         """Return this world with other limits of a group; all that is loaded is shared."""
         other = copy(self)
-        other._limits = {**self._limits, _key_of(group): limits}  # noqa: SLF001  (one of its own)
+        other._limits = {**self._limits, _joint_key(group): limits}  # noqa: SLF001  (one of its own)
         return other
 
     def configurations(self, group: JointGroup) -> dict[str, Array]:
@@ -165,13 +168,13 @@ class World:
         """Return the group's positions in the scene, shape (nq,)."""
         return self.state[self.drake.position_indices(group)]
 
-    def require_frame(self, name: str) -> None:
+    def validate_frame(self, name: str) -> None:
         """Raise unless a frame exists.
 
         Raises:
             UnknownName: There is no such frame.
         """
-        if name not in self.drake.frames and name not in self.drake.standing.frames:
+        if name not in self.drake.frames and name not in self.drake.static_objects.frames:
             raise UnknownName.among("frame", name, self.drake.all_frames)
 
     def frame_pose(self, name: str, full: Float64[np.ndarray, " num_positions"]) -> Pose:
@@ -180,10 +183,10 @@ class World:
         Raises:
             UnknownName: There is no such frame.
         """
-        self.require_frame(name)
-        standing = self.drake.standing.frames.get(name)
-        if standing is not None:
-            return pose_of(standing)
+        self.validate_frame(name)
+        static_pose = self.drake.static_objects.frames.get(name)
+        if static_pose is not None:
+            return pose_of(static_pose)
         plant, context = self.drake.plant, self._plant_context
         plant.SetPositions(context, full)
         return pose_of(self.drake.frames[name].CalcPoseInWorld(context))
@@ -196,10 +199,10 @@ class World:
         Raises:
             UnknownName: There is no such frame.
         """
-        self.require_frame(name)
-        standing = self.drake.standing.frames.get(name)
-        if standing is not None:
-            return np.repeat(standing.GetAsMatrix4()[None], len(full), axis=0)
+        self.validate_frame(name)
+        static_pose = self.drake.static_objects.frames.get(name)
+        if static_pose is not None:
+            return np.repeat(static_pose.GetAsMatrix4()[None], len(full), axis=0)
         plant, frame, context = self.drake.plant, self.drake.frames[name], self._plant_context
         poses = np.empty((len(full), 4, 4))
         for i, q in enumerate(full):
@@ -224,22 +227,24 @@ class World:
         }
         return PairMargins(default + padding, exceptions, self.drake.owners)
 
-    def collision_oracle(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
+    def collision_oracle(self, group: JointGroup, margins: PairMargins) -> CollisionChecker:
         """Return a fast collision checker of the group, cached by group and margins."""
         key = group.name, margins.default, *margins.by_pair.items()
-        if key not in self._judges:
-            if len(self._judges) >= _MOST_JUDGES:
-                self._judges.pop(next(iter(self._judges)))
-            self._judges[key] = self._make_judge(group, margins)
-        return self._judges[key]
+        if key not in self._oracles:
+            if len(self._oracles) >= _MAX_ORACLES:
+                self._oracles.pop(next(iter(self._oracles)))
+            self._oracles[key] = self._make_oracle(group, margins)
+        return self._oracles[key]
 
-    def _make_judge(self, group: JointGroup, margins: PairMargins) -> CollisionJudge:
+    def _make_oracle(self, group: JointGroup, margins: PairMargins) -> CollisionChecker:
         kernel = kernel_scene_of(self.drake)
         if kernel is None:
-            return DrakeCollisionOracle(self.drake, group, self.state, margins, self._bare)
-        return KernelCollisionOracle(self.drake, kernel, group, self.state, margins, self._bare)
+            return DrakeCollisionOracle(self.drake, group, self.state, margins, self._drake_checker)
+        return KernelCollisionOracle(
+            self.drake, kernel, group, self.state, margins, self._drake_checker
+        )
 
-    def _bare(self) -> SceneGraphCollisionChecker:
+    def _drake_checker(self) -> SceneGraphCollisionChecker:
         """Drake's checker without margins, made when the kernel is first undecided."""
         if not self._checkers:
             self._checkers.append(make_collision_checker(self.drake))
@@ -253,7 +258,7 @@ class World:
         self, group: JointGroup, q: Float64[np.ndarray, " nq"], margins: PairMargins
     ) -> tuple[BodyPair, ...]:
         """Return the pairs of bodies that are nearer than their margin, nearest first."""
-        probe = DistanceProbe(self.drake, margins, self._near)
+        probe = DistanceProbe(self.drake, margins, self._near_static)
         return probe.violations(self.embed(group, q))
 
     @property
@@ -293,19 +298,19 @@ class World:
         return self._robot_groups
 
 
-_names: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tuple[str, ...]]] = (
+_sorted_names_cache: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tuple[str, ...]]] = (
     WeakKeyDictionary()
 )
 
 
 def _sorted_names(model: DrakeModel) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the names of all frames and bodies; models that share an engine share them."""
-    found = _names.get(model.diagram)
+    found = _sorted_names_cache.get(model.diagram)
     if found is None:
         found = tuple(sorted(model.all_frames)), tuple(sorted(model.all_bodies))
-        _names[model.diagram] = found
+        _sorted_names_cache[model.diagram] = found
     return found
 
 
-def _key_of(group: JointGroup) -> tuple[str, ...]:
+def _joint_key(group: JointGroup) -> tuple[str, ...]:
     return tuple(joint.name for joint in group.joints)

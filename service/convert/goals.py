@@ -20,7 +20,7 @@ from planning.domain.goals.goal import (
 from planning.domain.goals.linear_moves import Displacement
 from planning.domain.request.options import (
     CertifyOptions,
-    ClearanceWish,
+    ClearanceObjective,
     IkOptions,
     PoseMetric,
     RefineOptions,
@@ -214,7 +214,7 @@ def search_value(search: SearchWire) -> SearchOptions:
 
 def _refine(wire: RefineWire) -> RefineOptions:
     wish = wire.clearance
-    return RefineOptions(wire.method, wish and ClearanceWish(wish.distance, wish.weight))
+    return RefineOptions(wire.method, wish and ClearanceObjective(wish.distance, wish.weight))
 
 
 def problem_value(request: PlanRequest) -> PlanningProblem:

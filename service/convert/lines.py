@@ -24,7 +24,10 @@ def trace_wire(trace: LineTrace, *, with_poses: bool) -> dict[str, Any]:
         "fractions": listed(trace.fractions),
         "positions": listed(trace.positions),
         "poses": poses,
-        "deviation": {"position": trace.max_shift, "rotation": trace.max_turn},
+        "deviation": {
+            "position": trace.max_position_deviation,
+            "rotation": trace.max_rotation_deviation,
+        },
         "stopped_by": None if trace.stop is None else _stop_wire(trace.stop),
     }
 

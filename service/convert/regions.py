@@ -23,10 +23,10 @@ def region_options_value(request: RegionsRequest) -> RegionOptions:
 def regions_wire(regions: Regions) -> dict[str, Any]:
     """Return regions for the wire; `regions_value` reads them again, bit for bit."""
     counts = {"num_regions": len(regions.regions), "num_portals": len(regions.portals)}
-    return {**regions.plain, **counts, "digest": regions.digest}
+    return {**regions.as_json, **counts, "digest": regions.digest}
 
 
 def regions_value(wire: dict[str, Any]) -> Regions:
     """Return the domain's regions."""
     derived = ("num_regions", "num_portals", "digest")
-    return Regions.from_plain({name: wire[name] for name in wire if name not in derived})
+    return Regions.from_json({name: wire[name] for name in wire if name not in derived})

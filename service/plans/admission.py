@@ -5,7 +5,7 @@ from typing import Any
 from anyio import to_thread
 
 from planning.domain.planner.foreign_planners import unknown_planner
-from planning.domain.robot.car_request import agreed_steering, require_directed
+from planning.domain.robot.car_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
 from service.convert.goals import steering_value
 from service.convert.trajectories import require_one_sampling
@@ -147,7 +147,7 @@ def require_cars(group: Group, search: SearchWire) -> None:
     }
     planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
     names = [search.planner] if isinstance(search.planner, str) else search.planner
-    cars = agreed_steering(own_cars(group), asked, planar)
+    cars = resolve_steering(own_cars(group), asked, planar)
     if asks_for_regions(search):
         require_fit(group, cars, "search.planner")
-    require_directed(names, cars)
+    validate_forward_planners(names, cars)

@@ -54,13 +54,13 @@ def _positions(figure: Figure, series: MotionSeries) -> None:
 
 def _velocity(figure: Figure, series: MotionSeries) -> None:
     bounds = _symmetric(series, series.limits.velocity)
-    _rows(figure, series, series.group.velocity_names, series.rates[0], bounds)
+    _rows(figure, series, series.group.velocity_names, series.derivatives[0], bounds)
     figure.suptitle("velocity and its limits [rad/s or m/s]")
 
 
 def _acceleration(figure: Figure, series: MotionSeries) -> None:
     bounds = list(zip(*series.acceleration_range, strict=True))
-    _rows(figure, series, series.group.velocity_names, series.rates[1], bounds)
+    _rows(figure, series, series.group.velocity_names, series.derivatives[1], bounds)
     figure.suptitle("acceleration and its limits [rad/s² or m/s²]")
 
 
@@ -68,16 +68,22 @@ def _jerk(figure: Figure, series: MotionSeries) -> None:
     unit = "[rad/s³ or m/s³]"
     if series.is_jerk_limited:
         bounds = _symmetric(series, series.limits.jerk)
-        _rows(figure, series, series.group.velocity_names, series.rates[2], bounds)
+        _rows(figure, series, series.group.velocity_names, series.derivatives[2], bounds)
         figure.suptitle(f"jerk and its limits {unit}")
         return
-    bounds = [(-np.inf, np.inf)] * series.rates.shape[2]
-    rows = _rows(figure, series, series.group.velocity_names, series.rates[2], bounds)
+    bounds = [(-np.inf, np.inf)] * series.derivatives.shape[2]
+    rows = _rows(figure, series, series.group.velocity_names, series.derivatives[2], bounds)
     for axes in rows:
-        axes.plot(series.jumps, np.zeros_like(series.jumps), "|", color=_LIMIT, markersize=6)
+        axes.plot(
+            series.acceleration_jumps,
+            np.zeros_like(series.acceleration_jumps),
+            "|",
+            color=_LIMIT,
+            markersize=6,
+        )
     figure.suptitle(
         f"jerk between jumps {unit}: it was not limited (method toppra);\n"
-        f"at the marks, {len(series.jumps)}, acceleration jumps and jerk is infinite",
+        f"at the marks, {len(series.acceleration_jumps)}, acceleration jumps and jerk is infinite",
         fontsize=8,
     )
 
@@ -95,14 +101,17 @@ def _clearance(figure: Figure, series: MotionSeries) -> None:
     axes.axhline(0.0, color=_LIMIT, linestyle="--", linewidth=0.8, label="contact")
     least = int(np.argmin(series.clearance))
     axes.plot(series.times[least], 1000 * series.clearance[least], "o", color=_LIMIT, markersize=4)
-    if (series.spare != series.clearance).any():
+    if (series.signed_margin != series.clearance).any():
         margin = 1000 * series.margin
         axes.axhline(margin, color=_OTHER, linestyle=":", label=f"margin, {margin:.4g} mm")
         axes.plot(
-            series.times, 1000 * series.spare, color=_OTHER, label="least to spare over margins"
+            series.times,
+            1000 * series.signed_margin,
+            color=_OTHER,
+            label="least to spare over margins",
         )
         figure.legend(loc="outside lower center", ncols=4, fontsize=7)
-    between = " and ".join(series.pairs[least]) or "all are farther apart"
+    between = " and ".join(series.closest_pairs[least]) or "all are farther apart"
     axes.set_title(
         f"smallest distance of any pair [mm]; least, {1000 * series.clearance[least]:.1f} mm at "
         f"{series.times[least]:.2f} s: {between}",

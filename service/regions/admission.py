@@ -1,6 +1,6 @@
 """Admission: what must be so before regions are grown."""
 
-from planning.domain.request.region_request import require_one_turn
+from planning.domain.request.region_request import validate_one_turn
 from planning.errors import UnknownName
 from service.desk import Desk
 from service.job_spec import spec_of
@@ -35,7 +35,7 @@ async def submit_regions(
     for name in request.bounds:
         if name not in group["position_names"]:
             raise UnknownName.among("position", name, group["position_names"])
-    require_one_turn(joints_of(group), request.bounds)
+    validate_one_turn(joints_of(group), request.bounds)
     asked = request.model_dump(mode="json")
     payload = {
         **await desk.scene_payload(record),

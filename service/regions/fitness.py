@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from planning.domain.request.region_request import require_convex
+from planning.domain.request.region_request import validate_convex
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.steering import Steering
 from service.scenes.preflight import Group
@@ -30,4 +30,4 @@ def require_fit(group: Group, cars: Mapping[str, Steering], field: str) -> None:
         ProblemInvalid: A joint floats, or is steered.
     """
     joints = {joint["name"]: JointType(joint["type"]) for joint in group["joints"]}
-    require_convex(joints, cars, field)
+    validate_convex(joints, cars, field)

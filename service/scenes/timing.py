@@ -1,6 +1,6 @@
 """Preflight of limits on a motion: the frames and joints that they name are the scene's."""
 
-from planning.domain.request.motion_limits import no_efforts, require_signs
+from planning.domain.request.motion_limits import missing_effort_limits, validate_signed_blocks
 from service.scenes.preflight import Group, joints_of, require_frames
 from service.scenes.records import SceneRecord
 from service.schemas.motion_limit import MotionLimits
@@ -14,10 +14,10 @@ def require_motion_limits(scene: SceneRecord, group: Group, limits: MotionLimits
         ProblemInvalid: Efforts shall be kept, and no joint of the group has a limit on them.
     """
     if limits.effort and all(bound is None for bound in group["limits"]["effort"]):
-        raise no_efforts(group["name"])
+        raise missing_effort_limits(group["name"])
     require_frames(scene, [limit.frame for limit in limits.tool_limits])
     for zone in limits.speed_zones:
         require_frames(scene, [zone.frame, zone.box.pose.frame])
     if limits.payload is not None:
         require_frames(scene, [limits.payload.frame])
-    require_signs(limits.acceleration_bounds, joints_of(group))
+    validate_signed_blocks(limits.acceleration_bounds, joints_of(group))

@@ -22,5 +22,5 @@ def own_core(cores: Mapping[str, Any] | None) -> Generator[ForkPool | None]:
         yield None
         return
     shared = CoreLeases(Path(cores["folder"]), cores["count"])
-    with shared.lent(1):
+    with shared.lease(1):
         yield ForkPool(shared)

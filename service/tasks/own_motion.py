@@ -42,7 +42,7 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
                 request.group,
                 np.array(request.waypoints, dtype=np.float64),
                 deadline=deadline,
-                wanted=certify_value(request.certify),
+                certify_options=certify_value(request.certify),
                 **kept,
             )
         except PlanningFailure as failure:
@@ -56,7 +56,7 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
             request.group,
             found.trajectory,
             sampling,
-            deadline=deadline.cutting(lambda: cuts.add("samples")),
+            deadline=deadline.with_on_expiry(lambda: cuts.add("samples")),
             clearance=found.certificate.proven_clearance,
             **kept,
         )
@@ -104,7 +104,7 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         else:
             wanted, unchecked = certify_value(request.certify), ()
             certificate, report = certify_trajectory(
-                world, request.group, trajectory, wanted=wanted, **held
+                world, request.group, trajectory, certify_options=wanted, **held
             )
     return {
         "certificate": certificate_wire(certificate),

@@ -101,17 +101,17 @@ def delivered(
     """
     require_few(found.trajectory, sampling)
     began, cuts = deadline.clock(), set[str]()
-    until = min(max(deadline.at, began + _LEAST_PROVING), began + PROVING)
+    until = min(max(deadline.expires_at, began + _LEAST_PROVING), began + PROVING)
     # Who wants the best there is from a cancel wants it delivered as well.
     wants_best = problem.search.on_cancel == "best"
-    proving = replace(deadline.uncancelable if wants_best else deadline, at=until)
+    proving = replace(deadline.uncancelable if wants_best else deadline, expires_at=until)
     proven = sample_plan(
         world,
         problem,
         found.trajectory,
         found.parts,
         sampling,
-        deadline=proving.cutting(lambda: cuts.add("samples")),
+        deadline=proving.with_on_expiry(lambda: cuts.add("samples")),
         clearance=found.certificate.proven_clearance,
     )
     samples = deadline.clock() - began
@@ -122,5 +122,5 @@ def delivered(
         "timings": {"load": loaded, **found.timings, "samples": samples},
         "digest": result["digest"],
         "cut_short": result["cut_short"],
-        "graph": None if found.graph is None else found.graph.plain,
+        "graph": None if found.graph is None else found.graph.as_json,
     }

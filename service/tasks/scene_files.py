@@ -24,7 +24,7 @@ def read_posted(payload: Mapping[str, Any]) -> tuple[SceneDocument, Mapping[str,
     written = json.loads(Path(payload["scene"]["document"]).read_text(encoding="utf-8"))
     if "files" not in written:
         raise SceneNotKept.of(payload["scene"]["digest"])
-    files = {name: KeptFiles.from_plain(plain) for name, plain in written["files"].items()}
+    files = {name: KeptFiles.from_json(plain) for name, plain in written["files"].items()}
     return SceneDocument.model_validate(written["document"]), files
 
 
@@ -40,4 +40,4 @@ def require_same(world: World, payload: Mapping[str, Any]) -> None:
 
 def files_wire(scene: Scene) -> dict[str, Any]:
     """Return what a scene was made from, by the name of the robot or object."""
-    return {name: kept.plain for name, kept in scene.files.items()}
+    return {name: kept.as_json for name, kept in scene.files.items()}

@@ -65,7 +65,7 @@ class SceneText:
             return None
         bare = replace(edited, objects=())
         try:
-            rest = scene_document(bare, like=self.rest)
+            rest = scene_document(bare, previous=self.rest)
             texts, objects = self._after(before.objects, edited.objects)
         except ValidationError:
             return None

@@ -9,7 +9,7 @@ from typing import Any
 from planning import ModelLibrary, Scene, World, edit_scene, load_world, scene_document
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_file import with_line
-from planning.world.files.trial_load import tried
+from planning.world.files.trial_load import trial_load
 from service.convert.scene_edits import operation_value
 from service.convert.summaries import scene_wire
 from service.schemas.scene_edit import SceneEdit
@@ -32,7 +32,7 @@ def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     with _no_collections():
         document = decode_scene(payload["text"], payload["media"])
         try:
-            world = load_world(tried(document.value(), library), library)
+            world = load_world(trial_load(document.value(), library), library)
         except SceneInvalid as fault:
             raise with_line(fault, payload["text"]) from fault
         return _loaded(world, library, SceneText.of(document))
@@ -60,7 +60,7 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         if after is None:
             scene_document(edited)  # says what is wrong
             raise AssertionError
-        return _loaded(load_like(tried(after[1], library), library), library, after[0])
+        return _loaded(load_like(trial_load(after[1], library), library), library, after[0])
 
 
 @contextmanager

@@ -34,7 +34,7 @@ def sample(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     Raises:
         ProblemInvalid: That would be too many samples.
     """
-    trajectory = trajectory_value(payload["trajectory"]).slowed(1 / payload["scale"])
+    trajectory = trajectory_value(payload["trajectory"]).time_scaled(1 / payload["scale"])
     exact = polynomial_wire(trajectory) if payload["polynomial"] else None
     return {**_proven(payload, trajectory, channel), "polynomial": exact}
 

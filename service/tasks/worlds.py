@@ -61,7 +61,7 @@ def load_like(scene: Scene, library: ModelLibrary) -> World:
     if like is None:
         return load_world(scene, library)
     try:
-        world = load_world(scene, library, like=like)
+        world = load_world(scene, library, previous=like)
     except InputError:
         keep(like, library)
         raise

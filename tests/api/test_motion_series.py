@@ -58,9 +58,9 @@ def test_jerk_counts_only_where_it_is_limited_and_jumps_are_told(pickup: World) 
     _, plain = made_with(pickup, RetimeOptions())
     _, smooth = made_with(pickup, RetimeOptions(method="ruckig"))
     assert "jerk" not in plain.utilisation
-    assert len(plain.jumps)
+    assert len(plain.acceleration_jumps)
     assert smooth.utilisation["jerk"].max() > 0.5
-    assert not len(smooth.jumps)
+    assert not len(smooth.acceleration_jumps)
 
 
 def test_the_acceleration_range_has_bounds_by_sign(pickup: World) -> None:
@@ -71,8 +71,8 @@ def test_the_acceleration_range_has_bounds_by_sign(pickup: World) -> None:
     assert (lowest[elbow], highest[elbow]) == BOUNDS["arm::elbow_joint"]
     others = np.arange(6) != elbow
     np.testing.assert_allclose(highest[others], series.limits.acceleration[others])
-    assert (series.rates[1] >= lowest - 1e-6).all()
-    assert (series.rates[1] <= highest + 1e-6).all()
+    assert (series.derivatives[1] >= lowest - 1e-6).all()
+    assert (series.derivatives[1] <= highest + 1e-6).all()
 
 
 @pytest.mark.parametrize("margin", [0.0, 0.02, 0.08])
@@ -80,7 +80,7 @@ def test_what_is_to_spare_is_over_the_margin_asked_for(pickup: World, margin: fl
     made, series = made_with(pickup, RetimeOptions(), margin, distances=True)
     check = next(c for c in made.certificate.checks if c.name == "clearance")
     assert series.margin == margin
-    assert series.spare.min() == pytest.approx(check.value - check.bound, abs=2e-3)
+    assert series.signed_margin.min() == pytest.approx(check.value - check.bound, abs=2e-3)
     assert series.clearance.min() == pytest.approx(made.certificate.min_clearance, abs=2e-3)
 
 
@@ -106,9 +106,17 @@ def test_all_but_distances_is_the_same_without_them(pickup: World) -> None:
         motion_series(pickup, "arm", made.trajectory, 5, distances=distances)
         for distances in (True, False)
     ]
-    for name in ("times", "positions", "rates", "efforts", "jumps", "margin", "shares"):
+    for name in (
+        "times",
+        "positions",
+        "derivatives",
+        "efforts",
+        "acceleration_jumps",
+        "margin",
+        "path_limit_utilisation",
+    ):
         np.testing.assert_equal(*(getattr(series, name) for series in both), err_msg=name)
     measured, bare = both
-    assert np.isfinite([measured.clearance, measured.spare]).all()
-    assert np.isnan([bare.clearance, bare.spare]).all()
-    assert bare.pairs == (("", ""),) * 5
+    assert np.isfinite([measured.clearance, measured.signed_margin]).all()
+    assert np.isnan([bare.clearance, bare.signed_margin]).all()
+    assert bare.closest_pairs == (("", ""),) * 5

@@ -41,7 +41,7 @@ class Sound:
     @property
     def unhurried(self) -> TimedTrajectory:
         """The motion with room below its limits."""
-        return self.request.trajectory.slowed(1.3)
+        return self.request.trajectory.time_scaled(1.3)
 
 
 def sound_motions(count: int, seed: int) -> list[Sound]:
@@ -102,7 +102,7 @@ def as_quick_as_may_be(
     """Return the motion slowed or sped up until a rate is this far below its limit, as a share."""
     assert motion.joints == group.joints
     factor = max((peak_use(motion, limits, k) / (1 - spare)) ** (1 / k) for k in orders)
-    return motion.slowed(factor)
+    return motion.time_scaled(factor)
 
 
 def cut_at(motion: TimedTrajectory, *instants: float) -> TimedTrajectory:

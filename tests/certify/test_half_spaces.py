@@ -68,11 +68,13 @@ def test_nothing_comes_nearer_than_its_bound(seed: int, is_carried: bool) -> Non
     segment = segments.whole
     for _ in range(int(rng.integers(5))):
         segment = segments.halves(segment)[int(rng.integers(2))]
-    distances.go_to(segment.center)
-    allowed = distances.approaches(segment, every)[rows]
+    distances.set_positions(segment.center)
+    allowed = distances.max_approaches(segment, every)[rows]
     assert np.isfinite(allowed).all()
     here = heights.at(segment.center)
-    np.testing.assert_allclose(distances.measure(every, np.zeros(len(every))).lower[rows], here)
+    np.testing.assert_allclose(
+        distances.measure(every, np.zeros(len(every))).lower_bounds[rows], here
+    )
     for time in np.linspace(segment.begin, segment.end, 17)[:-1]:
         there = heights.at(motion.positions(np.array([time]))[0])
         assert (here - there <= allowed + 1e-9).all()
@@ -88,7 +90,7 @@ def test_the_kernels_bounds_hold_on_every_segment(seed: int, is_carried: bool) -
     heights, rng = Heights(robot), np.random.default_rng(seed + 2)
     order = {pair: row for row, pair in enumerate(scene.pairs)}
     rows = [order.get(pair, order.get(pair[::-1])) for pair in heights.pairs]
-    demands = scene.demands(NO_MARGIN)
+    demands = scene.thresholds(NO_MARGIN)
     proof = prover(scene, robot.model, robot.request(motion, NO_MARGIN), demands)
     for depth in range(5):
         begin, end, time, found = proof.bounds(rng.integers(2, size=depth).tolist())
@@ -210,8 +212,8 @@ def test_lever_arms_are_those_of_the_other_shape() -> None:
     bounds = MotionBounds(robot.model, robot.group, shapes)
     distances = PairDistances(robot.model, robot.request(tilted(robot, 0.2), NO_MARGIN))
     whole = Segments(tilted(robot, 0.2)).whole
-    distances.go_to(whole.center)
-    (approach,) = distances.approaches(whole, np.arange(1))
+    distances.set_positions(whole.center)
+    (approach,) = distances.max_approaches(whole, np.arange(1))
     arm = np.hypot(0.4, 0.5) + 0.1
-    assert approach == pytest.approx(2 * np.sin(whole.turn[0] / 2) * arm)
-    assert bounds.carries.sum() == 1
+    assert approach == pytest.approx(2 * np.sin(whole.max_rotation[0] / 2) * arm)
+    assert bounds.is_carried_by.sum() == 1

@@ -278,7 +278,7 @@ SOUND: dict[str, Callable[[Sound, Rng], Question]] = {
     ),
     "slower": lambda sound, rng: (
         sound.world.drake,
-        sound.of(sound.request.trajectory.slowed(rng.uniform(1, 5))),
+        sound.of(sound.request.trajectory.time_scaled(rng.uniform(1, 5))),
     ),
     "hardly torn": lambda sound, rng: torn(sound, rng, within(rng, 1e-6)),
     "hardly kinked": lambda sound, rng: kinked(sound, rng, within(rng, 1e-5)),

@@ -165,8 +165,8 @@ def test_torques_are_off_by_no_more_than_is_said(degree: int) -> None:
                 links, GRAVITY, request.trajectory, (np.zeros(1, dtype=int), np.array([t]), half)
             )
             true = efforts(links, powers, t)
-            assert abs(found.taylor[0, 0, 0] - true) <= found.missed[0, 0]
-            assert found.missed[0, 0] < (1e-7 if degree < 13 else np.inf)
+            assert abs(found.taylor[0, 0, 0] - true) <= found.errors[0, 0]
+            assert found.errors[0, 0] < (1e-7 if degree < 13 else np.inf)
 
 
 def efforts(links: object, powers: np.ndarray, t: float) -> float:

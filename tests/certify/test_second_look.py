@@ -40,8 +40,8 @@ def test_drake_decides_what_the_kernel_does_not(end: float, passes: bool) -> Non
     alone = quick_clearance(robot.model, request, no_hurry())
     found = check_clearance(robot.model, request, no_hurry(), undecided)
     assert found.check.passed == passes
-    assert found.queries > alone.queries
-    assert found.intervals > alone.intervals
+    assert found.num_queries > alone.num_queries
+    assert found.num_segments > alone.num_segments
     if passes:
         assert found.nearest.distance == pytest.approx(0.1, abs=2e-3)
         assert found.check.resolution <= 2e-3

@@ -81,7 +81,7 @@ def of_two(seed: int) -> tuple[GjkResult, float, float]:
     (found,) = query.ComputeSignedDistancePairwiseClosestPoints(10.0)
 
     def support(n: np.ndarray) -> np.ndarray:
-        return shapes.point(0, R_A, p_a, n) - shapes.point(1, R_B, p_b, -n)
+        return shapes.support_point(0, R_A, p_a, n) - shapes.support_point(1, R_B, p_b, -n)
 
     return separation(support, p_a - p_b, np.inf), float(found.distance), 1e-4
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import planning
-from planning.certify.steering_check import SLIP, TIGHT, steering_checks
+from planning.certify.steering_check import CURVATURE_TOLERANCE, SLIP_TOLERANCE, steering_checks
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Check
 from planning.world.world import World
@@ -44,7 +44,7 @@ def steering(world: World, motion: TimedTrajectory) -> Check:
         ((0.0, 0.0, 1e-4), "curvature"),
         ((0.0, 1.0, 0.0), "sideways"),
         ((0.0, 1e-4, 0.0), "sideways"),
-        ((1.0, 3 * SLIP, 0.0), "sideways"),
+        ((1.0, 3 * SLIP_TOLERANCE, 0.0), "sideways"),
     ],
 )
 def test_what_no_car_can_do_is_refused_at_any_speed(
@@ -57,20 +57,22 @@ def test_what_no_car_can_do_is_refused_at_any_speed(
 
 
 @pytest.mark.parametrize("duration", DURATIONS)
-@pytest.mark.parametrize("ends", [(1.0, 0.0, 0.0), (-3.0, 0.0, 0.0), (1.0, 0.3 * SLIP, 0.0)])
+@pytest.mark.parametrize(
+    "ends", [(1.0, 0.0, 0.0), (-3.0, 0.0, 0.0), (1.0, 0.3 * SLIP_TOLERANCE, 0.0)]
+)
 def test_what_a_car_can_do_is_proven_at_any_speed(
     world: World, duration: float, ends: tuple[float, ...]
 ) -> None:
     check = steering(world, driven(world, duration, *ends))
     assert check.passed
-    assert 0 <= check.value <= check.bound <= 1 + TIGHT
+    assert 0 <= check.value <= check.bound <= 1 + CURVATURE_TOLERANCE
 
 
 @pytest.mark.parametrize("slowness", [1.0, 1e3, 1e6])
 def test_a_planned_drive_is_proven_however_slowed(world: World, slowness: float) -> None:
     goal = planning.JointGoal(np.array([[0.6, 0.4, 1.2]]))
     found = planning.plan(planning.PlanningProblem("c", goal, seed=1), world, deadline=no_hurry())
-    slow = found.trajectory.slowed(slowness)
+    slow = found.trajectory.time_scaled(slowness)
     assert steering(world, slow).passed
     radius = world.group("c").steering["c::base_joint"].turning_radius
     assert_driven(found.trajectory, radius, reverse=True, at=(0, 0))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.certify.intervals.bernstein_products import raised, times
+from planning.certify.intervals.bernstein_products import elevate_degree, multiply
 from planning.certify.request import CertifyRequest
 from planning.certify.steering_check import steering_checks
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
@@ -102,11 +102,11 @@ def test_a_slip_is_refused_at_any_speed(power: float, slowness: float) -> None:
     bump = power * 0.05 * width * np.array([0, 0, 1, -2, 1]) / width ** np.arange(5.0)
     slipping[piece, :5, 6] += bump
     slipping[piece, :5, 7] -= bump
-    moved = replace(sound, coefficients=slipping).slowed(slowness)
+    moved = replace(sound, coefficients=slipping).time_scaled(slowness)
     check = checked(moved, group_with())
     assert not check.passed
     assert check.where in {"sideways", "curvature"}
-    assert checked(sound.slowed(slowness), group_with()).passed
+    assert checked(sound.time_scaled(slowness), group_with()).passed
 
 
 def test_a_plain_geodesic_is_no_way_of_a_car() -> None:
@@ -149,5 +149,5 @@ def test_products_of_bernstein_forms(seed: int, i: int, j: int) -> None:
         return form[:, 0]
 
     for x in (0.0, 0.3, 1.0):
-        assert value(times(a, b), x) == pytest.approx(value(a, x) * value(b, x), abs=1e-12)
-        assert value(raised(a, i + j), x) == pytest.approx(value(a, x), abs=1e-12)
+        assert value(multiply(a, b), x) == pytest.approx(value(a, x) * value(b, x), abs=1e-12)
+        assert value(elevate_degree(a, i + j), x) == pytest.approx(value(a, x), abs=1e-12)

@@ -67,7 +67,7 @@ def test_a_cancel_comes_to_rest_on_the_path_within_the_limits(
     assert not np.any(driver.sent[-1].v)
     np.testing.assert_allclose(driver.sent[-1].q, done.desired, atol=1e-12)
     # from full speed 1.875 / 2 rad/s a ramp within 3 rad/s^2 takes a fraction of a second
-    assert done.clock <= when * PERIOD + 1.0
+    assert done.driver_time <= when * PERIOD + 1.0
 
 
 @settings(max_examples=num_cases(6))
@@ -90,7 +90,7 @@ def test_a_paused_robot_stands_still_on_its_path_for_as_long_as_it_takes(
 ) -> None:
     driver = new_driver()
     paused = follow(execution.start(), driver, {80: Execution.pause}, num_steps=400)
-    assert (paused.state, paused.rate) == ("paused", 0.0)
+    assert (paused.state, paused.path_velocity) == ("paused", 0.0)
     assert 0.8 < paused.time < 1.3
     assert not np.any([s.v for s in driver.sent[-200:]])
     done = follow(paused.cancel(), driver)
@@ -101,8 +101,8 @@ def test_half_speed_takes_twice_as_long_with_half_the_velocity(
     execution: Execution, new_driver: Any
 ) -> None:
     fast, slow = new_driver(), new_driver()
-    end = follow(execution.start(), fast).clock
-    end_slow = follow(execution.with_speed(0.5).start(), slow).clock
+    end = follow(execution.start(), fast).driver_time
+    end_slow = follow(execution.with_speed(0.5).start(), slow).driver_time
     assert end_slow - 2 * PERIOD == pytest.approx(2 * (end - PERIOD), abs=2 * PERIOD)
     peak, peak_slow = (np.max(np.abs([s.v for s in d.sent]), axis=0) for d in (fast, slow))
     np.testing.assert_allclose(peak_slow, peak / 2, rtol=1e-4)
@@ -136,7 +136,7 @@ def test_a_robot_that_never_arrives_is_lost(execution: Execution, new_driver: An
     done = follow(execution.start(), new_driver(offset=0.02))
     assert isinstance(done.failure, TrackingLost)
     assert done.failure.evidence["bound"] == execution.tolerances.goal
-    assert done.clock == pytest.approx(4.0, abs=0.05)  # the motion, and the time to settle
+    assert done.driver_time == pytest.approx(4.0, abs=0.05)  # the motion, and the time to settle
 
 
 def test_a_step_changes_nothing_but_its_result(execution: Execution, new_driver: Any) -> None:

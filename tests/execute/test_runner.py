@@ -28,7 +28,7 @@ def test_it_reports_rising_progress(execution: Execution, new_driver: Any) -> No
     assert (progress[0], progress[-1], statuses[-1].state) == (0.0, 1.0, "succeeded")
     middle = statuses[20]
     assert middle.time == pytest.approx(1.0, abs=0.005)
-    assert middle.clock == pytest.approx(1.0, abs=0.005)
+    assert middle.driver_time == pytest.approx(1.0, abs=0.005)
     np.testing.assert_allclose(middle.measured, middle.desired, atol=1e-6)
     assert middle.tracking_error == np.max(np.abs(middle.measured - middle.desired))
 
@@ -43,7 +43,7 @@ def test_speed_is_seconds_of_trajectory_per_second(
     assert run(runner, 100.0, 120.0, 0.01) - 100.0 == pytest.approx(duration, abs=0.03)
     assert runner.status.state == "succeeded"
     # beyond 1 the robot's own clock runs fast and its motion stays as it is
-    assert runner.status.clock == pytest.approx(max(2.0, duration), abs=0.03)
+    assert runner.status.driver_time == pytest.approx(max(2.0, duration), abs=0.03)
 
 
 def test_a_late_tick_does_not_work_for_long(execution: Execution, new_driver: Any) -> None:
@@ -52,7 +52,7 @@ def test_a_late_tick_does_not_work_for_long(execution: Execution, new_driver: An
     runner.start(0.0)
     runner.tick(3600.0)
     assert len(driver.sent) == 50
-    assert runner.status.clock == pytest.approx(0.2)
+    assert runner.status.driver_time == pytest.approx(0.2)
 
 
 def test_pause_resume_and_cancel(execution: Execution, new_driver: Any) -> None:
@@ -64,7 +64,7 @@ def test_pause_resume_and_cancel(execution: Execution, new_driver: Any) -> None:
     assert runner.pause().state == "paused"
     run(runner, 1.0, 5.0)
     paused = runner.status
-    assert paused.rate == 0.0
+    assert paused.path_velocity == 0.0
     assert paused.progress < 0.75
     assert runner.resume().state == "executing"
     run(runner, 5.0, 5.2)
@@ -108,4 +108,4 @@ def test_impossible_speeds_are_refused(execution: Execution, new_driver: Any, sp
 
 def test_a_robot_has_no_faster_clock(execution: Execution, new_driver: Any) -> None:
     with pytest.raises(ProblemInvalid, match="at most 1"):
-        Runner(execution, new_driver(), max_pace=1.0).set_speed(1.5)
+        Runner(execution, new_driver(), max_realtime_factor=1.0).set_speed(1.5)

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import Joint, JointLimits, JointType
-from planning.execute.time_scaling import choose_ramp, ramp_bounds
+from planning.execute.time_scaling import choose_path_acceleration, path_acceleration_bounds
 from tests.profiles import num_cases
 
 JOINTS = (Joint("body::base", JointType.PLANAR), Joint("arm::a", JointType.REVOLUTE))
@@ -38,7 +38,9 @@ def test_the_bounds_are_where_a_limit_is_met(
 ) -> None:
     bound = 20.0  # such a cubic accelerates by 2 + 6 in a coordinate at most, sqrt(2) 8 in a block
     trajectory = cubic(seed)
-    least, largest = ramp_bounds(trajectory, limits(bound), np.array([time]), np.array([rate]))
+    least, largest = path_acceleration_bounds(
+        trajectory, limits(bound), np.array([time]), np.array([rate])
+    )
     assert least <= 0 <= largest
     for end in (least, largest):
         assert abs(utilisation(trajectory, time, rate, end) - bound) < 1e-6 * bound
@@ -48,25 +50,30 @@ def test_the_bounds_are_where_a_limit_is_met(
 
 def test_all_instants_count() -> None:
     trajectory, times = cubic(7), np.array([0.1, 0.9])
-    both = ramp_bounds(trajectory, limits(20.0), times, np.array([0.3, 1.0]))
-    first = ramp_bounds(trajectory, limits(20.0), times[:1], np.array([0.3]))
-    second = ramp_bounds(trajectory, limits(20.0), times[1:], np.array([1.0]))
+    both = path_acceleration_bounds(trajectory, limits(20.0), times, np.array([0.3, 1.0]))
+    first = path_acceleration_bounds(trajectory, limits(20.0), times[:1], np.array([0.3]))
+    second = path_acceleration_bounds(trajectory, limits(20.0), times[1:], np.array([1.0]))
     assert both == (max(first[0], second[0]), min(first[1], second[1]))
 
 
 def test_a_trajectory_beyond_its_limits_may_go_on_as_it_is() -> None:
     trajectory = cubic(1)
-    least, largest = ramp_bounds(trajectory, limits(1e-3), np.linspace(0, 1, 5), np.ones(5))
+    least, largest = path_acceleration_bounds(
+        trajectory, limits(1e-3), np.linspace(0, 1, 5), np.ones(5)
+    )
     assert least <= 1e-9
     assert largest >= -1e-9
 
 
 def test_nothing_that_stands_still_bounds_the_ramp() -> None:
     still = TimedTrajectory(JOINTS, np.array([0.0, 1.0]), np.zeros((1, 4)), np.zeros((1, 4, 4)))
-    assert ramp_bounds(still, limits(1.0), np.array([0.5]), np.ones(1)) == (-np.inf, np.inf)
+    assert path_acceleration_bounds(still, limits(1.0), np.array([0.5]), np.ones(1)) == (
+        -np.inf,
+        np.inf,
+    )
 
 
 def test_the_ramp_lands_on_the_target_when_it_can() -> None:
-    assert choose_ramp((-100.0, 100.0), 0.3, 0.0, 0.01) * 0.01 == -0.3
-    assert choose_ramp((-2.0, 100.0), 0.3, 0.0, 0.01) == -2.0
-    assert choose_ramp((-100.0, 5.0), 0.3, 1.0, 0.01) == 5.0
+    assert choose_path_acceleration((-100.0, 100.0), 0.3, 0.0, 0.01) * 0.01 == -0.3
+    assert choose_path_acceleration((-2.0, 100.0), 0.3, 0.0, 0.01) == -2.0
+    assert choose_path_acceleration((-100.0, 5.0), 0.3, 1.0, 0.01) == 5.0

@@ -39,7 +39,7 @@ def test_samples_are_inside_and_what_is_closest_is_too(seed: int, free: list[boo
     axes = Pose.from_parts(quaternion=rng.normal(size=4)).quaternion
     weights = np.where(free, 0.0, rng.uniform(0.1, 5.0, 4))
     ball = BallTarget("tool", middle, weights, float(rng.uniform(0.01, 1.0)), axes)
-    samples = ball.samples(9, WorkspaceBound(middle.position, 2.0), rng)
+    samples = ball.sample_poses(9, WorkspaceBound(middle.position, 2.0), rng)
     drawn = [Pose(p, a) for p, a in zip(*samples, strict=True)]
     assert drawn[0].distance(middle) == pytest.approx((0.0, 0.0), abs=1e-7)
     for pose in [*drawn, ball.closest(far)]:
@@ -50,7 +50,7 @@ def test_samples_are_inside_and_what_is_closest_is_too(seed: int, free: list[boo
         assert ball.closest(pose).distance(pose) == pytest.approx((0.0, 0.0), abs=1e-6)
     true = distance(middle, far, weights, axes)
     assert ball.are_met_by(far.matrix[None])[0] == (true <= ball.tolerance + 1e-5)
-    box = ball.inside
+    box = ball.inscribed_target
     corner = middle @ Pose(box.position_tolerance, rotation.exp(box.rotation_tolerance * 0))
     assert distance(middle, corner, weights, axes) <= ball.tolerance / np.sqrt(2) + 1e-9
 

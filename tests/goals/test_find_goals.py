@@ -12,7 +12,7 @@ from planning.domain.request.options import IkOptions
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.manifold import Manifold
 from planning.errors import GoalUnreachable
-from planning.goals.ranking import equivalents
+from planning.goals.ranking import full_turn_equivalents
 from planning.world.world import World
 from tests.conftest import group_of, limits_of
 from tests.goals.conftest import ENGINES, ask, at, world_by
@@ -64,7 +64,7 @@ def test_whole_turns_are_offered_within_limits() -> None:
     limits = limits_of(group)
     lower, upper = np.array([-2 * np.pi, -1, -np.inf]), np.array([2 * np.pi, 1, np.inf])
     limits = replace(limits, lower=lower, upper=upper)
-    rows, _ = equivalents(group, limits, np.array([[1.0, 0.5, 0.2]]))
+    rows, _ = full_turn_equivalents(group, limits, np.array([[1.0, 0.5, 0.2]]))
     assert sorted(rows[:, 0]) == pytest.approx([1.0 - 2 * np.pi, 1.0])
     assert set(rows[:, 1]) == {0.5}
     assert set(rows[:, 2]) == {0.2}
@@ -104,7 +104,7 @@ def test_rejections_are_tallied_by_pair_and_the_funnel_narrows(engine: str) -> N
     world = world_by("ur5e_pickup", engine)
     funnel = ask(world, "arm", at(Pose.identity(), "pick"), IkOptions(max_trials=150)).funnel
     counts = [
-        funnel.tried,
+        funnel.num_samples,
         funnel.converged,
         funnel.within_limits,
         funnel.collision_free,

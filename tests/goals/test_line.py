@@ -62,11 +62,13 @@ def test_the_tool_is_on_the_line_at_waypoints_and_as_near_as_said_between(
         between = manifold.interpolate(*found.positions[i : i + 2], np.linspace(0, 1, 6))
         assert all(not world.violations(group, q, world.margins(0)) for q in between[:-1])
         for pose in poses_at(world, "arm", line.frame, between):
-            fraction = np.dot(pose.position - line.begin.position, line.shift) / line.length**2
+            fraction = (
+                np.dot(pose.position - line.begin.position, line.translation) / line.length**2
+            )
             nearest = line.pose(float(np.clip(fraction, 0, 1)))
-            assert pose.distance(nearest)[0] <= found.max_shift + 1e-9
-    assert 0 < found.max_shift <= TraceResolution().max_shift
-    assert found.max_turn <= TraceResolution().max_turn
+            assert pose.distance(nearest)[0] <= found.max_position_deviation + 1e-9
+    assert 0 < found.max_position_deviation <= TraceResolution().max_shift
+    assert found.max_rotation_deviation <= TraceResolution().max_turn
 
 
 @given(seed=st.integers(0, 100))

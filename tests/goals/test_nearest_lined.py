@@ -50,8 +50,8 @@ def have_lines(world: World, goal: PoseGoal, rows: np.ndarray, poses: list[Pose]
     group = world.group("arm")
     query = GoalQuery(group, goal, world.positions(group), world.margins(), IkOptions())
     targets = [ToolTarget("arm::tcp", pose, EXACT, EXACT) for pose in poses]
-    judge = ApproachChecker(world, query, goal, targets, no_hurry())
-    return judge.admit(rows, np.arange(len(rows)))
+    checker = ApproachChecker(world, query, goal, targets, no_hurry())
+    return checker.check(rows, np.arange(len(rows)))
 
 
 @pytest.mark.parametrize(("approach", "retreat"), WAYS)

@@ -121,7 +121,7 @@ def test_the_nearest_pose_keeps_the_rules_and_no_try_finds_a_nearer_one(case: st
     good = rows[converged & within_limits(limits, rows)]
     good = good[world.collision_oracle(group, world.margins()).are_free(good)]
     assert len(good) > TRIES // 20
-    assert not rules.are_kept(good).any()
+    assert not rules.are_satisfied(good).any()
 
 
 @pytest.mark.parametrize("case", [name for name, (_, _, errors) in CASES.items() if errors])
@@ -143,7 +143,7 @@ def test_what_binds_is_the_rule(case: str) -> None:
 
 
 def rules_of_case(case: str) -> Any:
-    return rules_of(world_by(NAME, "kernel"), case).rules
+    return rules_of(world_by(NAME, "kernel"), case).constraints
 
 
 @EVERY

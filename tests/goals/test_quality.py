@@ -52,8 +52,8 @@ def test_the_three_signs_are_the_sign_of_the_jacobians_determinant() -> None:
     rng = np.random.default_rng(3)
     ratios = set()
     for q in rng.uniform(-np.pi, np.pi, (60, 6)):
-        quality = probe.of(q, q)
-        determinant = float(np.linalg.det(kinematics.by_v(q[None])[0]))
+        quality = probe.evaluate(q, q)
+        determinant = float(np.linalg.det(kinematics.velocity_jacobians(q[None])[0]))
         assert quality.manipulability == pytest.approx(abs(determinant), rel=1e-9)
         ratios.add(int(np.prod(signs_of(quality.branch)) * np.sign(determinant)))
     assert len(ratios) == 1
@@ -63,7 +63,7 @@ def test_a_singularity_has_no_sign() -> None:
     world = world_by("ur5e_pickup", "kernel")
     group = world.group("arm")
     q = np.array([0.3, -1.2, 0.0, 0.4, 0.7, 0.1])
-    stretched = probe_of(world, group).of(q, q)
+    stretched = probe_of(world, group).evaluate(q, q)
     assert stretched.branch.elbow == 0
     assert abs(stretched.branch.shoulder * stretched.branch.wrist) == 1
     assert stretched.manipulability < 1e-9

@@ -56,7 +56,7 @@ def test_samples_are_in_the_region_and_little_else_is(
     bounds = np.where(free, FREE, bound * rng.uniform(0.3, 1.0, 3))
     box = rng.uniform(0.0, 0.5, 3)
     target = RegionTarget("tool", middle, box, bounds)
-    samples = target.samples(12, WorkspaceBound(middle.position, 10.0), rng)
+    samples = target.sample_poses(12, WorkspaceBound(middle.position, 10.0), rng)
     drawn = [Pose(p, a) for p, a in zip(*samples, strict=True)]
     assert target.are_met_by(np.stack([pose.matrix for pose in drawn])).all()
     for pose in drawn:
@@ -85,7 +85,7 @@ def test_what_is_closest_is_in_the_region_and_widening_takes_anything_in(
     target = RegionTarget("tool", middle, rng.uniform(0.0, 0.2, 3), bounds)
     again = target.closest(target.closest(pose))
     assert again.distance(target.closest(pose)) == pytest.approx((0.0, 0.0), abs=1e-6)
-    wider = RegionTarget("tool", middle, *target.widened(pose))
+    wider = RegionTarget("tool", middle, *target.widened_tolerances(pose))
     assert wider.are_met_by(pose.matrix[None])[0]
 
 
@@ -127,9 +127,9 @@ class Counted(RegionTarget):
 
     most = 0
 
-    def samples(self, count: int, *rest: Any) -> Any:
+    def sample_poses(self, count: int, *rest: Any) -> Any:
         Counted.most = max(Counted.most, count)
-        return super().samples(count, *rest)
+        return super().sample_poses(count, *rest)
 
 
 def test_poses_are_drawn_as_trials_are_made() -> None:
@@ -147,11 +147,11 @@ def test_poses_are_drawn_as_trials_are_made() -> None:
     begin = 0
     for some in aims:
         assert isinstance(some.targets, ExactPoses)
-        assert some.first == begin
-        begin = some.end or 0
-        assert len(some.targets) == begin - some.first
-        seeds, targets = some.trials(some.first, begin - some.first)
-        np.testing.assert_array_equal(seeds, np.arange(some.first, begin))
+        assert some.first_trial == begin
+        begin = some.end_trial or 0
+        assert len(some.targets) == begin - some.first_trial
+        seeds, targets = some.trials(some.first_trial, begin - some.first_trial)
+        np.testing.assert_array_equal(seeds, np.arange(some.first_trial, begin))
         np.testing.assert_array_equal(targets, np.arange(len(targets)))
         # The middles, which come first, are alike.
         assert len(np.unique(some.targets.quaternions, axis=0)) >= len(targets) - 1

@@ -40,7 +40,7 @@ def solve(world: World, *constraints: PathConstraint, **arguments: Any) -> GoalC
 
 
 def adds_up(funnel: Funnel) -> bool:
-    return funnel.tried == funnel.distinct + sum(one.count for one in rejections(funnel))
+    return funnel.num_samples == funnel.distinct + sum(one.count for one in rejections(funnel))
 
 
 @ENGINES
@@ -79,7 +79,7 @@ def test_what_breaks_a_constraint_is_counted_and_made_up_for() -> None:
     assert not (usual.positions[:, 4] >= start[4] - 0.5).all()
     assert (kept.positions[:, 4] >= start[4] - 0.5).all()
     assert kept.funnel.distinct >= options.max_configurations == len(kept.positions)
-    assert kept.funnel.breaking > 0
+    assert kept.funnel.num_samples_violating > 0
     assert adds_up(kept.funnel)
     assert "violate a path constraint" in funnel_evidence(kept.funnel)["summary"]
 

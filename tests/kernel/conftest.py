@@ -46,7 +46,7 @@ class Judged:
             self.scene.native,
             model.position_indices(group).astype(np.int64),
             model.velocity_indices(group).astype(np.int64),
-            model.follow(np.array(self.robot.state)),
+            model.apply_couplings(np.array(self.robot.state)),
             pair_thresholds(self.scene, self.margins(margin)),
             kernel,
         )

@@ -100,7 +100,7 @@ def test_jacobians_are_the_slopes_of_drakes_poses(seed: int) -> None:
             plant.SetPositions(context, full)
             qdot = np.array(plant.MapVelocityToQDot(context, np.eye(plant.num_velocities())[index]))
             ends = [
-                drake_pose(model, context, frame, model.follow(full + sign * step * qdot))
+                drake_pose(model, context, frame, model.apply_couplings(full + sign * step * qdot))
                 for sign in (-1, 1)
             ]
             slope = (ends[1] - ends[0]) / (2 * step)
@@ -118,5 +118,5 @@ def test_what_the_group_does_not_move_stays() -> None:
     chain: Any = kernel_chain(robot.model, few, state, frame)
     q = state[robot.model.position_indices(few)]
     context = robot.model.plant.CreateDefaultContext()
-    expected = drake_pose(robot.model, context, frame, robot.model.follow(np.array(state)))
+    expected = drake_pose(robot.model, context, frame, robot.model.apply_couplings(np.array(state)))
     np.testing.assert_allclose(chain.poses(q[None])[0, 9:], expected[:3, 3], atol=1e-12)

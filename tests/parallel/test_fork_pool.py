@@ -167,17 +167,17 @@ def is_alive(pid):
 
 def test_no_core_is_lent_twice_and_none_is_lost(tmp_path):
     here, there = CoreLeases(tmp_path, 3), CoreLeases(tmp_path, 3)
-    with here.lent(2) as mine:
+    with here.lease(2) as mine:
         assert mine == 2
-        with there.lent(5) as theirs, here.lent(1) as none:
+        with there.lease(5) as theirs, here.lease(1) as none:
             assert (theirs, none) == (1, 0)
-        with there.lent(0) as nothing:
+        with there.lease(0) as nothing:
             assert nothing == 0
-    with there.lent(5) as all_of_them:
+    with there.lease(5) as all_of_them:
         assert all_of_them == 3
     blocked = tmp_path / "file"
     blocked.write_text("")
-    with CoreLeases(blocked, 3).lent(2) as none:
+    with CoreLeases(blocked, 3).lease(2) as none:
         assert none == 0
 
 
@@ -186,14 +186,14 @@ def test_a_core_of_a_process_that_was_killed_is_free_again(tmp_path):
 import os, time
 from pathlib import Path
 from planning.parallel.core_leases import CoreLeases
-with CoreLeases(Path({str(tmp_path)!r}), 2).lent(2) as lent:
+with CoreLeases(Path({str(tmp_path)!r}), 2).lease(2) as lent:
     os.write(1, f"{{lent}}\\n".encode())
     time.sleep(60)
 """
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE) as holder:
         assert holder.stdout.readline() == b"2\n"
-        with CoreLeases(tmp_path, 2).lent(1) as none:
+        with CoreLeases(tmp_path, 2).lease(1) as none:
             assert none == 0
         holder.kill()
-    with CoreLeases(tmp_path, 2).lent(2) as both:
+    with CoreLeases(tmp_path, 2).lease(2) as both:
         assert both == 2

@@ -57,7 +57,7 @@ def test_stops_are_bounded_under_all_that_limits_the_motion(
     motion = planning.retime_path(pickup, "arm", path, deadline=soon, options=limits).trajectory
     hasty = CertifyOptions(max_stopping_time=0.01)
     certificate, report = planning.certify_trajectory(
-        pickup, "arm", motion, deadline=soon, options=limits, wanted=hasty
+        pickup, "arm", motion, deadline=soon, options=limits, certify_options=hasty
     )
     assert report.stop is not None
     assert 0.01 < report.stop.time < motion.duration

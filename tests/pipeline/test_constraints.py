@@ -264,7 +264,7 @@ def test_goals_that_violate_are_dropped_and_counted() -> None:
     box = PlacedBox(np.array([0.2, 0.3, 1.0]), Pose.from_parts([*start[:2], 0.0]))
     found = solve(world, "body", JointGoal(rows), KeepIn("body::body", box))
     assert found.goal_index == 0
-    assert found.stages.goals.funnel.violating == 1
+    assert found.stages.goals.funnel.num_goals_violating == 1
 
 
 def test_a_predicate_is_kept_and_said_to_be_sampled() -> None:

@@ -288,13 +288,13 @@ def operations() -> dict[str, tuple[str, Callable[[Deadline], Any]]]:
         "retime": (
             "retime certify",
             lambda d: planning.retime_path(
-                world, "arm", rows, deadline=d, options=RUCKIG, wanted=wanted
+                world, "arm", rows, deadline=d, options=RUCKIG, certify_options=wanted
             ),
         ),
         "certify": (
             "certify",
             lambda d: planning.certify_trajectory(
-                world, "arm", motion.trajectory, deadline=d, options=smooth, wanted=wanted
+                world, "arm", motion.trajectory, deadline=d, options=smooth, certify_options=wanted
             ),
         ),
         "reverse": (
@@ -347,7 +347,7 @@ def test_an_operation_of_its_own_ends_in_time_and_says_where(name: str) -> None:
             assert failure.stage in failure.timings, (looks, failure.timings)
         clock = deadline.clock
         assert isinstance(clock, FakeClock)
-        assert (clock.now - deadline.at) / clock.step <= MOST_LOOKS, looks
+        assert (clock.now - deadline.expires_at) / clock.step <= MOST_LOOKS, looks
 
 
 def test_regions_stop_growing_in_time() -> None:

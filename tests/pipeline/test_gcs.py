@@ -85,7 +85,7 @@ def test_a_motion_inside_is_certified_and_repeatable(regions):
     assert plan(regions).digest == found.digest
     again = pickle.loads(pickle.dumps(regions))
     assert again == regions
-    assert plan(Regions.from_plain(json.loads(json.dumps(regions.plain)))).digest == found.digest
+    assert plan(Regions.from_json(json.loads(json.dumps(regions.as_json)))).digest == found.digest
 
 
 def test_growth_is_repeatable():

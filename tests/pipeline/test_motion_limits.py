@@ -151,7 +151,7 @@ def test_an_own_path_keeps_them_and_what_is_quicker_is_refused(pickup: World, me
         return {check.name for check in certificate.failed}
 
     assert not failed(made.trajectory, options)
-    assert failed(made.trajectory.slowed(0.99), options)
+    assert failed(made.trajectory.time_scaled(0.99), options)
     free = own(pickup, RetimeOptions(method=method)).trajectory
     assert failed(free, options) == {
         "acceleration",
@@ -252,7 +252,7 @@ def test_what_is_delivered_is_proven_and_a_hair_quicker_is_refused(
     for check in checks:
         kind = check.name.split(maxsplit=1)[0]
         assert check.value / check.bound == pytest.approx(used[kind], abs=0.011)
-    quicker = replace(request, trajectory=motion.slowed(0.995))
+    quicker = replace(request, trajectory=motion.time_scaled(0.995))
     refused = {c.name for c in tool_checks(world.drake, quicker, deadline()) if not c.passed}
     # Half a percent is more than the fifth of a percent that is left.
     for check in checks:

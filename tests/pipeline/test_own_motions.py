@@ -69,7 +69,7 @@ def test_constraints_that_make_no_sense_are_named(pickup: World) -> None:
 def test_a_path_of_ones_own_can_be_asked_for_its_longest_stop(pickup: World) -> None:
     path = through(pickup, [-0.3, 0.1, 0, 0, 0, 0])
     assert retimed(pickup, path).certify.stop is None
-    found = retimed(pickup, path, wanted=CertifyOptions(stop_anywhere=True))
+    found = retimed(pickup, path, certify_options=CertifyOptions(stop_anywhere=True))
     assert found.certify.stop is not None
 
 

@@ -157,7 +157,7 @@ def test_stages_are_reported_and_timed() -> None:
     assert sum(found.timings[stage] for stage in stages) <= found.timings["total"] + 1e-9
     funnel = found.stages.goals.funnel
     counts = [
-        funnel.tried,
+        funnel.num_samples,
         funnel.converged,
         funnel.within_limits,
         funnel.collision_free,
@@ -333,6 +333,6 @@ def test_a_margin_is_kept() -> None:
 
 def test_the_digest_is_of_the_numbers() -> None:
     found = solve("ur5e_pickup", ConfigurationGoal("ready"), refine=RefineOptions("none"))
-    slower = replace(found, trajectory=found.trajectory.slowed(1.0 + 1e-15))
+    slower = replace(found, trajectory=found.trajectory.time_scaled(1.0 + 1e-15))
     assert slower.digest != found.digest
     assert replace(found, timings={}).digest == found.digest

@@ -95,7 +95,9 @@ def refined(found: MotionPlan, name: str, timing: RetimeOptions, others: MotionL
     world, group = bundled_world(ARMS[name][0]), found.group
     limits, options = world.limits(group), RefineOptions("trajopt")
     jerk = timing.method == "ruckig"
-    request = RefineRequest(found.path, limits, world.margins(), options, jerk, others=others)
+    request = RefineRequest(
+        found.path, limits, world.margins(), options, jerk, motion_limits=others
+    )
     curve, _ = refine(world, request, no_hurry())
     if curve is None:
         return np.inf

@@ -7,7 +7,7 @@ import pytest
 
 from planning.domain.request.options import SearchOptions
 from planning.errors import NoPathFound
-from planning.pipeline.constrained_search import _in_turns  # pyright: ignore[reportPrivateUsage]
+from planning.pipeline.constrained_search import _alternate_sampling_and_projection  # pyright: ignore[reportPrivateUsage]
 from planning.search.request import SearchResult, SearchTask
 from tests.pipeline.test_constraints import (
     DOWN,
@@ -41,7 +41,7 @@ class Turns:
         self.asked: list[tuple[bool, float]] = []
 
     def __call__(self, task: SearchTask) -> SearchResult:
-        self.asked.append((task.residual is not None, task.most_states))
+        self.asked.append((task.residual is not None, task.max_states))
         raise NoPathFound("none", self.ends.pop(0))
 
 
@@ -52,7 +52,7 @@ TASK = SearchTask(np.zeros(2), np.ones((1, 2)), SearchOptions(), 0.05, 0.0, 0)
 def test_both_get_more_states_in_every_round() -> None:
     turns = Turns(*[GAVE_UP] * 3, {"reason": "start"})
     with pytest.raises(NoPathFound):
-        _in_turns(turns, TASK, Never())
+        _alternate_sampling_and_projection(turns, TASK, Never())
     kinds, states = zip(*turns.asked, strict=True)
     assert kinds == (False, True, False, True)
     assert states[2:] == (4 * states[0], 4 * states[1])
@@ -67,7 +67,7 @@ def test_it_ends_when_neither_gave_up_or_there_is_nothing_to_look_for(
 ) -> None:
     turns = Turns(*ends)
     with pytest.raises(NoPathFound):
-        _in_turns(turns, TASK, Never())
+        _alternate_sampling_and_projection(turns, TASK, Never())
     assert len(turns.asked) == tried
 
 

@@ -85,7 +85,7 @@ def test_a_plain_plan_is_one_free_part(pickup: World) -> None:
 
 def test_a_line_goal_is_met_straight(pickup: World) -> None:
     down = PoseTarget(Pose.from_parts([0, 0.05, 0.12], rpy=[0, 0, 0.4]), "arm::tcp")
-    found = ask(pickup, LineGoal((down,), max_shift=1e-4, max_turn=1e-3))
+    found = ask(pickup, LineGoal((down,), max_position_deviation=1e-4, max_rotation_deviation=1e-3))
     assert [part.kind for part in found.parts] == ["line"]
     begin = pickup.frame_pose("arm::tcp", pickup.state)
     end = begin @ down.pose

@@ -58,7 +58,7 @@ def test_a_plan_with_a_payload_keeps_torques_and_says_so(method: str) -> None:
     too_quick = planning.certify_trajectory(
         WORLD,
         "panda",
-        loaded.trajectory.slowed(1 / 1.05),
+        loaded.trajectory.time_scaled(1 / 1.05),
         deadline=within(10.0),
         options=RetimeOptions(method=method, effort=True, payload=SEVEN),
     )[0]

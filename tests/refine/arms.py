@@ -47,7 +47,7 @@ def request_of(
 ) -> RefineRequest:
     limits = world.limits(path.group)
     options = RefineOptions()
-    return RefineRequest(path, limits, world.margins(), options, others=others, **more)
+    return RefineRequest(path, limits, world.margins(), options, motion_limits=others, **more)
 
 
 def bounds_under(name: str, others: MotionLimits) -> RateBounds:

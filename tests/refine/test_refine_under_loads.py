@@ -91,7 +91,7 @@ def test_refined_curves_are_quicker_than_the_path_and_than_without_knowing(name,
     refined = seconds(world, path, curve, others)
     assert report.duration_after == pytest.approx(refined, rel=0.02)
     assert report.lower_bound <= refined
-    blind, _ = refine(world, replace(request, others=MotionLimits()), deadline())
+    blind, _ = refine(world, replace(request, motion_limits=MotionLimits()), deadline())
     assert blind is not None
     known = blend_corners(path, 0.1, 1), blind
     assert refined < 0.995 * min(seconds(world, path, other, others) for other in known)
@@ -103,13 +103,13 @@ def test_small_steps_bring_what_they_promise(name, kind):
     """Together: a single one may end at a kink, where other limits bind beyond."""
     (world, _), path = arm_of(name), path_of(name, kind)
     task = RefineProblem.of(world, request_of(world, path, others_of(name, kind)), deadline())
-    points = task.fitted(0.15)
-    model = CurveModel(task.nearness, task.box, task.bounds, len(points), 60)
-    costs, promises = [model.look(points).cost], []
+    points = task.fit_path(0.15)
+    model = CurveModel(task.distance_query, task.chart_limits, task.rate_bounds, len(points), 60)
+    costs, promises = [model.evaluate(points).merit], []
     for _ in range(4):
-        points, promised = model.step(model.look(points), 0.001)
+        points, promised = model.step(model.evaluate(points), 0.001)
         promises.append(promised)
-        costs.append(model.look(points).cost)
+        costs.append(model.evaluate(points).merit)
     assert min(promises) > 0
     assert (np.diff(costs) < 0).all()
     assert 0.7 * sum(promises) < costs[0] - costs[-1] < 1.4 * sum(promises)
@@ -158,11 +158,11 @@ def test_no_motion_of_a_frame_beats_the_straight_way():
     task = RefineProblem.of(world, request_of(world, path, others), deadline())
     full = world.embed(group, path.waypoints[[0, -1]])
     ends = world.frame_poses("arm::tcp", full)[:, :3, 3]
-    assert task.least == pytest.approx(np.linalg.norm(ends[1] - ends[0]) / 0.05)
+    assert task.lower_bound == pytest.approx(np.linalg.norm(ends[1] - ends[0]) / 0.05)
 
 
 def test_under_jerk_limits_both_signs_share_the_nearer_bound():
     (world, _), path = arm_of("ur5e"), path_of("ur5e", "speed")
     others = MotionLimits(acceleration_bounds={"arm::elbow_joint": (-0.5, 3.0)})
     task = RefineProblem.of(world, request_of(world, path, others, jerk=True), deadline())
-    np.testing.assert_array_equal(task.bounds.signed, [[-1.0] * 6, [1.0] * 6])
+    np.testing.assert_array_equal(task.rate_bounds.acceleration_range, [[-1.0] * 6, [1.0] * 6])

@@ -116,7 +116,7 @@ def test_a_wall_between_two_instants_is_found_and_avoided(thin_wall):
     assert thin_wall.are_free(curve.positions(np.linspace(0, 1, 5001))).all()
 
 
-def task_of(case: Case) -> RefineProblem:
+def problem_of(case: Case) -> RefineProblem:
     return RefineProblem.of(case.world, case.request, no_hurry())
 
 
@@ -125,14 +125,14 @@ def test_instants_that_the_audit_finds_are_added(make_puck):
     waypoints = [[-0.2, 0.1], [-0.1, 0.5], [0.1, 0.5], [0.2, 0.1]]
     case = case_of(world, "puck", waypoints)
     # Neither of the two first instants is near the wall.
-    task = replace(task_of(case), instants=(2, 2))
-    guess = task.fitted(0.15)
-    best, _, reason = task.descend(guess)
+    task = replace(problem_of(case), sample_range=(2, 2))
+    guess = task.fit_path(0.15)
+    best, _, reason = task.optimize(guess)
     assert best is not None, reason
     assert case.are_free(task.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
     # The same steps without more instants.
-    model = CurveModel(task.nearness, task.box, task.bounds, len(guess), 2)
-    blind = [seen for seen in TrustRegion(model, guess).run(25) if not task.refused(seen)[0]]
+    model = CurveModel(task.distance_query, task.chart_limits, task.rate_bounds, len(guess), 2)
+    blind = [seen for seen in TrustRegion(model, guess).run(25) if not task.check_curve(seen)[0]]
     assert best.duration < min(seen.duration for seen in blind) - 0.05
 
 
@@ -217,10 +217,10 @@ def test_a_straight_path_is_left_alone(make_puck):
     ],
 )
 def test_curves_that_are_no_good_are_refused(thin_wall, points, reason: str):
-    task = task_of(thin_wall)
-    model = CurveModel(task.nearness, task.box, task.bounds, len(points), 60)
-    assert reason in task.refused(model.look(points))[0]
-    assert task.refused(model.look(task.fitted(0.04)))[0] == ""
+    task = problem_of(thin_wall)
+    model = CurveModel(task.distance_query, task.chart_limits, task.rate_bounds, len(points), 60)
+    assert reason in task.check_curve(model.evaluate(points))[0]
+    assert task.check_curve(model.evaluate(task.fit_path(0.04)))[0] == ""
 
 
 def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
@@ -240,14 +240,16 @@ def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
 class Misled(RefineProblem):
     """Guesses straight through whatever is in the way, if it need not be near the path."""
 
-    def fitted(self, closeness: float) -> np.ndarray:
-        return self.near(self.waypoints if closeness < 0.1 else self.waypoints[[0, -1]], closeness)
+    def fit_path(self, tolerance: float) -> np.ndarray:
+        return self.fit_waypoints(
+            self.waypoints if tolerance < 0.1 else self.waypoints[[0, -1]], tolerance
+        )
 
 
 def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall):
-    task = task_of(thin_wall)
+    task = problem_of(thin_wall)
     misled = Misled(**{field.name: getattr(task, field.name) for field in fields(task)})
-    nowhere, _, reason = misled.descend(misled.fitted(0.15))
+    nowhere, _, reason = misled.optimize(misled.fit_path(0.15))
     assert nowhere is None
     assert "too near" in reason
     found = solve_multi_start(thin_wall.world, misled)
@@ -269,18 +271,18 @@ BLOCK = ([1.2, 1.0, 0.2], [0.0, -0.5, 0.0])
 ABOUT = [[-0.5, 0.1], [0.3, 0.17], [0.62, 0.12], [0.72, 0.02], [0.75, -0.3], [0.72, -0.6]]
 
 
-def ruled_case(world: World, *constraints: PathConstraint) -> Case:
+def constrained_case(world: World, *constraints: PathConstraint) -> Case:
     group = world.group("puck")
     ends = np.array(ABOUT)[[0, -1]]
     rules = PathConstraints.compiled(world, group, constraints, ends[0])
-    return case_of(world, "puck", ABOUT, rules=rules.leaving_room(ends[0], ends[1:]))
+    return case_of(world, "puck", ABOUT, constraints=rules.tightened(ends[0], ends[1:]))
 
 
 @pytest.mark.parametrize("kernel", [True, False])
 def test_a_curve_under_a_band_keeps_it_and_is_quicker(make_puck, kernel):
     world = make_puck([BLOCK])
     world = load_world(world.scene, world.library, kernel=kernel)
-    case = ruled_case(world, DistanceBand(None, None, 0.05, 0.16))
+    case = constrained_case(world, DistanceBand(None, None, 0.05, 0.16))
     curve, report = case.refined()
     assert curve is not None, report.reason
     assert report.duration_after < report.duration_before
@@ -296,7 +298,9 @@ def test_a_curve_under_a_band_keeps_it_and_is_quicker(make_puck, kernel):
 
 def test_without_its_band_a_curve_would_leave_it(make_puck):
     """The upper bound is what holds the puck near the block: the corner is cut without."""
-    curve, _ = ruled_case(make_puck([BLOCK]), DistanceBand(None, None, 0.05, np.inf)).refined()
+    curve, _ = constrained_case(
+        make_puck([BLOCK]), DistanceBand(None, None, 0.05, np.inf)
+    ).refined()
     at = curve.positions(np.linspace(0, 1, 501))
     away = np.linalg.norm(np.maximum(at - [0.6, 0.0], 0.0), axis=1) - 0.02
     assert away.max() > 0.16
@@ -305,14 +309,14 @@ def test_without_its_band_a_curve_would_leave_it(make_puck):
 def test_a_predicate_that_accepts_changes_nothing(make_puck):
     world = make_puck([BLOCK])
     plain, _ = case_of(world, "puck", ABOUT).refined()
-    curve, report = ruled_case(world, PathPredicate(lambda _: True, 0.01)).refined()
+    curve, report = constrained_case(world, PathPredicate(lambda _: True, 0.01)).refined()
     assert report.improved
     np.testing.assert_array_equal(curve.coefficients, plain.coefficients)
 
 
 def test_a_predicate_keeps_what_it_accepts(make_puck):
     """A lower ceiling than the quickest curve wants, which the path keeps."""
-    curve, report = ruled_case(
+    curve, report = constrained_case(
         make_puck([BLOCK]), PathPredicate(lambda q: bool(q[0] < 0.78), 0.01)
     ).refined()
     assert curve is not None, report.reason
@@ -322,7 +326,7 @@ def test_a_predicate_keeps_what_it_accepts(make_puck):
 def test_a_predicate_that_rejects_is_soon_left_alone(make_puck):
     asked: list[np.ndarray] = []
     rule = PathPredicate(lambda q: bool(asked.append(q)), 0.01)
-    case = ruled_case(make_puck([BLOCK]), rule)
+    case = constrained_case(make_puck([BLOCK]), rule)
     asked.clear()
     curve, report = case.refined()
     assert curve is None

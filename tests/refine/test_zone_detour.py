@@ -15,7 +15,7 @@ from planning.domain.request.constraint import PlacedBox
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.motion_limits import MotionLimits, SpeedZone
 from planning.domain.request.options import RefineOptions, RetimeOptions
-from planning.refine.curves.bspline_basis import weights_at
+from planning.refine.curves.bspline_basis import basis_weights
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.refine.zone_detour import ZoneDetour
@@ -38,7 +38,7 @@ def request_of(world: World, *zones: SpeedZone) -> RefineRequest:
     path = JointPath(world.group("puck"), STRAIGHT)
     others = MotionLimits(speed_zones=zones)
     limits = world.limits(path.group)
-    return RefineRequest(path, limits, world.margins(), RefineOptions(), others=others)
+    return RefineRequest(path, limits, world.margins(), RefineOptions(), motion_limits=others)
 
 
 def within() -> Deadline:
@@ -47,7 +47,7 @@ def within() -> Deadline:
 
 def timed(world: World, request: RefineRequest, curve: JointSpline) -> float:
     """Return how long a curve takes [s]."""
-    options = RetimeOptions(speed_zones=request.others.speed_zones)
+    options = RetimeOptions(speed_zones=request.motion_limits.speed_zones)
     limits = path_limits(world, request.path.group, options)
     return retime(curve, request.limits, options, limits)[0].duration
 
@@ -105,14 +105,16 @@ def test_guesses_are_lifted_out_of_zones(
     detour = ZoneDetour.of(world, request, within())
     assert detour is not None
     (box,) = detour.boxes
-    guess = detour.task.fitted(0.15)
-    sample = weights_at(len(guess), np.linspace(0.0, 1.0, 201))
-    depth = -box.spares(sample.of(guess)).min()
+    guess = detour.problem.fit_path(0.15)
+    sample = basis_weights(len(guess), np.linspace(0.0, 1.0, 201))
+    depth = -box.signed_margins(sample.apply(guess)).min()
     lifted = list(detour.guesses(guess))
     assert bool(lifted) is bool(depth > 0)
     for points in lifted:
         np.testing.assert_allclose(points[[0, -1]], STRAIGHT, atol=1e-12)
-        beyond = -box.spares(weights_at(len(points), np.linspace(0.0, 1.0, 201)).of(points)).min()
+        beyond = -box.signed_margins(
+            basis_weights(len(points), np.linspace(0.0, 1.0, 201)).apply(points)
+        ).min()
         assert beyond < max(0.02, 0.7 * depth)
 
 
@@ -125,7 +127,7 @@ def test_zones_that_hold_an_end_are_not_avoided(make_puck: Callable[..., World])
     detour = ZoneDetour.of(world, request_of(world, about, between), within())
     assert detour is not None
     assert [box.label for box in detour.boxes] == ["between"]
-    assert detour.task.request.others.speed_zones == (about,)
+    assert detour.problem.request.motion_limits.speed_zones == (about,)
 
 
 def test_who_floats_goes_around_too():
@@ -139,7 +141,7 @@ def test_who_floats_goes_around_too():
     zone = SpeedZone("slow", "body::body", PlacedBox(np.full(3, 0.15), place), 0.05)
     others = MotionLimits(speed_zones=(zone,))
     request = RefineRequest(
-        path, world.limits(group), world.margins(), RefineOptions(), others=others
+        path, world.limits(group), world.margins(), RefineOptions(), motion_limits=others
     )
     curve, report = refine(world, request, within())
     assert curve is not None, report.reason

@@ -10,7 +10,7 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.manifold import Manifold
 from planning.retime.blend import blend_corners
-from planning.retime.collinear_runs import STRAIGHT, without_straight_runs
+from planning.retime.collinear_runs import COLLINEAR_TOLERANCE, without_collinear_waypoints
 from planning.retime.retimer import RETIMERS, retime
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import num_cases
@@ -59,14 +59,16 @@ def test_cutting_lines_changes_no_motion(
 def test_what_stays_is_the_same_polyline(seed: int) -> None:
     group = GROUPS["joints"]
     path = JointPath(group, random_waypoints(group, seed, 5))
-    kept = without_straight_runs(cut(path, seed).waypoints, Manifold(group.joints), STRAIGHT)
-    np.testing.assert_allclose(kept, path.waypoints, atol=2 * STRAIGHT)
+    kept = without_collinear_waypoints(
+        cut(path, seed).waypoints, Manifold(group.joints), COLLINEAR_TOLERANCE
+    )
+    np.testing.assert_allclose(kept, path.waypoints, atol=2 * COLLINEAR_TOLERANCE)
 
 
 def test_turning_back_on_a_line_is_a_corner() -> None:
     manifold = Manifold(GROUPS["circle"].joints)
     waypoints = np.array([[0.0, 0.0], [0.5, 0.0], [0.3, 0.0], [0.4, 0.0], [1.0, 0.0]])
-    kept = without_straight_runs(waypoints, manifold, STRAIGHT)
+    kept = without_collinear_waypoints(waypoints, manifold, COLLINEAR_TOLERANCE)
     np.testing.assert_array_equal(kept, waypoints[[0, 1, 2, 4]])
 
 
@@ -74,7 +76,7 @@ def test_a_whole_turn_is_not_nothing() -> None:
     """Between waypoints joints turn by half a turn at most: longer runs stay in parts."""
     manifold = Manifold(GROUPS["circle"].joints)
     waypoints = np.stack([np.linspace(0.0, 7.0, 30), np.linspace(0.0, 1.0, 30)], axis=1)
-    kept = without_straight_runs(waypoints, manifold, STRAIGHT)
+    kept = without_collinear_waypoints(waypoints, manifold, COLLINEAR_TOLERANCE)
     steps = manifold.minus(kept[1:], kept[:-1])
     np.testing.assert_allclose(steps.sum(axis=0), [7.0, 1.0], atol=1e-12)
     assert len(kept) < 8
@@ -84,7 +86,7 @@ def test_a_gentle_curve_keeps_its_waypoints() -> None:
     manifold = Manifold(GROUPS["joints"].joints)
     angles = np.linspace(0.0, 0.01, 200)[:, None]
     waypoints = np.concatenate([np.sin(angles), np.cos(angles), angles, -angles], axis=1)
-    away = without_straight_runs(waypoints, manifold, STRAIGHT)
-    coarse = without_straight_runs(waypoints, manifold, 1e-6)
+    away = without_collinear_waypoints(waypoints, manifold, COLLINEAR_TOLERANCE)
+    coarse = without_collinear_waypoints(waypoints, manifold, 1e-6)
     assert len(away) > 150
     assert 2 < len(coarse) < 20

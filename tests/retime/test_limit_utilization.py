@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointGroup, JointType
-from planning.retime.limit_utilization import largest_use
+from planning.retime.limit_utilization import max_utilization
 from tests.conftest import group_of, limits_of, random_waypoints
 
 GROUPS = [
@@ -35,7 +35,7 @@ def test_use_is_the_peak_over_the_limit(group: JointGroup, order: int, seed: int
     rates = curve.tangents(times, 1) if order == 1 else curve.accelerations(times)
     sizes = np.stack([np.linalg.norm(rates[:, list(ix)], axis=1) for _, ix in group.blocks], axis=1)
     seen = sizes / (limits.velocity if order == 1 else limits.acceleration)
-    use = largest_use(curve, limits, order)
+    use = max_utilization(curve, limits, order)
     assert seen.max() <= use.fraction * (1 + 1e-9)
     assert use.fraction <= seen.max() * (1 + 1e-2)
     assert seen[:, use.block].max() >= seen.max() * (1 - 1e-2)
@@ -47,6 +47,6 @@ def test_a_peak_between_ends_is_met_to_nine_digits() -> None:
     coefficients = np.zeros((1, 4, 3))
     coefficients[0, 1:, 2] = [1 - 1 / 9, 1 / 3, -1 / 3]
     curve = TimedTrajectory(group.joints, np.array([0.0, 1.0]), np.zeros((1, 3)), coefficients)
-    use = largest_use(curve, limits_of(group, velocity=2.0), 1)
+    use = max_utilization(curve, limits_of(group, velocity=2.0), 1)
     assert use.block == 2
     assert 0.5 <= use.fraction <= 0.5 * (1 + 2e-9)

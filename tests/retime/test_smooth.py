@@ -10,7 +10,7 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointType
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import retime
-from planning.retime.smooth import smoothed
+from planning.retime.smooth import smooth_path
 from planning.retime.smooth_pieces import smooth_pieces
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import num_cases
@@ -46,7 +46,7 @@ def from_polyline(points: np.ndarray, path: JointPath) -> np.ndarray:
 )
 def test_curves_are_smooth_and_as_near_as_they_say(seed: int, count: int, jitter: float) -> None:
     path = sampled(seed, count, jitter)
-    found = smoothed(path, DEVIATIONS)
+    found = smooth_path(path, DEVIATIONS)
     bounds = [away for away, _ in found]
     assert bounds == sorted(bounds, reverse=True)
     assert all(bound <= DEVIATIONS[0] for bound in bounds)
@@ -62,7 +62,7 @@ def test_curves_are_smooth_and_as_near_as_they_say(seed: int, count: int, jitter
 @given(seed=st.integers(0, 10_000))
 def test_the_bound_is_not_far_from_the_distance(seed: int) -> None:
     path = sampled(seed, 12)
-    for away, curve in smoothed(path, DEVIATIONS):
+    for away, curve in smooth_path(path, DEVIATIONS):
         true = from_polyline(curve.positions(np.linspace(0.0, 1.0, 3000)), path).max()
         assert away < 3 * true + 1e-4
 
@@ -74,7 +74,7 @@ def test_finer_samples_of_a_curve_make_no_slower_motion(seed: int) -> None:
     durations = [
         min(
             retime(curve, limits, RUCKIG)[0].duration
-            for _, curve in smoothed(sampled(seed, count), DEVIATIONS[:2])
+            for _, curve in smooth_path(sampled(seed, count), DEVIATIONS[:2])
         )
         for count in (25, 50, 200)
     ]
@@ -89,7 +89,7 @@ def test_lines_that_were_cut_are_lines_here_too() -> None:
     order = np.argsort([*range(0, 12, 2), *range(1, 11, 2)], kind="stable")
     finer = JointPath(FOUR, np.concatenate([path.waypoints, middles])[order])
     for (a, one), (b, other) in zip(
-        smoothed(path, DEVIATIONS), smoothed(finer, DEVIATIONS), strict=True
+        smooth_path(path, DEVIATIONS), smooth_path(finer, DEVIATIONS), strict=True
     ):
         assert a == pytest.approx(b, abs=1e-9)
         np.testing.assert_allclose(one.coefficients, other.coefficients, atol=1e-6)
@@ -98,11 +98,13 @@ def test_lines_that_were_cut_are_lines_here_too() -> None:
 @pytest.mark.parametrize("kind", [JointType.FLOATING])
 def test_bodies_that_float_have_none(kind: JointType) -> None:
     group = group_of(kind)
-    assert smoothed(JointPath(group, random_waypoints(group, 1, 9, spread=0.05)), DEVIATIONS) == []
+    assert (
+        smooth_path(JointPath(group, random_waypoints(group, 1, 9, spread=0.05)), DEVIATIONS) == []
+    )
 
 
 def test_a_zigzag_has_none() -> None:
     rows = np.zeros((9, 4))
     rows[1::2, 0] = 1.0
     rows[:, 1] = np.arange(9)
-    assert smoothed(JointPath(FOUR, rows), DEVIATIONS) == []
+    assert smooth_path(JointPath(FOUR, rows), DEVIATIONS) == []

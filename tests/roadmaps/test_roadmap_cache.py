@@ -74,13 +74,13 @@ def test_what_was_tampered_with_is_not_there(tmp_path):
 
 def test_the_last_used_stay_in_memory():
     a, b, c = (make(key) for key in "abc")
-    shelf = RoadmapCache([a, b], most_bytes=2 * a.num_bytes)
+    shelf = RoadmapCache([a, b], max_bytes=2 * a.num_bytes)
     assert shelf.get("a") is a
     shelf.put(c)
     assert shelf.get("b") is None
     assert shelf.get("a") is a
     assert shelf.get("c") is c
-    tight = RoadmapCache([a, b], most_bytes=0)
+    tight = RoadmapCache([a, b], max_bytes=0)
     assert tight.get("b") is b
     assert tight.get("a") is None
 
@@ -88,7 +88,7 @@ def test_the_last_used_stay_in_memory():
 @pytest.mark.parametrize(("most_bytes", "num_left"), [(3_000, 1), (9_000, 3)])
 def test_of_a_folder_that_is_full_the_oldest_files_go(tmp_path, most_bytes, num_left):
     """A file has 2,828 bytes."""
-    shelf = RoadmapCache(folder=tmp_path, most_bytes_on_disk=most_bytes)
+    shelf = RoadmapCache(folder=tmp_path, max_bytes_on_disk=most_bytes)
     for at, key in enumerate(KEYS):
         shelf.put(make(key, count=20))
         os.utime(tmp_path / f"{key}.json", (at, at))

@@ -133,7 +133,7 @@ def test_what_takes_no_time_is_not_handed_out(plane, wall, soon, crossing):
 def test_what_the_clock_cuts_in_a_child_is_told_here(plane, wall, crossing, is_late):
     """In the children time flies, so that there is none for shortcuts."""
     clock, cuts = FakeClock(step=1.0), []
-    deadline = Deadline.after(1e9, clock).cutting(lambda: cuts.append(1))
+    deadline = Deadline.after(1e9, clock).with_on_expiry(lambda: cuts.append(1))
 
     def fly(_):
         clock.step = 1e6 if is_late else 1.0

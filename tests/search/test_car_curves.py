@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from ompl import base as ob
 
 from planning.search.cars.dubins import dubins_words
-from planning.search.cars.path_words import end_of
+from planning.search.cars.path_words import end_poses
 from planning.search.cars.reeds_shepp import reeds_shepp_words
 
 PI = np.pi
@@ -64,7 +64,7 @@ def test_lengths_are_those_of_ompl(words, make, scale):
 @given(goal=goals)
 def test_every_word_ends_at_its_goal(words, goal):
     word = words(np.array([goal], dtype=float))
-    x, y, yaw = end_of(word.lengths, word.turns)
+    x, y, yaw = end_poses(word.lengths, word.turns)
     assert np.hypot(x - goal[0], y - goal[1])[0] < 1e-7
     assert abs(np.exp(1j * yaw[0]) - np.exp(1j * goal[2])) < 1e-7
     assert set(np.unique(word.turns)) <= {-1.0, 0.0, 1.0}
@@ -117,7 +117,7 @@ def test_distance_adds_up_along_the_way(words, seed, share):
     sizes = np.abs(word.lengths[0])
     before = np.cumsum(sizes) - sizes
     part = np.clip(share * sizes.sum() - before, 0.0, sizes) * np.sign(word.lengths[0])
-    x, y, yaw = (value[0] for value in end_of(part[None], word.turns))
+    x, y, yaw = (value[0] for value in end_poses(part[None], word.turns))
     dx, dy = goal[0] - x, goal[1] - y
     c, s = np.cos(yaw), np.sin(yaw)
     rest = (c * dx + s * dy, c * dy - s * dx, goal[2] - yaw)

@@ -12,12 +12,12 @@ from scipy.spatial import cKDTree
 from planning.domain.curves.motion_samples import steps_of
 from planning.domain.request.options import SearchOptions
 from planning.domain.request.stopwatch import Stopwatch
-from planning.domain.robot.car_request import require_directed
+from planning.domain.robot.car_request import validate_forward_planners
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import Steering, manifold_of, steered
 from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
-from planning.search.cars.drive_shortcut import shortened_drive
+from planning.search.cars.drive_shortcut import shortcut_steering_path
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.cars.steering_paths import SteeringPaths
 from planning.search.collision_oracle import WatchedOracle
@@ -36,7 +36,7 @@ RADIUS = 0.15
 def directed():
     """Return the planners that a car without reverse may ask for, as the refusal names them."""
     with pytest.raises(ProblemInvalid) as refusal:
-        require_directed(["PRM"], {"r::j0": Steering(RADIUS, reverse=False)})
+        validate_forward_planners(["PRM"], {"r::j0": Steering(RADIUS, reverse=False)})
     return refusal.value.evidence["known"]
 
 
@@ -133,9 +133,9 @@ class Solving(Stopwatch):
         self.is_on = False
 
     @contextmanager
-    def note(self, name):
+    def measure(self, name):
         self.is_on = name == "solve"
-        with super().note(name):
+        with super().measure(name):
             yield
         self.is_on = False
 
@@ -245,7 +245,7 @@ def test_a_way_ends_where_it_should_and_its_arm_keeps_pace(seed, reverse):
     group = car(WITH_ARM, reverse=reverse)
     drives = SteeringPaths(group)
     q0, q1 = np.random.default_rng(seed).uniform(-1, 1, (2, 5)) * [1, 1, 3, 1, 1]
-    way = drives.way(q0, q1).waypoints
+    way = drives.steer(q0, q1).waypoints
     assert_drivable(group, way, lambda qs: np.ones(len(qs), bool), -9.0, 9.0)
     assert way[0].tobytes() == q0.tobytes()
     assert way[-1].tobytes() == q1.tobytes()
@@ -257,9 +257,9 @@ def test_a_way_ends_where_it_should_and_its_arm_keeps_pace(seed, reverse):
     summed = np.linalg.norm(drives.tangents(q0[None], q1[None]), axis=2).sum()
     assert length == pytest.approx(summed)
     for a, b in pairwise(way):
-        assert len(drives.way(a, b).waypoints) == 2
+        assert len(drives.steer(a, b).waypoints) == 2
     if reverse:
-        assert drives.way(q1, q0).waypoints[::-1].tobytes() == way.tobytes()
+        assert drives.steer(q1, q0).waypoints[::-1].tobytes() == way.tobytes()
 
 
 @given(seed=st.integers(0, 10_000))
@@ -280,12 +280,12 @@ def test_shortcuts_only_shorten_and_stay_free(seed):
         q = rng.uniform(-0.9, 0.9, 3) * [1, 1, 3]
         if edges.is_whole_edge_free(path[-1].tolist(), q.tolist()):
             path.append(q)
-    raw = drives.threaded(np.array(path))
-    shorter = shortened_drive(raw, edges, lambda: False)
+    raw = drives.waypoints_through(np.array(path))
+    shorter = shortcut_steering_path(raw, edges, lambda: False)
     assert path_length(shorter, drives.manifold) <= path_length(raw, drives.manifold) + 1e-9
     assert edges.are_free(shorter[:-1], shorter[1:]).all()
     assert_drivable(group, shorter, lambda qs: np.hypot(qs[:, 0], qs[:, 1]) > 0.34)
-    over = shortened_drive(raw, edges, lambda: True)
+    over = shortcut_steering_path(raw, edges, lambda: True)
     assert path_length(over, drives.manifold) <= path_length(raw, drives.manifold) + 1e-9
 
 
@@ -298,13 +298,13 @@ def test_a_blocked_drive_is_none():
     edges = SteeringEdgeChecker(
         drives, oracle, 0.02, lambda d: np.linalg.norm(d, axis=-1), (limits.lower, limits.upper)
     )
-    raw = drives.threaded(np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]))
-    assert shortened_drive(raw, edges, lambda: False) is None
+    raw = drives.waypoints_through(np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]))
+    assert shortcut_steering_path(raw, edges, lambda: False) is None
 
 
 def test_a_straight_line_in_the_plane_is_no_way_of_a_car():
     """What is next to it is farther than it looks."""
     group = car()
-    aside = SteeringPaths(group).way(np.zeros(3), np.array([0.0, 0.1, 0.0])).waypoints
+    aside = SteeringPaths(group).steer(np.zeros(3), np.array([0.0, 0.1, 0.0])).waypoints
     manifold = manifold_of(group)
     assert path_length(aside, manifold) > 3 * Manifold(group.joints).distance(aside[-1], aside[0])

@@ -23,7 +23,7 @@ class Led:
 
     name = "led"
 
-    def lead(self, goals):
+    def propose_path(self, goals):
         return np.array([START, [-0.8, 0.8], [0.15, 0.8], goals[0]]), 0
 
 

@@ -73,8 +73,8 @@ def test_coordinates_are_put_back_where_they_belong() -> None:
     start = np.arange(10.0)
     lock = JointLock(group, frozenset({"g::j1", "g::j3"}), start)
     assert [joint.name for joint in lock.free.joints] == ["g::j0", "g::j2"]
-    assert lock.move_q.tolist() == [0, 8]
-    assert lock.move_v.tolist() == [0, 7]
+    assert lock.free_q_indices.tolist() == [0, 8]
+    assert lock.free_v_indices.tolist() == [0, 7]
     whole = lock.expand(np.array([[-1.0, -2.0]]))[0]
     np.testing.assert_array_equal(whole, [-1, 1, 2, 3, 4, 5, 6, 7, -2, 9])
     np.testing.assert_array_equal(

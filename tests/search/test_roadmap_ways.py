@@ -13,7 +13,7 @@ from planning.domain.request.options import RoadmapOptions, SearchOptions
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.steering import Steering, steered
 from planning.errors import DeadlineExceeded
-from planning.search.projection import projected
+from planning.search.projection import project
 from planning.search.request import SearchTask
 from planning.search.roadmap.build import RoadmapBuildRequest, grow_roadmap
 from planning.search.solver import search
@@ -60,7 +60,7 @@ def test_what_is_projected_is_on_the_set_and_no_farther_than_it_must_be(x, y):
     length = float(np.linalg.norm(q))
     if length < 1e-3:
         return
-    found = projected(Ring(), q)
+    found = project(Ring(), q)
     assert abs(np.linalg.norm(found) - RADIUS) <= WIDTH / 2 + 1e-5
     assert np.linalg.norm(found - q) <= max(0.0, abs(length - RADIUS) - WIDTH / 2) + 1e-5
 
@@ -138,8 +138,8 @@ def test_the_way_back_of_every_drive_of_a_roadmap_is_free_as_well():
     deadline = no_hurry(30.0)
     roadmap = grow_roadmap(recipe, oracle, "key", deadline)
     assert len(roadmap.edges) > 20
-    drives = recipe.space.drives
+    drives = recipe.space.steering_paths
     for i, j in roadmap.edges:
         for a, b in ((i, j), (j, i)):
-            way = drives.way(roadmap.states[a], roadmap.states[b]).waypoints
+            way = drives.steer(roadmap.states[a], roadmap.states[b]).waypoints
             assert_drivable(group, way, beyond_disc)

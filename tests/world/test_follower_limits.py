@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import planning
-from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.followers import Follower, combine_limits
 from planning.domain.robot.joints import JointType
 from planning.errors import ModelInvalid
 from planning.world.world import World
@@ -68,7 +68,7 @@ def test_a_leader_within_them_has_all_followers_within_theirs(seed: int) -> None
             rng.normal(0, 2, 3), rng.normal(0, 1, 3), *rng.uniform(0.1, 5.0, (2, 3)), strict=True
         )
     ]
-    limits = together(own, followers)
+    limits = combine_limits(own, followers)
     for q in np.linspace(limits.lower[0] - 0.1, limits.upper[0] + 0.1, 97):
         kept = own.lower[0] <= q <= own.upper[0] and all(
             f.lower - 1e-9 <= f.multiplier * q + f.offset <= f.upper + 1e-9 for f in followers

@@ -318,7 +318,7 @@ PLAIN = {"named": "r", "main": "a/r.urdf", "card": "", "sha256": {"a/r.urdf": "0
 
 
 def test_files_are_told_as_json_and_read_again():
-    assert KeptFiles.from_plain(json.loads(json.dumps(PLAIN))).plain == PLAIN
+    assert KeptFiles.from_json(json.loads(json.dumps(PLAIN))).as_json == PLAIN
 
 
 @pytest.mark.parametrize(
@@ -333,7 +333,7 @@ def test_files_are_told_as_json_and_read_again():
 )
 def test_files_outside_of_their_folder_are_refused(fault):
     with pytest.raises(SceneInvalid, match="files of 'r'"):
-        KeptFiles.from_plain(PLAIN | fault)
+        KeptFiles.from_json(PLAIN | fault)
 
 
 def test_bundled_scenes_keep_their_robots(library):

@@ -43,7 +43,7 @@ def test_converted_meshes_lie_with_the_copies(
 def test_those_that_were_not_used_for_longest_make_room(
     tmp_path: Path, library: ModelLibrary, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mesh_files, "_MOST_BYTES", 1)
+    monkeypatch.setattr(mesh_files, "_MAX_BYTES", 1)
     old = load(tmp_path, 1.0, library)
     young = load(tmp_path, 2.0, library)
     assert old.exists()  # a loaded world may read it again

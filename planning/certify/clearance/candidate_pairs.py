@@ -18,7 +18,7 @@ type Ids = tuple[GeometryId, GeometryId]
 
 
 @dataclass(frozen=True)
-class Geometry:
+class CollisionGeometry:
     """Collision geometry of a model, computed once per model; holds no reference to the model.
 
     Attributes:
@@ -30,19 +30,21 @@ class Geometry:
     candidates: Candidates
 
 
-_read: WeakKeyDictionary[StaticObjects, Geometry] = WeakKeyDictionary()
+_geometry_cache: WeakKeyDictionary[StaticObjects, CollisionGeometry] = WeakKeyDictionary()
 
 
-def geometry_of(model: DrakeModel) -> Geometry:
+def geometry_of(model: DrakeModel) -> CollisionGeometry:
     """Return the model's collision geometry, cached per model.
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
-    found = _read.get(model.standing)
-    if found is None:
-        found = _read[model.standing] = Geometry(collision_shapes(model), candidates_of(model))
-    return found
+    geometry = _geometry_cache.get(model.static_objects)
+    if geometry is None:
+        geometry = _geometry_cache[model.static_objects] = CollisionGeometry(
+            collision_shapes(model), candidates_of(model)
+        )
+    return geometry
 
 
 @dataclass(frozen=True)
@@ -67,19 +69,19 @@ class CandidatePairs:
 
 
 def candidate_pairs(
-    geometry: Geometry, bounds: MotionBounds, margins: PairMargins
+    geometry: CollisionGeometry, bounds: MotionBounds, margins: PairMargins
 ) -> CandidatePairs:
     """Return all candidate pairs of a model for one group and one set of margins."""
     bodies, candidates = geometry.shapes.bodies, geometry.candidates
     names, rows = candidates.pair_names, candidates.rows
-    demanded = {pair: margins.of(*pair) for pair in set(names)}
+    required = {pair: margins.of(*pair) for pair in set(names)}
     moved = [bounds.chains[a] != bounds.chains[b] for a, b in bodies[rows].tolist()]
     index = {pair: i for i, pair in enumerate(candidates.pairs)}
     return CandidatePairs(
         ids=candidates.pairs,
         rows=rows,
         names=names,
-        margins=np.array([demanded[pair] for pair in names], dtype=np.float64),
+        margins=np.array([required[pair] for pair in names], dtype=np.float64),
         is_moved=np.array(moved, dtype=bool),
         index=index | {(b, a): i for (a, b), i in index.items()},
     )

@@ -14,7 +14,7 @@ from planning.world.kernel.kernel_scene import kernel_scene_of
 type Proof = Callable[[DrakeModel, CertifyRequest, Deadline], ClearanceResult]
 
 # Largest number of segments for Drake's proof where the kernel's is undecided: about one second.
-_SECOND_LOOK = 2_000
+_MAX_DRAKE_SEGMENTS = 2_000
 
 
 def quick_clearance(
@@ -37,7 +37,7 @@ def check_clearance(
     model: DrakeModel,
     request: CertifyRequest,
     deadline: Deadline,
-    first: Proof = quick_clearance,
+    first_proof: Proof = quick_clearance,
 ) -> ClearanceResult:
     """Prove, or fail to prove, that every pair of bodies keeps its margin at all times.
 
@@ -49,10 +49,10 @@ def check_clearance(
         Canceled: The caller canceled.
         ModelInvalid: A shape or joint of a kind that cannot be certified.
     """
-    found = first(model, request, deadline)
-    if found.is_decided:
-        return found
-    second = DrakeProof(model, request, deadline, _SECOND_LOOK).run()
-    looks = found.intervals + second.intervals, found.queries + second.queries
-    chosen = second if second.check.passed else found
-    return replace(chosen, intervals=looks[0], queries=looks[1])
+    result = first_proof(model, request, deadline)
+    if result.is_decided:
+        return result
+    second = DrakeProof(model, request, deadline, _MAX_DRAKE_SEGMENTS).run()
+    counts = result.num_segments + second.num_segments, result.num_queries + second.num_queries
+    chosen = second if second.check.passed else result
+    return replace(chosen, num_segments=counts[0], num_queries=counts[1])

@@ -27,14 +27,14 @@ from planning.certify.intervals.branch_and_bound import (
 from planning.certify.intervals.joint_deviation import Segment
 from planning.certify.request import CertifyRequest
 from planning.domain.request.deadline import Deadline
-from planning.domain.request.robustness import MOST_DISPLACEMENT, MOST_ERROR, Robustness
+from planning.domain.request.robustness import MAX_DISPLACEMENT, MAX_JOINT_ERROR, Robustness
 from planning.world.drake_model import DrakeModel
 
 # Segments on which shapes move more than this are halved without a distance query [m].
-_WIDE = 0.25
+_MAX_APPROACH = 0.25
 _ROUNDING = 1e-9
 # Search until the value is known to 1 % or 1e-4 [rad or m], with at most `looks` evaluations.
-_FINENESS = BoundTolerance(share=0.01, least=1e-4, looks=800)
+_TOLERANCE = BoundTolerance(relative=0.01, absolute=1e-4, max_segments=800)
 
 
 def robustness(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> Robustness:
@@ -45,33 +45,35 @@ def robustness(model: DrakeModel, request: CertifyRequest, deadline: Deadline) -
         Canceled: The caller canceled.
     """
     distances = PairDistances(model, request)
-    moved = np.flatnonzero(distances.pairs.is_moved)
-    facing = np.array([i for i in moved if _is_obstacle(distances, request, int(i))], dtype=np.intp)
-    obstacle = _ClearanceReserve(distances, facing, MOST_DISPLACEMENT, counts_joints=False)
-    joint = _ClearanceReserve(distances, moved, MOST_ERROR, counts_joints=True)
-    near, off = (
-        bound_maximum(spare, _FINENESS, request, deadline) if len(spare.pairs) else _NOTHING
-        for spare in (obstacle, joint)
+    moving_pairs = np.flatnonzero(distances.pairs.is_moved)
+    obstacle_pairs = np.array(
+        [i for i in moving_pairs if _is_obstacle(distances, request, int(i))], dtype=np.intp
+    )
+    obstacle = _ClearanceReserve(distances, obstacle_pairs, MAX_DISPLACEMENT, counts_joints=False)
+    joint = _ClearanceReserve(distances, moving_pairs, MAX_JOINT_ERROR, counts_joints=True)
+    obstacle_result, joint_result = (
+        bound_maximum(reserve, _TOLERANCE, request, deadline) if len(reserve.pairs) else _NO_PAIRS
+        for reserve in (obstacle, joint)
     )
     return Robustness(
-        obstacle_displacement=_allowed(near, MOST_DISPLACEMENT),
-        obstacle_pair=_names(near),
-        obstacle_time=near.time,
-        joint_error=_allowed(off, MOST_ERROR),
-        joint_pair=_names(off),
-        joint_time=off.time,
+        obstacle_displacement=_allowed(obstacle_result, MAX_DISPLACEMENT),
+        obstacle_pair=_names(obstacle_result),
+        obstacle_time=obstacle_result.time,
+        joint_error=_allowed(joint_result, MAX_JOINT_ERROR),
+        joint_pair=_names(joint_result),
+        joint_time=joint_result.time,
     )
 
 
-_NOTHING = BoundResult(-np.inf, -np.inf, passed=True, where="", time=0.0)
+_NO_PAIRS = BoundResult(-np.inf, -np.inf, passed=True, where="", time=0.0)
 
 
-def _allowed(found: BoundResult, most: float) -> float:
-    return float(np.clip(-found.top - _ROUNDING, 0.0, most))
+def _allowed(result: BoundResult, maximum: float) -> float:
+    return float(np.clip(-result.upper_bound - _ROUNDING, 0.0, maximum))
 
 
-def _names(found: BoundResult) -> tuple[str, str]:
-    first, _, second = found.where.partition(" ")
+def _names(result: BoundResult) -> tuple[str, str]:
+    first, _, second = result.where.partition(" ")
     return first, second
 
 
@@ -86,28 +88,28 @@ class _ClearanceReserve:
     """The reserve of the tightest pair, negated: a quantity with an upper bound."""
 
     def __init__(
-        self, distances: PairDistances, pairs: Indices, most: float, *, counts_joints: bool
+        self, distances: PairDistances, pairs: Indices, maximum: float, *, counts_joints: bool
     ) -> None:
         self.pairs = pairs
         self._distances, self._counts_joints = distances, counts_joints
         self._margins = distances.pairs.margins[pairs]
-        self._least = most
+        self._smallest = maximum
 
-    def look(self, segment: Segment) -> QuantityBound:
+    def evaluate(self, segment: Segment) -> QuantityBound:
         distances = self._distances
-        distances.go_to(segment.center)
-        approaches = distances.approaches(segment, self.pairs)
-        if not approaches.max() <= _WIDE:
+        distances.set_positions(segment.center)
+        approaches = distances.max_approaches(segment, self.pairs)
+        if not approaches.max() <= _MAX_APPROACH:
             return QuantityBound(-np.inf, np.inf)
         slopes = np.ones(len(self.pairs))
         if self._counts_joints:
             slopes = np.maximum(distances.sensitivities(self.pairs), 1e-12)
         # A pair with more reserve than the smallest so far need not be measured accurately.
-        wanted = approaches + self._margins + slopes * self._least + 2 * _ROUNDING
-        lower = distances.measure(self.pairs, wanted).lower
-        here = (lower - self._margins) / slopes
-        all_over = (lower - approaches - self._margins) / slopes
-        tightest = int(np.argmin(here))
-        self._least = min(self._least, max(float(here[tightest]), 0.0))
+        thresholds = approaches + self._margins + slopes * self._smallest + 2 * _ROUNDING
+        lower = distances.measure(self.pairs, thresholds).lower_bounds
+        reserves = (lower - self._margins) / slopes
+        reserve_bounds = (lower - approaches - self._margins) / slopes
+        tightest = int(np.argmin(reserves))
+        self._smallest = min(self._smallest, max(float(reserves[tightest]), 0.0))
         where = " ".join(distances.pairs.names[self.pairs[tightest]])
-        return QuantityBound(-float(here[tightest]), -float(all_over.min()), where)
+        return QuantityBound(-float(reserves[tightest]), -float(reserve_bounds.min()), where)

@@ -11,7 +11,7 @@ from planning.domain.report.certificate import Check
 
 # Tolerance below a margin: a start that keeps its margin exactly would otherwise be refused for
 # rounding. A margin of zero means no contact, without tolerance [m].
-MARGIN_SLACK = 1e-6
+MARGIN_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -38,18 +38,18 @@ class ClearanceResult:
     Attributes:
         check: The verdict: distance and margin of the pair with the smallest reserve.
         nearest: The smallest signed distance at any evaluated instant.
-        checked: The pair that the check reports.
-        intervals: Number of segments bounded.
-        queries: Number of configurations at which distances were measured.
+        reported: The pair that the check reports.
+        num_segments: Number of segments bounded.
+        num_queries: Number of configurations at which distances were measured.
         is_decided: Whether the verdict is final: passed, or a pair is certainly too near. If not,
             other distance queries or separating directions might prove the motion.
     """
 
     check: Check
     nearest: WitnessPoint
-    checked: WitnessPoint
-    intervals: int
-    queries: int
+    reported: WitnessPoint
+    num_segments: int
+    num_queries: int
     is_decided: bool = True
 
 
@@ -58,18 +58,18 @@ class Node:
     """Node of the best-first search: a segment and its undecided pairs, smallest bound first.
 
     Attributes:
-        floor: Lower bound on distance minus margin, or on the distance itself [m].
+        lower_bound: Lower bound on distance minus margin, or on the distance itself [m].
         number: Tie breaker, so that every run is the same.
         segment: The segment.
-        open: Indices of the pairs not yet decided on it.
-        proven: Lower bound on the distances of the decided pairs [m].
+        undecided: Indices of the pairs not yet decided on it.
+        proven_distance: Lower bound on the distances of the decided pairs [m].
     """
 
-    floor: float
+    lower_bound: float
     number: int
     segment: Segment = field(compare=False)
-    open: Indices = field(compare=False)
-    proven: float = field(compare=False, default=np.inf)
+    undecided: Indices = field(compare=False)
+    proven_distance: float = field(compare=False, default=np.inf)
 
 
 @dataclass(frozen=True)

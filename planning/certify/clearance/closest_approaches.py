@@ -15,7 +15,7 @@ class ClosestApproach:
     """The pair with the smallest value of a quantity (distance, or distance minus margin).
 
     Attributes:
-        least: The smallest value [m].
+        value: The smallest value [m].
         distance: Signed distance of the pair [m].
         margin: Required distance of the pair [m].
         names: Full names of its bodies.
@@ -23,7 +23,7 @@ class ClosestApproach:
         time: Instant [s].
     """
 
-    least: float = np.inf
+    value: float = np.inf
     distance: float = np.inf
     margin: float = 0.0
     names: tuple[str, str] = ("", "")
@@ -36,7 +36,7 @@ class ClosestApproach:
         return "-".join(self.names) if self.names[0] else ""
 
     @property
-    def spot(self) -> WitnessPoint:
+    def witness(self) -> WitnessPoint:
         """The pair as a witness point."""
         return WitnessPoint(self.shapes, self.names, self.distance, self.time)
 
@@ -49,30 +49,35 @@ class ClosestApproaches:
         pairs: All pairs.
         nearest: The pair with the smallest distance.
         tightest: The pair with the smallest distance minus margin.
-        count: Number of configurations evaluated.
+        num_configurations: Number of configurations evaluated.
     """
 
     pairs: CandidatePairs
     nearest: ClosestApproach = field(default_factory=ClosestApproach)
     tightest: ClosestApproach = field(default_factory=ClosestApproach)
-    count: int = 0
+    num_configurations: int = 0
 
-    def see(self, pairs: Indices, distances: Array, time: float) -> None:
+    def update(self, pairs: Indices, distances: Array, time: float) -> None:
         """Update with the distances [m] at one configuration; infinite means not measured."""
-        self.count += 1
-        seen = distances < np.inf
-        if seen.any():
-            pairs, distances = pairs[seen], distances[seen]
-            self._note(self.nearest, pairs, distances, distances, time)
-            spare = distances - self.pairs.margins[pairs]
-            self._note(self.tightest, pairs, distances, spare, time)
+        self.num_configurations += 1
+        is_measured = distances < np.inf
+        if is_measured.any():
+            pairs, distances = pairs[is_measured], distances[is_measured]
+            self._update_approach(self.nearest, pairs, distances, distances, time)
+            signed_margins = distances - self.pairs.margins[pairs]
+            self._update_approach(self.tightest, pairs, distances, signed_margins, time)
 
-    def _note(
-        self, sighting: ClosestApproach, pairs: Indices, distances: Array, what: Array, time: float
+    def _update_approach(
+        self,
+        approach: ClosestApproach,
+        pairs: Indices,
+        distances: Array,
+        values: Array,
+        time: float,
     ) -> None:
-        least = int(np.argmin(what))
-        if what[least] < sighting.least:
-            sighting.least, sighting.distance = float(what[least]), float(distances[least])
-            sighting.margin = float(self.pairs.margins[pairs[least]])
-            sighting.names, sighting.time = self.pairs.names[pairs[least]], time
-            sighting.shapes = self.pairs.ids[pairs[least]]
+        smallest = int(np.argmin(values))
+        if values[smallest] < approach.value:
+            approach.value, approach.distance = float(values[smallest]), float(distances[smallest])
+            approach.margin = float(self.pairs.margins[pairs[smallest]])
+            approach.names, approach.time = self.pairs.names[pairs[smallest]], time
+            approach.shapes = self.pairs.ids[pairs[smallest]]

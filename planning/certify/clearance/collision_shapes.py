@@ -35,12 +35,12 @@ from planning.world.drake_model import DrakeModel
 
 
 @dataclass(frozen=True)
-class _Parts:
+class _Summands:
     """Summands of a shape: polytope, shape (k, 3), semi-axes, shape (3,), and ball radius [m]."""
 
     vertices: Array
-    axes: Array
-    ball: float
+    semi_axes: Array
+    ball_radius: float
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class CollisionShapes:
         R_BG: Orientation in the body's frame, shape (n, 3, 3).
         p_bg: Position in the body's frame [m], shape (n, 3).
         vertices: Vertices of the polytopes in G, padded by repetition [m], shape (n, k, 3).
-        axes: Semi-axes of the ellipsoids in G [m], shape (n, 3).
-        balls: Radii of the balls [m], shape (n,).
+        semi_axes: Semi-axes of the ellipsoids in G [m], shape (n, 3).
+        ball_radii: Radii of the balls [m], shape (n,).
         centers: Centres of the bounding spheres in the body's frame [m], shape (n, 3).
         radii: Radii of the bounding spheres [m], infinite for half spaces, shape (n,).
         is_half_space: Whether the shape is the half space z <= 0 in G, shape (n,).
@@ -65,13 +65,13 @@ class CollisionShapes:
     R_BG: Float64[np.ndarray, "n 3 3"]
     p_bg: Float64[np.ndarray, "n 3"]
     vertices: Float64[np.ndarray, "n k 3"]
-    axes: Float64[np.ndarray, "n 3"]
-    balls: Float64[np.ndarray, " n"]
+    semi_axes: Float64[np.ndarray, "n 3"]
+    ball_radii: Float64[np.ndarray, " n"]
     centers: Float64[np.ndarray, "n 3"]
     radii: Float64[np.ndarray, " n"]
     is_half_space: Bool[np.ndarray, " n"]
 
-    def reach(self, rows: Any, R_WG: Array, p_wg: Array, n: Array) -> Array:
+    def support(self, rows: Any, R_WG: Array, p_wg: Array, n: Array) -> Array:
         """Return the support function max n . x over the points x of each shape [m], shape (m,).
 
         Args:
@@ -82,17 +82,17 @@ class CollisionShapes:
         """
         n_local = (n[:, None, :] @ R_WG)[:, 0]
         corner = (self.vertices[rows] @ n_local[:, :, None])[:, :, 0].max(axis=1)
-        disk = np.sqrt(((self.axes[rows] * n_local) ** 2).sum(axis=1))
-        return (p_wg * n).sum(axis=1) + corner + disk + self.balls[rows]
+        disk = np.sqrt(((self.semi_axes[rows] * n_local) ** 2).sum(axis=1))
+        return (p_wg * n).sum(axis=1) + corner + disk + self.ball_radii[rows]
 
-    def point(self, row: int, R_WG: Array, p_wg: Array, n: Array) -> Array:
+    def support_point(self, row: int, R_WG: Array, p_wg: Array, n: Array) -> Array:
         """Return the support point: the point of one shape farthest along n [m], shape (3,)."""
         n_local = R_WG.T @ n
         point = self.vertices[row][np.argmax(self.vertices[row] @ n_local)]
-        size = np.linalg.norm(self.axes[row] * n_local)
+        size = np.linalg.norm(self.semi_axes[row] * n_local)
         if size > 0:
-            point = point + self.axes[row] ** 2 * n_local / size
-        return R_WG @ (point + self.balls[row] * n_local / np.linalg.norm(n_local)) + p_wg
+            point = point + self.semi_axes[row] ** 2 * n_local / size
+        return R_WG @ (point + self.ball_radii[row] * n_local / np.linalg.norm(n_local)) + p_wg
 
 
 def collision_shapes(model: DrakeModel) -> CollisionShapes:
@@ -101,54 +101,54 @@ def collision_shapes(model: DrakeModel) -> CollisionShapes:
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
-    inspector, standing = model.scene_graph.model_inspector(), model.standing
-    of_drake: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
-    ids = [*of_drake, *standing.ids]
-    shapes = [*(inspector.GetShape(geometry) for geometry in of_drake), *standing.drake_shapes]
-    parts = [_parts(shape) for shape in shapes]
-    poses = [*(inspector.GetPoseInFrame(geometry) for geometry in of_drake), *standing.poses]
+    inspector, standing = model.scene_graph.model_inspector(), model.static_objects
+    drake_ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
+    ids = [*drake_ids, *standing.ids]
+    shapes = [*(inspector.GetShape(geometry) for geometry in drake_ids), *standing.drake_shapes]
+    parts = [_summands(shape) for shape in shapes]
+    poses = [*(inspector.GetPoseInFrame(geometry) for geometry in drake_ids), *standing.poses]
     plant = model.plant
-    bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in of_drake]
+    bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in drake_ids]
     bodies += [plant.world_body().index()] * len(standing)
     spheres = [_sphere(shape, part) for shape, part in zip(shapes, parts, strict=True)]
-    width = max((len(part.vertices) for part in parts), default=1)
-    padded = [np.resize(part.vertices, (width, 3)) for part in parts]
+    max_vertices = max((len(part.vertices) for part in parts), default=1)
+    padded = [np.resize(part.vertices, (max_vertices, 3)) for part in parts]
     centers = [x.multiply(center) for x, (center, _) in zip(poses, spheres, strict=True)]
     return CollisionShapes(
         rows={geometry: row for row, geometry in enumerate(ids)},
         bodies=np.array([int(body) for body in bodies], dtype=np.intp),
         R_BG=np.array([x.rotation().matrix() for x in poses]).reshape(-1, 3, 3),
         p_bg=np.array([x.translation() for x in poses]).reshape(-1, 3),
-        vertices=np.array(padded).reshape(-1, width, 3),
-        axes=np.array([part.axes for part in parts]).reshape(-1, 3),
-        balls=np.array([part.ball for part in parts], dtype=np.float64),
+        vertices=np.array(padded).reshape(-1, max_vertices, 3),
+        semi_axes=np.array([part.semi_axes for part in parts]).reshape(-1, 3),
+        ball_radii=np.array([part.ball_radius for part in parts], dtype=np.float64),
         centers=np.array(centers).reshape(-1, 3),
         radii=np.array([radius for _, radius in spheres], dtype=np.float64),
         is_half_space=np.array([isinstance(shape, HalfSpace) for shape in shapes], dtype=bool),
     )
 
 
-def _parts(shape: Any) -> _Parts:  # noqa: PLR0911  (one case per shape)
-    point, none = np.zeros((1, 3)), np.zeros(3)
+def _summands(shape: Any) -> _Summands:  # noqa: PLR0911  (one case per shape)
+    point, no_axes = np.zeros((1, 3)), np.zeros(3)
     match shape:
         case Box():
             signs = np.array(list(product((-0.5, 0.5), repeat=3)))
-            return _Parts(signs * shape.size(), none, 0.0)
+            return _Summands(signs * shape.size(), no_axes, 0.0)
         case Sphere():
-            return _Parts(point, none, shape.radius())
+            return _Summands(point, no_axes, shape.radius())
         case Cylinder():
             disk = np.array([shape.radius(), shape.radius(), 0.0])
-            return _Parts(_ends(shape.length()), disk, 0.0)
+            return _Summands(_ends(shape.length()), disk, 0.0)
         case Capsule():
-            return _Parts(_ends(shape.length()), none, shape.radius())
+            return _Summands(_ends(shape.length()), no_axes, shape.radius())
         case Ellipsoid():
-            return _Parts(point, np.array([shape.a(), shape.b(), shape.c()]), 0.0)
+            return _Summands(point, np.array([shape.a(), shape.b(), shape.c()]), 0.0)
         case Convex() | Mesh():
             hull = shape.GetConvexHull()
             vertices = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
-            return _Parts(vertices, none, 0.0)
+            return _Summands(vertices, no_axes, 0.0)
         case HalfSpace():
-            return _Parts(point, none, np.inf)
+            return _Summands(point, no_axes, np.inf)
         case _:
             kind = type(shape).__name__
             message = f"collision shapes of kind {kind!r} cannot be certified"
@@ -159,10 +159,10 @@ def _ends(length: float) -> Array:
     return np.array([[0.0, 0.0, -length / 2], [0.0, 0.0, length / 2]])
 
 
-def _sphere(shape: Any, parts: _Parts) -> tuple[Array, float]:
+def _sphere(shape: Any, parts: _Summands) -> tuple[Array, float]:
     """Return centre (geometry frame) and radius of a bounding sphere of a shape [m]."""
     center = (parts.vertices.min(axis=0) + parts.vertices.max(axis=0)) / 2
     farthest = float(np.linalg.norm(parts.vertices - center, axis=1).max())
     if isinstance(shape, Cylinder):
         return center, float(np.hypot(farthest, shape.radius()))
-    return center, farthest + float(parts.axes.max()) + parts.ball
+    return center, farthest + float(parts.semi_axes.max()) + parts.ball_radius

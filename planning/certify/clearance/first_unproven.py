@@ -19,8 +19,8 @@ from planning.errors import DeadlineExceeded
 from planning.world.drake_model import DrakeModel
 
 # Resolution of the instant, and the largest delay of a reported refusal after the true one [s].
-_FINE = 1e-4
-_SEGMENT = 1e-7
+_RESOLUTION = 1e-4
+_MAX_DELAY = 1e-7
 
 
 def with_first_unproven(
@@ -38,21 +38,21 @@ def with_first_unproven(
     search = _Search(model, request, deadline)
     with suppress(DeadlineExceeded):
         search.run()
-    return replace(certificate, proven_until=search.proven, first_unproven=search.pair())
+    return replace(certificate, proven_until=search.proven_until, first_unproven=search.pair())
 
 
 class _Search:
     """Bisection between the latest proven and the earliest refused end of an initial part.
 
     Attributes:
-        proven: End of the longest proven part [s].
-        refused: End of the shortest refused part [s].
+        proven_until: End of the longest proven part [s].
+        refused_at: End of the shortest refused part [s].
     """
 
     def __init__(self, model: DrakeModel, request: CertifyRequest, deadline: Deadline) -> None:
         self._model, self._request, self._deadline = model, request, deadline
-        self.proven, self.refused = 0.0, request.trajectory.duration
-        self._spot = WitnessPoint()
+        self.proven_until, self.refused_at = 0.0, request.trajectory.duration
+        self._witness = WitnessPoint()
 
     def run(self) -> None:
         """Bisect until the instant is known to the resolution.
@@ -61,27 +61,27 @@ class _Search:
             DeadlineExceeded: Time ran out.
             Canceled: The caller canceled.
         """
-        self._prove_until(self.refused)
-        while self.refused - self.proven > _FINE:
-            self._prove_until((self.proven + self.refused) / 2)
+        self._prove_until(self.refused_at)
+        while self.refused_at - self.proven_until > _RESOLUTION:
+            self._prove_until((self.proven_until + self.refused_at) / 2)
 
     def _prove_until(self, end: float) -> None:
         self._deadline.check("certify")
-        begin = self.proven
+        begin = self.proven_until
         part = self._request.trajectory.until(end).after(begin)
-        found = quick_clearance(
+        result = quick_clearance(
             self._model, replace(self._request, trajectory=part), self._deadline
         )
-        if found.check.passed:
-            self.proven = end
+        if result.check.passed:
+            self.proven_until = end
             return
-        self._spot = replace(found.checked, time=min(begin + found.checked.time, end))
-        self.refused = min(self._spot.time + _SEGMENT, end)
+        self._witness = replace(result.reported, time=min(begin + result.reported.time, end))
+        self.refused_at = min(self._witness.time + _MAX_DELAY, end)
 
     def pair(self) -> BodyPair | None:
         """Return the pair of bodies that refused the last refused part; None if there is none."""
-        spot = self._spot
-        if not spot.shapes:
+        witness = self._witness
+        if not witness.shapes:
             return None
-        points, distance = nearest_points(self._model, self._request, spot)
-        return BodyPair(spot.bodies, distance, points)
+        points, distance = nearest_points(self._model, self._request, witness)
+        return BodyPair(witness.bodies, distance, points)

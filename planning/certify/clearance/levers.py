@@ -23,10 +23,12 @@ from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.world.drake_model import DrakeModel
 
-_read: WeakKeyDictionary[RobotDiagram, dict[tuple[str | bytes, ...], Array]] = WeakKeyDictionary()
+_lever_arm_cache: WeakKeyDictionary[RobotDiagram, dict[tuple[str | bytes, ...], Array]] = (
+    WeakKeyDictionary()
+)
 
 
-def levers_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndarray, " nv"]:
+def lever_arms_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndarray, " nv"]:
     """Return the largest approach of two shapes per change of each of a group's coordinates.
 
     Two shapes that both move with a joint keep their distance, so the bound is on the displacement
@@ -36,19 +38,19 @@ def levers_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndarray,
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
-    known = _read.setdefault(model.diagram, {})
+    cache = _lever_arm_cache.setdefault(model.diagram, {})
     limits = request.limits
     key = (
         request.group.name,
         *(array.tobytes() for array in (request.state, limits.lower, limits.upper)),
     )
-    if key not in known:
-        known[key] = _levers(model, request)
-    return known[key]
+    if key not in cache:
+        cache[key] = _lever_arms(model, request)
+    return cache[key]
 
 
 @dataclass(frozen=True)
-class _Link:
+class _JointFrames:
     """A moving joint: positions of its frames in world, and its largest extension [m]."""
 
     near: Array
@@ -56,86 +58,92 @@ class _Link:
     stroke: float
 
 
-def _levers(model: DrakeModel, request: CertifyRequest) -> Array:
+def _lever_arms(model: DrakeModel, request: CertifyRequest) -> Array:
     moving = moving_joints(model, request.group)
     chains = joint_chains(model, moving)
     context = model.plant.CreateDefaultContext()
-    model.plant.SetPositions(context, model.follow(np.array(request.state)))
-    links = [_link(request, moved, k, chains, context) for k, moved in enumerate(moving)]
+    model.plant.SetPositions(context, model.apply_couplings(np.array(request.state)))
+    links = [
+        _link(request, moving_joint, k, chains, context) for k, moving_joint in enumerate(moving)
+    ]
     arms = np.zeros(len(moving))
     shapes = geometry_of(model).shapes
     for row, body in enumerate(shapes.bodies):
-        carried = chains.get(int(body), frozenset())
-        place = _place(model, context, shapes, row)
+        joint_chain = chains.get(int(body), frozenset())
+        position = _sphere_center(model, context, shapes, row)
         # From the tip inwards: a joint farther from the world has more joints before it.
-        ordered = sorted(carried, key=lambda k: len(_outer(moving[k], k, chains)[1]), reverse=True)
+        ordered = sorted(
+            joint_chain, key=lambda k: len(_far_body(moving[k], k, chains)[1]), reverse=True
+        )
         length = float(shapes.radii[row])
         for k in ordered:
-            length += float(np.linalg.norm(place - links[k].far))
+            length += float(np.linalg.norm(position - links[k].far))
             arms[k] = max(arms[k], length)
             length += links[k].stroke
-            place = links[k].near
+            position = links[k].near
     return _by_coordinate(request, moving, arms)
 
 
 def _by_coordinate(request: CertifyRequest, moving: list[MovingJoint], arms: Array) -> Array:
     """Return the sum of levers of all joints moved by each coordinate, followers included."""
-    levers = np.zeros(request.group.num_velocities)
+    lever_arms = np.zeros(request.group.num_velocities)
     firsts = np.cumsum([0, *(joint.num_velocities for joint in request.group.joints)])
-    for moved, arm in zip(moving, arms, strict=True):
-        first = int(firsts[moved.member])
-        match moved.joint:
+    for moving_joint, arm in zip(moving, arms, strict=True):
+        first = int(firsts[moving_joint.group_index])
+        match moving_joint.joint:
             case RevoluteJoint():
-                levers[first] += moved.scale * arm
+                lever_arms[first] += moving_joint.scale * arm
             case PrismaticJoint():
-                levers[first] += moved.scale
+                lever_arms[first] += moving_joint.scale
             case PlanarJoint():
-                levers[first : first + 3] += [1.0, 1.0, arm]
+                lever_arms[first : first + 3] += [1.0, 1.0, arm]
             case _:
-                levers[first : int(firsts[moved.member + 1])] = np.inf
-    return levers
+                lever_arms[first : int(firsts[moving_joint.group_index + 1])] = np.inf
+    return lever_arms
 
 
 def _link(
     request: CertifyRequest,
-    moved: MovingJoint,
+    moving_joint: MovingJoint,
     k: int,
     chains: dict[int, frozenset[int]],
     context: Any,
-) -> _Link:
-    joint = moved.joint
+) -> _JointFrames:
+    joint = moving_joint.joint
     frames = [joint.frame_on_parent(), joint.frame_on_child()]
-    if _outer(moved, k, chains)[0] is joint.parent_body():
+    if _far_body(moving_joint, k, chains)[0] is joint.parent_body():
         frames.reverse()
     near, far = (np.array(frame.CalcPoseInWorld(context).translation()) for frame in frames)
     match joint:
         case RevoluteJoint():
             stroke = 0.0
         case PrismaticJoint():
-            stroke = float(np.linalg.norm(far - near)) + moved.scale * _range(request, moved)
+            stroke = float(np.linalg.norm(far - near)) + moving_joint.scale * _limit_width(
+                request, moving_joint
+            )
         case _:
             stroke = np.inf
-    return _Link(near, far, stroke)
+    return _JointFrames(near, far, stroke)
 
 
-def _range(request: CertifyRequest, moved: MovingJoint) -> float:
+def _limit_width(request: CertifyRequest, moving_joint: MovingJoint) -> float:
     """Return the width of the limits of the joint that moves another."""
-    first = sum(joint.num_positions for joint in request.group.joints[: moved.member])
+    first = sum(joint.num_positions for joint in request.group.joints[: moving_joint.group_index])
     return float(request.limits.upper[first] - request.limits.lower[first])
 
 
-def _outer(
-    moved: MovingJoint, k: int, chains: dict[int, frozenset[int]]
+def _far_body(
+    moving_joint: MovingJoint, k: int, chains: dict[int, frozenset[int]]
 ) -> tuple[Any, frozenset[int]]:
     """Return the body on the far side of a joint, as seen from the world, and its joint chain."""
-    for body in (moved.joint.child_body(), moved.joint.parent_body()):
+    for body in (moving_joint.joint.child_body(), moving_joint.joint.parent_body()):
         chain = chains.get(int(body.index()), frozenset())
         if k in chain:
             return body, chain
-    return moved.joint.child_body(), frozenset()
+    return moving_joint.joint.child_body(), frozenset()
 
 
-def _place(model: DrakeModel, context: Any, shapes: CollisionShapes, row: int) -> Array:
+def _sphere_center(model: DrakeModel, context: Any, shapes: CollisionShapes, row: int) -> Array:
     """Return the centre of a shape's bounding sphere in world [m]."""
     body = model.plant.get_body(BodyIndex(int(shapes.bodies[row])))
     return np.array(model.plant.EvalBodyPoseInWorld(context, body) @ shapes.centers[row])

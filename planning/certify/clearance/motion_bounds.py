@@ -39,7 +39,7 @@ from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
 
 # Kinds of error of a joint: in rotation, in translation.
-_ERRORS = {
+_ERROR_KINDS = {
     JointType.REVOLUTE: (1.0, 0.0),
     JointType.CONTINUOUS: (1.0, 0.0),
     JointType.PRISMATIC: (0.0, 1.0),
@@ -54,12 +54,12 @@ class MovingJoint:
 
     Attributes:
         joint: Drake's joint.
-        member: Index of the joint of the group that moves it.
+        group_index: Index of the joint of the group that moves it.
         scale: Size of its displacement relative to that of the member.
     """
 
     joint: Any
-    member: int
+    group_index: int
     scale: float
 
 
@@ -75,7 +75,7 @@ class MotionBounds:
         self._shapes = shapes
         self._joints = moving_joints(model, group)
         self.chains = joint_chains(model, self._joints)
-        self.carries = np.array(
+        self.is_carried_by = np.array(
             [[k in self.chains[body] for k in range(len(self._joints))] for body in shapes.bodies],
             dtype=bool,
         ).reshape(len(shapes.bodies), len(self._joints))
@@ -88,16 +88,16 @@ class MotionBounds:
         self.joint_bodies = np.array(
             [int(m.joint.child_body().index()) for m in self._joints], dtype=np.intp
         )
-        self._members = np.array([m.member for m in self._joints], dtype=np.intp)
-        self._to_turn, self._to_shift = _scales(self._joints)
-        self._errors = np.array([_ERRORS[joint.type] for joint in group.joints])
+        self._group_indices = np.array([m.group_index for m in self._joints], dtype=np.intp)
+        self._rotation_factors, self._translation_factors = _displacement_factors(self._joints)
+        self._error_kinds = np.array([_ERROR_KINDS[joint.type] for joint in group.joints])
 
-    def reaches(
+    def max_displacements(
         self,
         R_WB: Float64[np.ndarray, "num_bodies 3 3"],
         p_wb: Float64[np.ndarray, "num_bodies 3"],
-        turn: Float64[np.ndarray, " num_joints"],
-        shift: Float64[np.ndarray, " num_joints"],
+        max_rotation: Float64[np.ndarray, " num_joints"],
+        max_translation: Float64[np.ndarray, " num_joints"],
     ) -> Float64[np.ndarray, "num_shapes num_moving"]:
         """Return the largest displacement of each shape's points by each moving joint [m].
 
@@ -106,29 +106,35 @@ class MotionBounds:
         Args:
             R_WB: Orientations of all bodies at the reference instant.
             p_wb: Positions of all bodies [m].
-            turn: Largest rotation of each joint of the group from there [rad].
-            shift: Largest translation of each joint of the group from there [m].
+            max_rotation: Largest rotation of each joint of the group from there [rad].
+            max_translation: Largest translation of each joint of the group from there [m].
         """
-        given = np.stack([turn[self._members], shift[self._members]], axis=1)
-        turns = np.einsum("kd,kd->k", self._to_turn, given)
-        shifts = np.einsum("kd,kd->k", self._to_shift, given)
-        chords = 2 * np.sin(np.minimum(turns, np.pi) / 2)
+        group_bounds = np.stack(
+            [max_rotation[self._group_indices], max_translation[self._group_indices]], axis=1
+        )
+        rotations = np.einsum("kd,kd->k", self._rotation_factors, group_bounds)
+        translations = np.einsum("kd,kd->k", self._translation_factors, group_bounds)
+        chords = 2 * np.sin(np.minimum(rotations, np.pi) / 2)
         arms = self._lever_arms(R_WB, p_wb)
-        turned = np.where(chords > 0, arms, 0.0) * chords
-        return turned + shifts
+        by_rotation = np.where(chords > 0, arms, 0.0) * chords
+        return by_rotation + translations
 
     def sensitivities(
         self, R_WB: Float64[np.ndarray, "num_bodies 3 3"], p_wb: Float64[np.ndarray, "num_bodies 3"]
     ) -> Float64[np.ndarray, "num_shapes num_moving"]:
-        """Return the growth of each entry of `reaches` per joint error [m per rad or m].
+        """Return the growth of each entry of `max_displacements` per joint error [m per rad or m].
 
         If every joint of the group rotates and translates by e more than its bounds, no entry of
-        `reaches` grows by more than e times this.
+        `max_displacements` grows by more than e times this.
         """
-        turns = np.einsum("kd,kd->k", self._to_turn, self._errors[self._members])
-        shifts = np.einsum("kd,kd->k", self._to_shift, self._errors[self._members])
-        arms = np.where(turns > 0, self._lever_arms(R_WB, p_wb), 0.0)
-        return arms * turns + shifts
+        rotations = np.einsum(
+            "kd,kd->k", self._rotation_factors, self._error_kinds[self._group_indices]
+        )
+        translations = np.einsum(
+            "kd,kd->k", self._translation_factors, self._error_kinds[self._group_indices]
+        )
+        arms = np.where(rotations > 0, self._lever_arms(R_WB, p_wb), 0.0)
+        return arms * rotations + translations
 
     def _lever_arms(self, R_WB: Array, p_wb: Array) -> Array:
         """Return the largest distance of each shape's points from each joint's axis or origin."""
@@ -147,14 +153,14 @@ def moving_joints(model: DrakeModel, group: JointGroup) -> list[MovingJoint]:
     plant = model.plant
     joints = [plant.get_joint(model.joint_indices[joint.name]) for joint in group.joints]
     moving = [MovingJoint(joint, i, 1.0) for i, joint in enumerate(joints)]
-    found = {m.joint.velocity_start(): m for m in moving}
+    by_velocity = {m.joint.velocity_start(): m for m in moving}
     by_start = {plant.get_joint(i).velocity_start(): plant.get_joint(i) for i in _moveable(plant)}
-    for c in model.following(group):
-        source = found[c.leader_velocity]
+    for c in model.followers_of(group):
+        source = by_velocity[c.leader_velocity]
         scale = source.scale * abs(c.multiplier)
         joint = by_start[c.follower_velocity]
-        found[c.follower_velocity] = MovingJoint(joint, source.member, scale)
-    return list(found.values())
+        by_velocity[c.follower_velocity] = MovingJoint(joint, source.group_index, scale)
+    return list(by_velocity.values())
 
 
 def _moveable(plant: Any) -> list[Any]:
@@ -198,18 +204,18 @@ def _axis(joint: Any) -> Array:
             raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
 
 
-def _scales(joints: list[MovingJoint]) -> tuple[Array, Array]:
+def _displacement_factors(joints: list[MovingJoint]) -> tuple[Array, Array]:
     """Return factors from the member's rotation and translation to each joint's own.
 
     A follower has the multiple of its leader's coordinate, whether either is an angle or a length.
     """
-    to_turn, to_shift = np.zeros((len(joints), 2)), np.zeros((len(joints), 2))
+    rotation_factors, translation_factors = np.zeros((len(joints), 2)), np.zeros((len(joints), 2))
     for k, moving in enumerate(joints):
         match moving.joint:
             case RevoluteJoint():
-                to_turn[k] = moving.scale
+                rotation_factors[k] = moving.scale
             case PrismaticJoint():
-                to_shift[k] = moving.scale
+                translation_factors[k] = moving.scale
             case _:
-                to_turn[k, 0] = to_shift[k, 1] = moving.scale
-    return to_turn, to_shift
+                rotation_factors[k, 0] = translation_factors[k, 1] = moving.scale
+    return rotation_factors, translation_factors

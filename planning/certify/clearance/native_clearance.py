@@ -12,8 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify.clearance.clearance_result import MARGIN_SLACK, ClearanceResult, WitnessPoint
-from planning.certify.intervals.jumps import in_one_turn
+from planning.certify.clearance.clearance_result import (
+    MARGIN_TOLERANCE,
+    ClearanceResult,
+    WitnessPoint,
+)
+from planning.certify.intervals.jumps import unwrap_turns
 from planning.certify.request import CertifyRequest
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
@@ -34,14 +38,14 @@ def native_clearance(
         DeadlineExceeded: Time ran out; nothing is proven.
         Canceled: The caller canceled.
     """
-    margins = scene.demands(request.margins)
+    margins = scene.thresholds(request.margins)
     proof = prover(scene, model, request, margins).prove(partial(deadline.check, "certify"))
     return ClearanceResult(
         check=_check(scene, proof, margins),
-        nearest=_spot(scene, proof.nearest),
-        checked=_spot(scene, _worst(proof)),
-        intervals=proof.segments,
-        queries=proof.looks,
+        nearest=_witness(scene, proof.nearest),
+        reported=_witness(scene, _worst(proof)),
+        num_segments=proof.segments,
+        num_queries=proof.looks,
         is_decided=proof.outcome != _UNPROVEN,
     )
 
@@ -49,7 +53,7 @@ def native_clearance(
 def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margins: Any) -> Any:
     """Return the kernel's Prover for a request."""
     module: Any = native()
-    group, curve = request.group, in_one_turn(request.trajectory)
+    group, curve = request.group, unwrap_turns(request.trajectory)
     return module.Prover(
         scene.native,
         model.position_indices(group).astype(np.int64),
@@ -57,7 +61,7 @@ def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margi
         request.state,
         (curve.breaks, curve.bases, curve.coefficients),
         margins,
-        MARGIN_SLACK,
+        MARGIN_TOLERANCE,
     )
 
 
@@ -66,25 +70,27 @@ def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
     worst, passed = _worst(proof), proof.outcome == _PROVEN
     pair = worst.pair
     if proof.outcome in {_PROVEN, _TOO_NEAR}:
-        gap = max(0.0, proof.nearest.distance - proof.floor) if pair >= 0 and passed else 0.0
+        resolution = max(0.0, proof.nearest.distance - proof.floor) if pair >= 0 and passed else 0.0
     else:
-        gap = proof.uncertainty
+        resolution = proof.uncertainty
     return Check(
         name="clearance",
         value=worst.distance,
         bound=float(margins[pair]) if pair >= 0 else 0.0,
         unit="m",
-        resolution=gap,
+        resolution=resolution,
         passed=passed,
         where="-".join(scene.names(pair)) if pair >= 0 else "",
         time=worst.time,
     )
 
 
-def _spot(scene: KernelScene, seen: Any) -> WitnessPoint:
-    if seen.pair < 0:
+def _witness(scene: KernelScene, record: Any) -> WitnessPoint:
+    if record.pair < 0:
         return WitnessPoint()
-    return WitnessPoint(scene.pair(seen.pair), scene.names(seen.pair), seen.distance, seen.time)
+    return WitnessPoint(
+        scene.pair(record.pair), scene.names(record.pair), record.distance, record.time
+    )
 
 
 def _worst(proof: Any) -> Any:

@@ -33,8 +33,8 @@ from pydrake.multibody.tree import (
 
 from planning.certify.clearance.motion_bounds import MovingJoint, joint_chains, moving_joints
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.rounding import UNIT, rounding
-from planning.certify.intervals.turn_bounds import turn_bounds
+from planning.certify.intervals.rounding import UNIT_ROUNDOFF, rounding_bounds
+from planning.certify.intervals.turn_bounds import angular_velocity_bounds
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
@@ -43,7 +43,7 @@ from planning.world.drake_model import DrakeModel
 _ORDER = 4
 _FACTORIALS = np.array([float(factorial(m)) for m in range(_ORDER + 1)])
 # Bound on the relative rounding error of sums and products here, and of kinematics.
-_ROUNDED = 64 * UNIT
+_RELATIVE_ROUNDING = 64 * UNIT_ROUNDOFF
 
 
 def derivative_bounds(
@@ -54,7 +54,7 @@ def derivative_bounds(
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
     """
-    return _origin(model, request, frame, 1)[:, 1:]
+    return _origin_series(model, request, frame, 1)[:, 1:]
 
 
 def direction_bounds(
@@ -67,7 +67,7 @@ def direction_bounds(
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
     """
-    return _direction(model, request, frame, 1)[:, 1:]
+    return _direction_series(model, request, frame, 1)[:, 1:]
 
 
 def origin_errors(
@@ -78,7 +78,9 @@ def origin_errors(
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
     """
-    return _more([_origin(model, request, frame, times) for times in (1, 2)])[:, :3]
+    return _rounding_growth([
+        _origin_series(model, request, frame, num_errors) for num_errors in (1, 2)
+    ])[:, :3]
 
 
 def direction_errors(
@@ -89,49 +91,57 @@ def direction_errors(
     Raises:
         ModelInvalid: A joint moves in a way that cannot be bounded here.
     """
-    return _more([_direction(model, request, frame, times) for times in (1, 2)])[:, 0]
+    return _rounding_growth([
+        _direction_series(model, request, frame, num_errors) for num_errors in (1, 2)
+    ])[:, 0]
 
 
-def _more(bounds: list[Array]) -> Array:
+def _rounding_growth(bounds: list[Array]) -> Array:
     """Return the second minus the first bound, rounding errors of both included."""
-    less, more = bounds
+    bound, wider_bound = bounds
     with np.errstate(invalid="ignore"):
-        return np.nan_to_num(more - less + _ROUNDED * more, nan=np.inf, posinf=np.inf)
+        return np.nan_to_num(
+            wider_bound - bound + _RELATIVE_ROUNDING * wider_bound, nan=np.inf, posinf=np.inf
+        )
 
 
-def _origin(model: DrakeModel, request: CertifyRequest, frame: str, times: int) -> Array:
-    """Bound the origin and its derivatives, `times` times the rounding errors added, (n, 5)."""
+def _origin_series(
+    model: DrakeModel, request: CertifyRequest, frame: str, num_errors: int
+) -> Array:
+    """Bound the origin and its derivatives plus `num_errors` times the rounding errors, (n, 5)."""
     count = request.trajectory.num_pieces
-    total, turned = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
+    total, rotation_sum = np.zeros((count, _ORDER + 1)), np.zeros((count, _ORDER + 1))
     with np.errstate(over="ignore", invalid="ignore"):
         for link in _links(model, request, frame):
-            turn, shift = _series(model, request, link.moving, times)
-            turned += turn
-            reach = np.array(shift)
-            reach[:, 0] += link.length
-            total += _product(_exponential(turned), reach)
+            rotation, translation = _joint_majorants(model, request, link.joint, num_errors)
+            rotation_sum += rotation
+            arm = np.array(translation)
+            arm[:, 0] += link.length
+            total += _product(_exponential(rotation_sum), arm)
     # NaN is the result of overflow: no bound.
     return np.where(np.isnan(total), np.inf, total * _FACTORIALS)
 
 
-def _direction(model: DrakeModel, request: CertifyRequest, frame: str, times: int) -> Array:
-    turned = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
+def _direction_series(
+    model: DrakeModel, request: CertifyRequest, frame: str, num_errors: int
+) -> Array:
+    rotation_sum = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
     with np.errstate(over="ignore", invalid="ignore"):
         for link in _links(model, request, frame):
-            turned += _series(model, request, link.moving, times)[0]
-        total = _exponential(turned) * _FACTORIALS
+            rotation_sum += _joint_majorants(model, request, link.joint, num_errors)[0]
+        total = _exponential(rotation_sum) * _FACTORIALS
     return np.where(np.isnan(total), np.inf, total)
 
 
 @dataclass(frozen=True)
-class _Link:
+class _ChainLink:
     """A joint of the chain, and its distance to the next joint or to the frame [m]."""
 
-    moving: MovingJoint
+    joint: MovingJoint
     length: float
 
 
-def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]:
+def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_ChainLink]:
     """Return the chain of joints between the world and a frame, in order."""
     moving = moving_joints(model, request.group)
     chains = joint_chains(model, moving)
@@ -147,73 +157,79 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Link]
         if k not in chains[int(joint.child_body().index())]:
             near, far = far, near
         rank = len(chains[int(far.body().index())])
-        places = [np.array(f.CalcPoseInWorld(context).translation()) for f in (near, far)]
-        ends.append((rank, moving[k], places[0], places[1]))
+        positions = [np.array(f.CalcPoseInWorld(context).translation()) for f in (near, far)]
+        ends.append((rank, moving[k], positions[0], positions[1]))
     ends.sort(key=lambda entry: entry[0])
     tip = np.array(frame.CalcPoseInWorld(context).translation())
     # Without a joint between world and frame the frame does not move.
     nexts = [near for _, _, near, _ in ends[1:]] + [tip] * bool(ends)
     return [
-        _Link(joint, float(np.linalg.norm(there - far)))
+        _ChainLink(joint, float(np.linalg.norm(there - far)))
         for (_, joint, _, far), there in zip(ends, nexts, strict=True)
     ]
 
 
-def _series(
-    model: DrakeModel, request: CertifyRequest, moving: MovingJoint, times: int
+def _joint_majorants(
+    model: DrakeModel, request: CertifyRequest, moving: MovingJoint, num_errors: int
 ) -> tuple[Array, Array]:
     """Return majorants of a joint's rotation, without constant, and of its translation, (n, 5).
 
     The constant of the rotation is the rounding error beyond the first time.
     """
-    nothing = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
-    sizes = _sizes(request, moving, times)
+    zero = np.zeros((request.trajectory.num_pieces, _ORDER + 1))
+    majorants = _block_majorants(request, moving, num_errors)
     joint = moving.joint
     match joint:
         case RevoluteJoint():
-            return _about_axis(*sizes[0]), nothing
+            return _with_constant(*majorants[0]), zero
         case PrismaticJoint():
-            return nothing, _placed(sizes[0][0], _shifts(model, request, joint, 0))
+            return zero, _with_displacement(
+                majorants[0][0], _initial_displacements(model, request, joint, 0)
+            )
         case PlanarJoint():
-            return _about_axis(*sizes[1]), _placed(
-                sizes[0][0], _shifts(model, request, joint, 0, 2)
+            return _with_constant(*majorants[1]), _with_displacement(
+                majorants[0][0], _initial_displacements(model, request, joint, 0, 2)
             )
         case QuaternionFloatingJoint():
-            return _turn(*sizes[0]), _placed(sizes[1][0], _shifts(model, request, joint, 4, 7))
+            return _spatial_rotation_majorant(*majorants[0]), _with_displacement(
+                majorants[1][0], _initial_displacements(model, request, joint, 4, 7)
+            )
         case _:
             message = f"joint {joint.name()!r} of kind {joint.type_name()!r} cannot be certified"
             raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
 
 
-def _sizes(request: CertifyRequest, moving: MovingJoint, times: int) -> list[tuple[Array, Array]]:
+def _block_majorants(
+    request: CertifyRequest, moving: MovingJoint, num_errors: int
+) -> list[tuple[Array, Array]]:
     """Return majorants of the member's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
 
     The constant is the largest distance of the block from its value at the beginning of the piece.
-    Rounding errors are added `times` times; those of the block itself, beyond the first time, are
-    returned separately (n,).
+    Rounding errors are added `num_errors` times; those of the block itself, beyond the first time,
+    are returned separately (n,).
     """
     curve, widths = request.trajectory, np.diff(request.trajectory.breaks)
     joints = request.group.joints
-    begin = sum(joint.num_velocities for joint in joints[: moving.member])
-    member = joints[moving.member]
-    found: list[tuple[Array, Array]] = []
+    begin = sum(joint.num_velocities for joint in joints[: moving.group_index])
+    member = joints[moving.group_index]
+    majorants: list[tuple[Array, Array]] = []
     for _, indices in member.blocks:
         columns = [begin + i for i in indices]
         coefficients = curve.coefficients[:, :, columns]
-        series, hidden = np.empty((2, curve.num_pieces, _ORDER + 1))
+        series, rounding_errors = np.empty((2, curve.num_pieces, _ORDER + 1))
         for m in range(_ORDER + 1):
             form = bernstein.from_power(bernstein.derivative(coefficients, m), widths)
-            off = rounding(np.abs(form).max(axis=1), coefficients, widths, m)
-            hidden[:, m] = np.linalg.norm(off, axis=1)
+            errors = rounding_bounds(np.abs(form).max(axis=1), coefficients, widths, m)
+            rounding_errors[:, m] = np.linalg.norm(errors, axis=1)
             if m == 0:
                 form = form - form[:, :1]
             series[:, m] = np.linalg.norm(form, axis=2).max(axis=1)
-        series = moving.scale * (series + times * hidden) / _FACTORIALS
-        found.append((series, moving.scale * (times - 1) * hidden[:, 0]))
-    return found
+        series = moving.scale * (series + num_errors * rounding_errors) / _FACTORIALS
+        majorants.append((series, moving.scale * (num_errors - 1) * rounding_errors[:, 0]))
+    return majorants
 
 
-def _shifts(
+def _initial_displacements(
     model: DrakeModel, request: CertifyRequest, joint: Any, first: int, last: int = 1
 ) -> Array:
     """Return the displacement of a joint at the beginning of each piece [m], shape (n,)."""
@@ -223,27 +239,27 @@ def _shifts(
     return np.linalg.norm(full[:, begin + first : begin + last], axis=1)
 
 
-def _placed(sizes: Array, shifts: Array) -> Array:
-    placed = np.array(sizes)
-    placed[:, 0] += shifts
-    return placed
+def _with_displacement(series: Array, displacements: Array) -> Array:
+    total = np.array(series)
+    total[:, 0] += displacements
+    return total
 
 
-def _about_axis(series: Array, constant: Array) -> Array:
-    found = np.array(series)
-    found[:, 0] = constant
-    return found
+def _with_constant(series: Array, constant: Array) -> Array:
+    total = np.array(series)
+    total[:, 0] = constant
+    return total
 
 
-def _turn(sizes: Array, constant: Array) -> Array:
+def _spatial_rotation_majorant(series: Array, constant: Array) -> Array:
     """Return the majorant of a rotation in space from that of its tangent."""
-    rates = turn_bounds((sizes * _FACTORIALS)[:, 1:].T * (1 + constant))
+    rates = angular_velocity_bounds((series * _FACTORIALS)[:, 1:].T * (1 + constant))
     return np.column_stack([constant, rates.T]) / _FACTORIALS
 
 
 def _exponential(series: Array) -> Array:
     """Return exp of a series."""
-    powers = _about_axis(series, np.zeros(len(series)))
+    powers = _with_constant(series, np.zeros(len(series)))
     total = term = np.zeros_like(series)
     total[:, 0] = 1.0
     for j in range(1, _ORDER + 1):

@@ -12,7 +12,7 @@ from planning.certify.frames.frame_chain import (
     origin_errors,
 )
 from planning.certify.frames.frame_poses import FramePoses
-from planning.certify.intervals.chord_proof import SLACK, ChordProof
+from planning.certify.intervals.chord_proof import BOUND_TOLERANCE, ChordProof
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
@@ -41,24 +41,24 @@ def box_check(
     """
     box = constraint.box
     X_WR = FramePoses(model, request, box.reference).at_reference()
-    placed = _Box(
+    world_box = _Box(
         X_WR[:3, :3] @ rotation.matrix(box.pose.quaternion),
         X_WR[:3, :3] @ box.pose.position + X_WR[:3, 3],
         box.size / 2,
     )
     poses = FramePoses(model, request, constraint.frame)
-    kind = _Depth if isinstance(constraint, KeepOut) else _BoxDistance
-    moving = model, request, constraint.frame
-    bends = derivative_bounds(*moving)[:, 1], origin_errors(*moving)[:, 0]
-    found = ChordProof(kind(poses, placed), bends, request, deadline).run(0.0)
+    quantity_type = _BoxDepth if isinstance(constraint, KeepOut) else _BoxDistance
+    frame_arguments = model, request, constraint.frame
+    point_bounds = derivative_bounds(*frame_arguments)[:, 1], origin_errors(*frame_arguments)[:, 0]
+    result = ChordProof(quantity_type(poses, world_box), point_bounds, request, deadline).run(0.0)
     return Check(
         name=name,
-        value=found.value,
+        value=result.value,
         bound=0.0,
         unit="m",
-        resolution=found.top - found.value,
-        passed=found.passed,
-        time=found.time,
+        resolution=result.upper_bound - result.value,
+        passed=result.passed,
+        time=result.time,
     )
 
 
@@ -81,26 +81,26 @@ def cone_check(
     """
     X_WR = FramePoses(model, request, constraint.reference).at_reference()
     direction = X_WR[:3, :3] @ constraint.direction
-    quantity = _Chord(
+    quantity = _AxisChord(
         FramePoses(model, request, constraint.frame),
         constraint.axis / np.linalg.norm(constraint.axis),
         direction / np.linalg.norm(direction),
     )
-    moving = model, request, constraint.frame
-    bends = direction_bounds(*moving)[:, 1], direction_errors(*moving)
+    frame_arguments = model, request, constraint.frame
+    point_bounds = direction_bounds(*frame_arguments)[:, 1], direction_errors(*frame_arguments)
     # The tolerance is an angle: near half a turn its chord changes less.
-    largest = constraint.tolerance + SLACK
-    bound = 2 * np.sin(largest / 2) - SLACK if largest < np.pi else np.inf
-    found = ChordProof(quantity, bends, request, deadline).run(bound)
-    value, top = _angle(found.value), _angle(found.top)
+    max_angle = constraint.tolerance + BOUND_TOLERANCE
+    bound = 2 * np.sin(max_angle / 2) - BOUND_TOLERANCE if max_angle < np.pi else np.inf
+    result = ChordProof(quantity, point_bounds, request, deadline).run(bound)
+    value, upper_bound = _angle(result.value), _angle(result.upper_bound)
     return Check(
         name=name,
         value=value,
         bound=constraint.tolerance,
         unit="rad",
-        resolution=top - value,
-        passed=found.passed,
-        time=found.time,
+        resolution=upper_bound - value,
+        passed=result.passed,
+        time=result.time,
     )
 
 
@@ -110,20 +110,20 @@ class _Box:
 
     R_WB: Array
     p_wb: Array
-    half: Array
+    half_size: Array
 
     def signed_distances(self, points: Array) -> tuple[Array, Array]:
         """Return signed distances, shape (n,), and a subgradient of each in world, shape (n, 3)."""
         local = (points - self.p_wb) @ self.R_WB
-        beyond = np.abs(local) - self.half
-        out = np.maximum(beyond, 0.0)
-        lengths = np.linalg.norm(out, axis=1)
-        is_out = lengths > 0
-        nearest = np.eye(3)[np.argmax(beyond, axis=1)]
+        excess = np.abs(local) - self.half_size
+        outside = np.maximum(excess, 0.0)
+        lengths = np.linalg.norm(outside, axis=1)
+        is_outside = lengths > 0
+        nearest = np.eye(3)[np.argmax(excess, axis=1)]
         normals = np.where(
-            is_out[:, None], out / np.where(is_out, lengths, 1.0)[:, None], nearest
+            is_outside[:, None], outside / np.where(is_outside, lengths, 1.0)[:, None], nearest
         ) * np.where(local < 0, -1.0, 1.0)
-        return np.where(is_out, lengths, beyond.max(axis=1)), normals @ self.R_WB.T
+        return np.where(is_outside, lengths, excess.max(axis=1)), normals @ self.R_WB.T
 
 
 @dataclass(frozen=True)
@@ -139,13 +139,13 @@ class _BoxDistance:
     def values(self, points: Array) -> Array:
         return self.box.signed_distances(points)[0]
 
-    def on_chords(self, begin: Array, end: Array) -> Array:
+    def chord_bounds(self, begin: Array, end: Array) -> Array:
         """Return the larger end value: a convex function on a chord is largest at an end."""
         return np.maximum(self.values(begin), self.values(end))
 
 
 @dataclass(frozen=True)
-class _Depth(_BoxDistance):
+class _BoxDepth(_BoxDistance):
     """Depth of a frame's origin inside a box, negative outside [m]."""
 
     @override
@@ -153,18 +153,18 @@ class _Depth(_BoxDistance):
         return -self.box.signed_distances(points)[0]
 
     @override
-    def on_chords(self, begin: Array, end: Array) -> Array:
+    def chord_bounds(self, begin: Array, end: Array) -> Array:
         """Return bounds by tangent planes: a convex function is nowhere below them."""
-        lowest: list[Array] = []
+        lower_bounds: list[Array] = []
         for here, there in ((begin, end), (end, begin)):
-            distances, slopes = self.box.signed_distances(here)
-            along = np.einsum("ni,ni->n", slopes, there - here)
-            lowest.append(distances + np.minimum(along, 0.0))
-        return -np.maximum(*lowest)
+            distances, gradients = self.box.signed_distances(here)
+            along = np.einsum("ni,ni->n", gradients, there - here)
+            lower_bounds.append(distances + np.minimum(along, 0.0))
+        return -np.maximum(*lower_bounds)
 
 
 @dataclass(frozen=True)
-class _Chord:
+class _AxisChord:
     """Chord length between the unit vectors of a frame's axis and of a direction."""
 
     poses: FramePoses
@@ -177,7 +177,7 @@ class _Chord:
     def values(self, points: Array) -> Array:
         return np.linalg.norm(points - self.direction, axis=1)
 
-    def on_chords(self, begin: Array, end: Array) -> Array:
+    def chord_bounds(self, begin: Array, end: Array) -> Array:
         """Return the larger end value: a convex function on a chord is largest at an end."""
         return np.maximum(self.values(begin), self.values(end))
 

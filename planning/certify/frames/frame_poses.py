@@ -10,7 +10,7 @@ from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
-_AT_ONCE = 256
+_BATCH_SIZE = 256
 
 
 class FramePoses:
@@ -24,7 +24,7 @@ class FramePoses:
 
     def at_reference(self) -> Float64[np.ndarray, "4 4"]:
         """Return X_WF with the group at the request's reference configuration."""
-        return self._of(self._request.reference[None])[0]
+        return self._poses(self._request.reference[None])[0]
 
     def at(
         self, pieces: Any, local: Float64[np.ndarray, " n"], deadline: Deadline
@@ -44,13 +44,13 @@ class FramePoses:
         powers = local[:, None] ** np.arange(curve.coefficients.shape[1])
         tangents = np.einsum("nk,nkv->nv", powers, curve.coefficients[pieces])
         q = curve.manifold.plus(curve.bases[pieces], tangents)
-        found: list[Array] = []
-        for begin in range(0, len(q), _AT_ONCE):
+        batches: list[Array] = []
+        for begin in range(0, len(q), _BATCH_SIZE):
             deadline.check("certify")
-            found.append(self._of(q[begin : begin + _AT_ONCE]))
-        return np.concatenate(found) if found else np.zeros((0, 4, 4))
+            batches.append(self._poses(q[begin : begin + _BATCH_SIZE]))
+        return np.concatenate(batches) if batches else np.zeros((0, 4, 4))
 
-    def _of(self, qs: Array) -> Array:
+    def _poses(self, qs: Array) -> Array:
         plant, context, frame = self._model.plant, self._context, self._frame
         poses = np.empty((len(qs), 4, 4))
         for i, q in enumerate(self._model.embed(self._request.group, qs, self._request.state)):

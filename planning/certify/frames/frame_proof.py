@@ -14,7 +14,7 @@ import numpy as np
 
 from planning.certify.frames.frame_chain import derivative_bounds, origin_errors
 from planning.certify.frames.frame_states import FrameMotion, FrameStates
-from planning.certify.joints.limit_checks import MAX_UTILISATION
+from planning.certify.joints.limit_checks import MAX_UTILIZATION
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
@@ -22,29 +22,29 @@ from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
 # Largest gap between a bound and the samples, relative to them, or relative to the limit.
-_GAP, _LEAST = 1e-3, 0.01
-_MOST_PLACES = 40_000
-_NARROWEST = 2.0**-40
+_RELATIVE_GAP, _MIN_UTILIZATION = 1e-3, 0.01
+_MAX_INTERVALS = 40_000
+_MIN_WIDTH = 2.0**-40
 
 
 @dataclass(frozen=True)
-class Spans:
+class FrameIntervals:
     """Intervals within pieces, with samples of the frame's motion at both ends.
 
     Attributes:
         pieces: Index of the piece, shape (n,).
-        low: Beginning of each interval, as a fraction of its piece.
+        begin_fractions: Beginning of each interval, as a fraction of its piece.
         begin: Motion of the frame at the beginning.
         end: Motion of the frame at the end.
-        strays: Largest deviations of position, velocity and acceleration from the chords between
-            the samples, shape (3, n).
+        deviations: Largest deviations of position, velocity and acceleration from the chords
+            between the samples, shape (3, n).
     """
 
     pieces: Any
-    low: Array
+    begin_fractions: Array
     begin: FrameMotion
     end: FrameMotion
-    strays: Array
+    deviations: Array
 
 
 @runtime_checkable
@@ -66,7 +66,7 @@ class FrameQuantity(Protocol):
         """Unit of the limit."""
         ...
 
-    def look(self, spans: Spans) -> tuple[Array, Array]:
+    def evaluate(self, intervals: FrameIntervals) -> tuple[Array, Array]:
         """Return upper bounds, shape (n,), and the values at both ends, shape (2, n)."""
         ...
 
@@ -93,7 +93,7 @@ class FrameProof:
         self._widths = np.diff(self._breaks)
         self._quantities, self._frame = quantities, frame
         count = len(quantities)
-        self._seen, self._dropped = np.zeros(count), np.zeros(count)
+        self._utilizations, self._decided_bounds = np.zeros(count), np.zeros(count)
         self._times = np.zeros(count)
 
     def run(self, deadline: Deadline) -> list[Check]:
@@ -109,83 +109,104 @@ class FrameProof:
 
     def _bisect(self, deadline: Deadline) -> None:
         pieces = np.arange(len(self._widths))
-        most = max(_MOST_PLACES, 4 * len(pieces))
+        max_intervals = max(_MAX_INTERVALS, 4 * len(pieces))
         ends = [self._states.at(pieces, at, deadline) for at in (0 * self._widths, self._widths)]
-        spans, width, looked = self._spans(pieces, 0.0 * self._widths, 1.0, *ends), 1.0, 0
-        while len(spans.pieces):
-            is_last = looked > most or width < _NARROWEST
-            spans = self._undecided(spans, width, is_last=is_last)
-            looked += len(spans.pieces)
+        intervals, width, num_evaluated = (
+            self._intervals(pieces, 0.0 * self._widths, 1.0, *ends),
+            1.0,
+            0,
+        )
+        while len(intervals.pieces):
+            is_last = num_evaluated > max_intervals or width < _MIN_WIDTH
+            intervals = self._undecided(intervals, width, is_last=is_last)
+            num_evaluated += len(intervals.pieces)
             width /= 2
-            spans = self._halved(spans, width, deadline)
+            intervals = self._halved(intervals, width, deadline)
 
-    def _undecided(self, spans: Spans, width: float, *, is_last: bool) -> Spans:
+    def _undecided(
+        self, intervals: FrameIntervals, width: float, *, is_last: bool
+    ) -> FrameIntervals:
         """Update the results; return the intervals that must be halved."""
-        keep = np.zeros(len(spans.pieces), dtype=bool)
+        is_undecided = np.zeros(len(intervals.pieces), dtype=bool)
         for i, quantity in enumerate(self._quantities):
-            upper, seen = (_known(part) / quantity.limit for part in quantity.look(spans))
-            end, worst = divmod(int(np.argmax(seen)), len(upper))
-            if seen[end, worst] > self._seen[i]:
-                self._seen[i] = seen[end, worst]
-                self._times[i] = self._time(spans, worst, end * width)
-            open_ = upper > self._enough(i)
-            open_ &= not is_last
-            self._dropped[i] = max(self._dropped[i], float(upper[~open_].max(initial=0.0)))
-            keep |= open_
-        return Spans(
-            spans.pieces[keep],
-            spans.low[keep],
-            spans.begin[keep],
-            spans.end[keep],
-            spans.strays[:, keep],
+            upper, utilizations = (
+                _nan_as_infinity(part) / quantity.limit for part in quantity.evaluate(intervals)
+            )
+            end, worst = divmod(int(np.argmax(utilizations)), len(upper))
+            if utilizations[end, worst] > self._utilizations[i]:
+                self._utilizations[i] = utilizations[end, worst]
+                self._times[i] = self._time(intervals, worst, end * width)
+            is_open = upper > self._threshold(i)
+            is_open &= not is_last
+            self._decided_bounds[i] = max(
+                self._decided_bounds[i], float(upper[~is_open].max(initial=0.0))
+            )
+            is_undecided |= is_open
+        return FrameIntervals(
+            intervals.pieces[is_undecided],
+            intervals.begin_fractions[is_undecided],
+            intervals.begin[is_undecided],
+            intervals.end[is_undecided],
+            intervals.deviations[:, is_undecided],
         )
 
-    def _enough(self, i: int) -> float:
+    def _threshold(self, i: int) -> float:
         """Return the bound below which an interval is decided; infinite for a failed limit."""
-        if self._seen[i] > MAX_UTILISATION:
+        if self._utilizations[i] > MAX_UTILIZATION:
             return np.inf
-        return min(max(self._seen[i] * (1 + _GAP), _LEAST), MAX_UTILISATION)
-
-    def _halved(self, spans: Spans, width: float, deadline: Deadline) -> Spans:
-        if not len(spans.pieces):
-            return spans
-        low, pieces = spans.low, spans.pieces
-        middle = self._states.at(pieces, (low + width) * self._widths[pieces], deadline)
-        return self._spans(
-            np.repeat(pieces, 2),
-            np.stack([low, low + width], axis=1).ravel(),
-            width,
-            spans.begin.interleaved(middle),
-            middle.interleaved(spans.end),
+        return min(
+            max(self._utilizations[i] * (1 + _RELATIVE_GAP), _MIN_UTILIZATION), MAX_UTILIZATION
         )
 
-    def _spans(
-        self, pieces: Any, low: Array, width: float, begin: FrameMotion, end: FrameMotion
-    ) -> Spans:
-        steps = width * self._widths[pieces]
-        strays = steps**2 / 8 * self._bounds[:, pieces] + self._errors[:, pieces]
-        return Spans(pieces, low, begin, end, strays)
+    def _halved(
+        self, intervals: FrameIntervals, width: float, deadline: Deadline
+    ) -> FrameIntervals:
+        if not len(intervals.pieces):
+            return intervals
+        begin_fractions, pieces = intervals.begin_fractions, intervals.pieces
+        middle = self._states.at(pieces, (begin_fractions + width) * self._widths[pieces], deadline)
+        return self._intervals(
+            np.repeat(pieces, 2),
+            np.stack([begin_fractions, begin_fractions + width], axis=1).ravel(),
+            width,
+            intervals.begin.interleaved(middle),
+            middle.interleaved(intervals.end),
+        )
 
-    def _time(self, spans: Spans, row: int, beyond: float) -> float:
-        piece = int(spans.pieces[row])
-        return float(self._breaks[piece] + (spans.low[row] + beyond) * self._widths[piece])
+    def _intervals(
+        self,
+        pieces: Any,
+        begin_fractions: Array,
+        width: float,
+        begin: FrameMotion,
+        end: FrameMotion,
+    ) -> FrameIntervals:
+        steps = width * self._widths[pieces]
+        deviations = steps**2 / 8 * self._bounds[:, pieces] + self._errors[:, pieces]
+        return FrameIntervals(pieces, begin_fractions, begin, end, deviations)
+
+    def _time(self, intervals: FrameIntervals, row: int, offset: float) -> float:
+        piece = int(intervals.pieces[row])
+        return float(
+            self._breaks[piece] + (intervals.begin_fractions[row] + offset) * self._widths[piece]
+        )
 
     def _check(self, i: int, quantity: FrameQuantity) -> Check:
-        share = max(float(self._seen[i]), float(self._dropped[i]))
-        if self._seen[i] > MAX_UTILISATION:
-            share = float(self._seen[i])
+        utilization = max(float(self._utilizations[i]), float(self._decided_bounds[i]))
+        if self._utilizations[i] > MAX_UTILIZATION:
+            utilization = float(self._utilizations[i])
         return Check(
             name=quantity.name,
-            value=share * quantity.limit,
+            value=utilization * quantity.limit,
             bound=quantity.limit,
             unit=quantity.unit,
             resolution=0.0,
-            passed=share <= MAX_UTILISATION,
+            passed=utilization <= MAX_UTILIZATION,
             where=self._frame,
             time=float(self._times[i]),
         )
 
 
-def _known(values: Array) -> Array:
+def _nan_as_infinity(values: Array) -> Array:
     """Return the values with NaN, the result of overflow, replaced by infinity."""
     return np.where(np.isnan(values), np.inf, values)

@@ -13,7 +13,7 @@ from planning.domain.curves.curve import TimedTrajectory, derivative
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
-_AT_ONCE = 256
+_BATCH_SIZE = 256
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class FrameMotion:
         """Return the rows of both, alternating."""
         return FrameMotion(
             *(
-                np.stack([mine, its], axis=1).reshape(-1, 3)
-                for mine, its in zip(self.parts, other.parts, strict=True)
+                np.stack([own_rows, other_rows], axis=1).reshape(-1, 3)
+                for own_rows, other_rows in zip(self.parts, other.parts, strict=True)
             )
         )
 
@@ -74,15 +74,15 @@ class FrameStates:
         request, model = self._request, self._model
         q, v, vdot = _joint_states(request.trajectory, pieces, local)
         full = model.embed(request.group, q, request.state)
-        rates = [self._followed(x) for x in (v, vdot)]
-        found = np.empty((3, len(local), 3))
+        rates = [self._plant_rates(x) for x in (v, vdot)]
+        states = np.empty((3, len(local), 3))
         for i in range(len(local)):
-            if i % _AT_ONCE == 0:
+            if i % _BATCH_SIZE == 0:
                 deadline.check("certify")
-            found[:, i] = self._look(full[i], rates[0][i], rates[1][i])
-        return FrameMotion(*found)
+            states[:, i] = self._evaluate(full[i], rates[0][i], rates[1][i])
+        return FrameMotion(*states)
 
-    def _followed(self, rates: Array) -> Array:
+    def _plant_rates(self, rates: Array) -> Array:
         """Return rates of the whole plant: those of the group, of its followers, else zero."""
         full = np.zeros((len(rates), self._plant.num_velocities()))
         full[:, self._columns] = rates
@@ -90,7 +90,7 @@ class FrameStates:
             full[:, follower] = multiplier * full[:, leader]
         return full
 
-    def _look(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array, Array]:
+    def _evaluate(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array, Array]:
         plant, context, frame = self._plant, self._context, self._frame
         plant.SetPositions(context, q)
         plant.SetVelocities(context, v)
@@ -100,14 +100,15 @@ class FrameStates:
             context, of_v, frame, origin, world, world
         )
         bias = plant.CalcBiasTranslationalAcceleration(context, of_v, frame, origin, world, world)
-        place = np.array(frame.CalcPoseInWorld(context).translation())
-        return place, jacobian @ v, jacobian @ vdot + bias[:, 0]
+        position = np.array(frame.CalcPoseInWorld(context).translation())
+        return position, jacobian @ v, jacobian @ vdot + bias[:, 0]
 
 
 def _joint_states(curve: TimedTrajectory, pieces: Any, local: Array) -> tuple[Array, Array, Array]:
     """Return q, v and vdot at instants of given pieces."""
     delta, rate, change = (
-        _evaluated(derivative(curve.coefficients, order)[pieces], local) for order in range(3)
+        _polynomial_values(derivative(curve.coefficients, order)[pieces], local)
+        for order in range(3)
     )
     manifold = curve.manifold
     q = manifold.plus(curve.bases[pieces], delta)
@@ -118,6 +119,6 @@ def _joint_states(curve: TimedTrajectory, pieces: Any, local: Array) -> tuple[Ar
     )
 
 
-def _evaluated(coefficients: Array, local: Array) -> Array:
+def _polynomial_values(coefficients: Array, local: Array) -> Array:
     powers = local[:, None] ** np.arange(coefficients.shape[1])
     return np.einsum("nk,nkv->nv", powers, coefficients)

@@ -31,15 +31,15 @@ from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
 # Share of the tolerance that the bound between samples may use.
-_LOST = 0.02
+_INTERPOLATION_FRACTION = 0.02
 _MAX_SAMPLES = 50_000
 # A line with a shorter translation than this per rotation is a pure rotation [m per rad], or [m].
-_LEAST_WAY = 0.02
-_SHORTEST = 1e-4
+_MIN_TRANSLATION_PER_ROTATION = 0.02
+_MIN_LENGTH = 1e-4
 
 
 @dataclass(frozen=True)
-class _Worst:
+class _WorstDeviation:
     """The largest bound of a deviation, and its instant [s]."""
 
     value: float
@@ -57,28 +57,30 @@ def line_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
     """
     checks: list[Check] = []
     for section in request.lines:
-        shift, turn = _bounds(model, request, section, deadline)
+        position_deviation, rotation_deviation = _worst_deviations(
+            model, request, section, deadline
+        )
         name = section.line.frame
         checks += [
             Check(
                 "line",
-                shift.value,
-                section.max_shift,
+                position_deviation.value,
+                section.max_position_deviation,
                 "m",
                 0.0,
-                shift.value <= section.max_shift,
+                position_deviation.value <= section.max_position_deviation,
                 name,
-                shift.time,
+                position_deviation.time,
             ),
             Check(
                 "line rotation",
-                turn.value,
-                section.max_turn,
+                rotation_deviation.value,
+                section.max_rotation_deviation,
                 "rad",
                 0.0,
-                turn.value <= section.max_turn,
+                rotation_deviation.value <= section.max_rotation_deviation,
                 name,
-                turn.time,
+                rotation_deviation.time,
             ),
         ]
     return _worst_of(checks, "line") + _worst_of(checks, "line rotation")
@@ -90,89 +92,109 @@ def _worst_of(checks: list[Check], name: str) -> list[Check]:
     return [max(named, key=lambda check: check.value / check.bound)] if named else []
 
 
-def _bounds(
+def _worst_deviations(
     model: DrakeModel, request: CertifyRequest, section: LineSection, deadline: Deadline
-) -> tuple[_Worst, _Worst]:
+) -> tuple[_WorstDeviation, _WorstDeviation]:
     rates = ToolRates(model, request, section.line.frame)
     cells = rates.cells(section.begin, section.end)
-    turning = _turning(section.line, cells)
+    rotation_accelerations = _rotation_accelerations(section.line, cells)
     # Chord of the allowed angle, in the norm of the rotation errors below.
-    chord = 2 * np.sqrt(2) * np.sin(section.max_turn / 2)
-    wanted = np.maximum(
-        cells.acceleration / (8 * _LOST * section.max_shift), turning / (8 * _LOST * chord)
+    chord = 2 * np.sqrt(2) * np.sin(section.max_rotation_deviation / 2)
+    squared_densities = np.maximum(
+        cells.acceleration / (8 * _INTERPOLATION_FRACTION * section.max_position_deviation),
+        rotation_accelerations / (8 * _INTERPOLATION_FRACTION * chord),
     )
-    counts = np.maximum(1, np.ceil(cells.widths * np.sqrt(wanted))).astype(np.int64)
+    counts = np.maximum(1, np.ceil(cells.widths * np.sqrt(squared_densities))).astype(np.int64)
     scale = max(1.0, counts.sum() / _MAX_SAMPLES)
     counts = np.maximum(1, np.floor(counts / scale)).astype(np.int64)
     owners, within = split_equally(counts)
     steps = (cells.widths / counts)[owners]
     times = np.append(cells.begins[owners] + within * steps, section.end)
     R_WT, p_wt = rates.poses(times, deadline)
-    gaps = steps**2 / 8
-    off_shift, off_turn = _errors(model, request, section.line)
-    shift = _between(_distances(section.line, p_wt)) + gaps * cells.acceleration[owners] + off_shift
-    matrix = _between(_misturns(section.line, R_WT, p_wt)) + gaps * turning[owners] + off_turn
-    angles = 2 * np.arcsin(np.minimum(matrix / (2 * np.sqrt(2)), 1.0))
-    return _largest(shift, times), _largest(angles, times)
+    step_factors = steps**2 / 8
+    position_error, rotation_error = _rounding_errors(model, request, section.line)
+    position_bounds = (
+        _interval_maxima(_distances(section.line, p_wt))
+        + step_factors * cells.acceleration[owners]
+        + position_error
+    )
+    rotation_norms = (
+        _interval_maxima(_rotation_errors(section.line, R_WT, p_wt))
+        + step_factors * rotation_accelerations[owners]
+        + rotation_error
+    )
+    angles = 2 * np.arcsin(np.minimum(rotation_norms / (2 * np.sqrt(2)), 1.0))
+    return _largest(position_bounds, times), _largest(angles, times)
 
 
-def _errors(model: DrakeModel, request: CertifyRequest, line: ToolLine) -> tuple[float, float]:
+def _rounding_errors(
+    model: DrakeModel, request: CertifyRequest, line: ToolLine
+) -> tuple[float, float]:
     """Bound the rounding errors of the distances [m] and of the rotation norms."""
-    moving = model, request, line.frame
-    shift, turn = origin_errors(*moving)[:, 0].max(), np.sqrt(3) * direction_errors(*moving).max()
-    if _has_way(line):
-        turn += np.sqrt(2) * float(np.linalg.norm(line.turn)) * shift / line.length
-    return float(shift), float(turn)
+    frame_arguments = model, request, line.frame
+    position_error, rotation_error = (
+        origin_errors(*frame_arguments)[:, 0].max(),
+        np.sqrt(3) * direction_errors(*frame_arguments).max(),
+    )
+    if _has_translation(line):
+        rotation_error += (
+            np.sqrt(2) * float(np.linalg.norm(line.rotation_vector)) * position_error / line.length
+        )
+    return float(position_error), float(rotation_error)
 
 
-def _between(at_samples: Array) -> Array:
+def _interval_maxima(at_samples: Array) -> Array:
     return np.maximum(at_samples[:-1], at_samples[1:])
 
 
-def _largest(values: Array, times: Array) -> _Worst:
+def _largest(values: Array, times: Array) -> _WorstDeviation:
     worst = int(np.argmax(values))
-    return _Worst(float(values[worst]), float(times[worst]))
+    return _WorstDeviation(float(values[worst]), float(times[worst]))
 
 
-def _has_way(line: ToolLine) -> bool:
-    return line.length > max(_SHORTEST, _LEAST_WAY * float(np.linalg.norm(line.turn)))
+def _has_translation(line: ToolLine) -> bool:
+    return line.length > max(
+        _MIN_LENGTH, _MIN_TRANSLATION_PER_ROTATION * float(np.linalg.norm(line.rotation_vector))
+    )
 
 
-def _turning(line: ToolLine, cells: RateCells) -> Array:
+def _rotation_accelerations(line: ToolLine, cells: RateCells) -> Array:
     """Bound the second derivative of the rotation error matrix, in the Frobenius norm [1/s^2].
 
     |R''| <= sqrt(2) (|omega'| + |omega|^2), and S'' = S_ss s'^2 + S_s s'' in the same way.
     """
-    own = cells.turn_acceleration + cells.turn_speed**2
-    angle = float(np.linalg.norm(line.turn))
-    if not _has_way(line):
-        return np.sqrt(2) * own
+    tool_term = cells.angular_acceleration + cells.angular_speed**2
+    angle = float(np.linalg.norm(line.rotation_vector))
+    if not _has_translation(line):
+        return np.sqrt(2) * tool_term
     rate, change = cells.speed / line.length, cells.acceleration / line.length
-    return np.sqrt(2) * (own + (angle * rate) ** 2 + angle * change)
+    return np.sqrt(2) * (tool_term + (angle * rate) ** 2 + angle * change)
 
 
 def _distances(line: ToolLine, p_wt: Float64[np.ndarray, "n 3"]) -> Array:
     """Return the distances of points from the segment [m]."""
     fractions = np.clip(_fractions(line, p_wt), 0.0, 1.0)
-    nearest = line.begin.position + fractions[:, None] * line.shift
+    nearest = line.begin.position + fractions[:, None] * line.translation
     return np.linalg.norm(p_wt - nearest, axis=1)
 
 
 def _fractions(line: ToolLine, p_wt: Array) -> Array:
-    way = line.shift
-    return (p_wt - line.begin.position) @ way / max(float(way @ way), 1e-300)
+    translation = line.translation
+    return (
+        (p_wt - line.begin.position) @ translation / max(float(translation @ translation), 1e-300)
+    )
 
 
-def _misturns(line: ToolLine, R_WT: Array, p_wt: Array) -> Array:
+def _rotation_errors(line: ToolLine, R_WT: Array, p_wt: Array) -> Array:
     """Return the norms of the rotation errors, comparable with |R - S|."""
-    if _has_way(line):
-        turned = rotation.exp(_fractions(line, p_wt)[:, None] * line.turn)
-        wanted = rotation.matrix(rotation.multiply(line.begin.quaternion[None], turned))
-        return np.linalg.norm(R_WT - wanted, axis=(1, 2))
-    angle = float(np.linalg.norm(line.turn))
+    if _has_translation(line):
+        rotations = rotation.exp(_fractions(line, p_wt)[:, None] * line.rotation_vector)
+        expected = rotation.matrix(rotation.multiply(line.begin.quaternion[None], rotations))
+        return np.linalg.norm(R_WT - expected, axis=(1, 2))
+    angle = float(np.linalg.norm(line.rotation_vector))
     start = rotation.matrix(line.begin.quaternion)
     if angle < 1e-9:
         return np.linalg.norm(R_WT - start, axis=(1, 2))
-    axis = line.turn / angle
+    axis = line.rotation_vector / angle
     # A tilt moves the axis by the chord of its angle; the matrix norm is sqrt(2) times that.
     return np.sqrt(2) * np.linalg.norm((R_WT - start) @ axis, axis=1)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planning.certify.frames.frame_poses import FramePoses
-from planning.certify.frames.frame_proof import FrameProof, FrameQuantity, Spans
+from planning.certify.frames.frame_proof import FrameIntervals, FrameProof, FrameQuantity
 from planning.certify.frames.frame_states import FrameMotion
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
@@ -31,10 +31,10 @@ def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
     for limit in request.tool_limits:
         for order, rate in enumerate((limit.speed, limit.acceleration), start=1):
             if rate is not None:
-                quantity = _Rate(f"{_NAMES[order]} {limit.frame}", rate, order)
+                quantity = _FrameRate(f"{_NAMES[order]} {limit.frame}", rate, order)
                 by_frame.setdefault(limit.frame, []).append(quantity)
     for zone in request.speed_zones:
-        by_frame.setdefault(zone.frame, []).append(_zone(model, request, zone))
+        by_frame.setdefault(zone.frame, []).append(_zone_quantity(model, request, zone))
     return [
         check
         for frame, quantities in by_frame.items()
@@ -43,7 +43,7 @@ def tool_checks(model: DrakeModel, request: CertifyRequest, deadline: Deadline) 
 
 
 @dataclass(frozen=True)
-class _Rate:
+class _FrameRate:
     """Norm of the origin's velocity (order 1) or acceleration (order 2)."""
 
     name: str
@@ -54,11 +54,13 @@ class _Rate:
     def unit(self) -> str:
         return _UNITS[self.order]
 
-    def look(self, spans: Spans) -> tuple[Array, Array]:
-        seen = np.stack([_length(self._of(part)) for part in (spans.begin, spans.end)])
-        return seen.max(axis=0) + spans.strays[self.order], seen
+    def evaluate(self, intervals: FrameIntervals) -> tuple[Array, Array]:
+        values = np.stack([
+            _norms(self._vectors(part)) for part in (intervals.begin, intervals.end)
+        ])
+        return values.max(axis=0) + intervals.deviations[self.order], values
 
-    def _of(self, part: FrameMotion) -> Array:
+    def _vectors(self, part: FrameMotion) -> Array:
         return part.velocity if self.order == 1 else part.acceleration
 
 
@@ -70,25 +72,25 @@ class _SpeedInBox:
     limit: float
     R_WB: Array
     p_wb: Array
-    half: Array
+    half_size: Array
     unit: str = "m/s"
 
-    def look(self, spans: Spans) -> tuple[Array, Array]:
-        beyond = [self._beyond(part) for part in (spans.begin, spans.end)]
+    def evaluate(self, intervals: FrameIntervals) -> tuple[Array, Array]:
+        face_distances = [self._face_distances(part) for part in (intervals.begin, intervals.end)]
         # Distances beyond both faces along each axis of the box.
-        is_outside = (np.minimum(*beyond) > spans.strays[0][:, None]).any(axis=1)
-        speeds = np.stack([_length(part.velocity) for part in (spans.begin, spans.end)])
-        is_inside = np.stack([(away <= 0).all(axis=1) for away in beyond])
-        upper = np.where(is_outside, 0.0, speeds.max(axis=0) + spans.strays[1])
+        is_outside = (np.minimum(*face_distances) > intervals.deviations[0][:, None]).any(axis=1)
+        speeds = np.stack([_norms(part.velocity) for part in (intervals.begin, intervals.end)])
+        is_inside = np.stack([(away <= 0).all(axis=1) for away in face_distances])
+        upper = np.where(is_outside, 0.0, speeds.max(axis=0) + intervals.deviations[1])
         return upper, np.where(is_inside, speeds, 0.0)
 
-    def _beyond(self, part: FrameMotion) -> Array:
+    def _face_distances(self, part: FrameMotion) -> Array:
         """Return the distances of positions beyond each face [m], shape (n, 6)."""
         local = (part.position - self.p_wb) @ self.R_WB
-        return np.concatenate([local - self.half, -local - self.half], axis=1)
+        return np.concatenate([local - self.half_size, -local - self.half_size], axis=1)
 
 
-def _zone(model: DrakeModel, request: CertifyRequest, zone: SpeedZone) -> _SpeedInBox:
+def _zone_quantity(model: DrakeModel, request: CertifyRequest, zone: SpeedZone) -> _SpeedInBox:
     X_WR = FramePoses(model, request, zone.box.reference).at_reference()
     return _SpeedInBox(
         f"speed_zone {zone.name}",
@@ -99,5 +101,5 @@ def _zone(model: DrakeModel, request: CertifyRequest, zone: SpeedZone) -> _Speed
     )
 
 
-def _length(vectors: Array) -> Array:
+def _norms(vectors: Array) -> Array:
     return np.linalg.norm(vectors, axis=1)

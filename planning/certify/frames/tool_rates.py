@@ -20,7 +20,7 @@ from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable
 
 from planning.certify.intervals.equal_parts import split_equally
-from planning.certify.intervals.turn_bounds import turn_bounds
+from planning.certify.intervals.turn_bounds import angular_velocity_bounds
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import Deadline
@@ -28,8 +28,8 @@ from planning.domain.robot.joints import JointType
 from planning.world.drake_model import DrakeModel
 
 # Largest sum of joint motions on a cell [rad or m].
-_FAR = 0.2
-_AT_ONCE = 256
+_MAX_CELL_MOTION = 0.2
+_BATCH_SIZE = 256
 
 
 @dataclass(frozen=True)
@@ -41,16 +41,16 @@ class RateCells:
         widths: Durations [s].
         speed: Bound on the speed of the tool's origin [m/s].
         acceleration: Bound on the acceleration of the tool's origin [m/s^2].
-        turn_speed: Bound on the angular speed of the tool [rad/s].
-        turn_acceleration: Bound on the angular acceleration of the tool [rad/s^2].
+        angular_speed: Bound on the angular speed of the tool [rad/s].
+        angular_acceleration: Bound on the angular acceleration of the tool [rad/s^2].
     """
 
     begins: Float64[np.ndarray, " n"]
     widths: Float64[np.ndarray, " n"]
     speed: Float64[np.ndarray, " n"]
     acceleration: Float64[np.ndarray, " n"]
-    turn_speed: Float64[np.ndarray, " n"]
-    turn_acceleration: Float64[np.ndarray, " n"]
+    angular_speed: Float64[np.ndarray, " n"]
+    angular_acceleration: Float64[np.ndarray, " n"]
 
 
 class ToolRates:
@@ -62,7 +62,7 @@ class ToolRates:
         self._plant = model.plant
         self._frame = model.frame(frame)
         self._context = model.plant.CreateDefaultContext()
-        self._columns, self._members, self._scales = _moving(model, request)
+        self._columns, self._leaders, self._scales = _moving_coordinates(model, request)
 
     def poses(
         self, times: Float64[np.ndarray, " n"], deadline: Deadline
@@ -74,8 +74,8 @@ class ToolRates:
             Canceled: The caller canceled.
         """
         found = np.empty((len(times), 4, 4))
-        for i, q in enumerate(self._full(times)):
-            if i % _AT_ONCE == 0:
+        for i, q in enumerate(self._plant_positions(times)):
+            if i % _BATCH_SIZE == 0:
                 deadline.check("certify")
             self._plant.SetPositions(self._context, q)
             found[i] = self._frame.CalcPoseInWorld(self._context).GetAsMatrix4()
@@ -87,61 +87,68 @@ class ToolRates:
         breaks = curve.breaks
         middles = (breaks[:-1] + breaks[1:]) / 2
         pieces = np.flatnonzero((middles > begin) & (middles < end))
-        rates, changes = _joint_rates(self._request, pieces)
-        rates, changes = rates[:, self._members], changes[:, self._members]
-        rates, changes = rates * self._scales, changes * self._scales
+        rates, accelerations = _joint_rates(self._request, pieces)
+        rates, accelerations = rates[:, self._leaders], accelerations[:, self._leaders]
+        rates, accelerations = rates * self._scales, accelerations * self._scales
         widths = np.diff(breaks)[pieces]
-        counts = np.maximum(1, np.ceil(rates.sum(axis=1) * widths / _FAR)).astype(np.int64)
+        counts = np.maximum(1, np.ceil(rates.sum(axis=1) * widths / _MAX_CELL_MOTION)).astype(
+            np.int64
+        )
         owners, within = split_equally(counts)
         widths = (widths / counts)[owners]
         begins = breaks[pieces][owners] + within * widths
-        rates, changes = rates[owners], changes[owners]
-        turning, arms = self._columns_at(begins + widths / 2)
-        stray = (rates.sum(axis=1) * widths / 2)[:, None]
-        arms = arms + np.expm1(stray) * arms.max(axis=1, keepdims=True)
-        pairs = turning[:, :, None] * arms[:, None, :]
+        rates, accelerations = rates[owners], accelerations[owners]
+        angular_columns, linear_columns = self._jacobian_norms(begins + widths / 2)
+        half_motion = (rates.sum(axis=1) * widths / 2)[:, None]
+        linear_columns = linear_columns + np.expm1(half_motion) * linear_columns.max(
+            axis=1, keepdims=True
+        )
+        pairs = angular_columns[:, :, None] * linear_columns[:, None, :]
         pairs = np.maximum(pairs, pairs.transpose(0, 2, 1))
-        turn_speed = (turning * rates).sum(axis=1)
+        angular_speed = (angular_columns * rates).sum(axis=1)
         return RateCells(
             begins=begins,
             widths=widths,
-            speed=(arms * rates).sum(axis=1),
-            acceleration=(arms * changes).sum(axis=1)
+            speed=(linear_columns * rates).sum(axis=1),
+            acceleration=(linear_columns * accelerations).sum(axis=1)
             + np.einsum("ci,cij,cj->c", rates, pairs, rates),
-            turn_speed=turn_speed,
-            turn_acceleration=(turning * changes).sum(axis=1) + turn_speed**2 / 2,
+            angular_speed=angular_speed,
+            angular_acceleration=(angular_columns * accelerations).sum(axis=1)
+            + angular_speed**2 / 2,
         )
 
-    def _full(self, times: Array) -> Array:
+    def _plant_positions(self, times: Array) -> Array:
         q = self._request.trajectory.positions(times)
         return self._model.embed(self._request.group, q, self._request.state)
 
-    def _columns_at(self, times: Array) -> tuple[Array, Array]:
+    def _jacobian_norms(self, times: Array) -> tuple[Array, Array]:
         """Return the norms of the Jacobian's columns, rotation and translation, at instants."""
-        found = np.empty((len(times), 6, len(self._columns)))
+        jacobians = np.empty((len(times), 6, len(self._columns)))
         world = self._plant.world_frame()
-        for i, q in enumerate(self._full(times)):
+        for i, q in enumerate(self._plant_positions(times)):
             self._plant.SetPositions(self._context, q)
             jacobian = self._plant.CalcJacobianSpatialVelocity(
                 self._context, JacobianWrtVariable.kV, self._frame, np.zeros(3), world, world
             )
-            found[i] = jacobian[:, self._columns]
-        return np.linalg.norm(found[:, :3], axis=1), np.linalg.norm(found[:, 3:], axis=1)
+            jacobians[i] = jacobian[:, self._columns]
+        return np.linalg.norm(jacobians[:, :3], axis=1), np.linalg.norm(jacobians[:, 3:], axis=1)
 
 
-def _moving(model: DrakeModel, request: CertifyRequest) -> tuple[Indices, Indices, Array]:
+def _moving_coordinates(
+    model: DrakeModel, request: CertifyRequest
+) -> tuple[Indices, Indices, Array]:
     """Return the moving velocity coordinates of the plant, their leaders in v, and the factors.
 
     The factor is the ratio of the two rates, not negative.
     """
-    own = model.velocity_indices(request.group)
-    found = {int(column): (i, 1.0) for i, column in enumerate(own)}
-    for c in model.following(request.group):
-        member, scale = found[c.leader_velocity]
-        found[c.follower_velocity] = member, scale * abs(c.multiplier)
-    columns = np.array(list(found), dtype=np.intp)
-    members = np.array([member for member, _ in found.values()], dtype=np.intp)
-    return columns, members, np.array([scale for _, scale in found.values()])
+    group_columns = model.velocity_indices(request.group)
+    by_column = {int(column): (i, 1.0) for i, column in enumerate(group_columns)}
+    for c in model.followers_of(request.group):
+        leader, scale = by_column[c.leader_velocity]
+        by_column[c.follower_velocity] = leader, scale * abs(c.multiplier)
+    columns = np.array(list(by_column), dtype=np.intp)
+    leaders = np.array([member for member, _ in by_column.values()], dtype=np.intp)
+    return columns, leaders, np.array([scale for _, scale in by_column.values()])
 
 
 def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
@@ -149,20 +156,21 @@ def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
 
     For a floating joint, omega = J_r(delta) delta' is no longer than delta'.
     """
-    forms = [form[:, pieces] for form in request.forms[:3]]
-    hidden = request.rounding[1:3]
-    rates, changes = (
-        np.abs(form).max(axis=2).T + off for form, off in zip(forms[1:], hidden, strict=True)
+    forms = [form[:, pieces] for form in request.bernstein_forms[:3]]
+    rounding_errors = request.rounding_errors[1:3]
+    rates, accelerations = (
+        np.abs(form).max(axis=2).T + error
+        for form, error in zip(forms[1:], rounding_errors, strict=True)
     )
     begin = 0
     for joint in request.group.joints:
         if joint.type is JointType.FLOATING:
-            turn = slice(begin, begin + 3)
+            angular = slice(begin, begin + 3)
             sizes = [
-                np.linalg.norm(form[turn], axis=0).max(axis=1) + np.linalg.norm(off[turn])
-                for form, off in zip(forms[1:], hidden, strict=True)
+                np.linalg.norm(form[angular], axis=0).max(axis=1) + np.linalg.norm(off[angular])
+                for form, off in zip(forms[1:], rounding_errors, strict=True)
             ]
-            rate, change = turn_bounds(np.stack(sizes))
-            rates[:, turn], changes[:, turn] = rate[:, None], change[:, None]
+            rate, acceleration = angular_velocity_bounds(np.stack(sizes))
+            rates[:, angular], accelerations[:, angular] = rate[:, None], acceleration[:, None]
         begin += joint.num_velocities
-    return rates, changes
+    return rates, accelerations

@@ -28,19 +28,19 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.rounding import UNIT, rounding
+from planning.certify.intervals.rounding import UNIT_ROUNDOFF, rounding_bounds
 from planning.certify.intervals.taylor import skew
-from planning.certify.intervals.turn_series import spun_rates
+from planning.certify.intervals.turn_series import quaternion_angular_velocity
 from planning.domain.arrays import Array
 
 _ORDER = 6
 _MAX_HALVINGS = 14
-_MAX_PARTS = 20_000
+_MAX_INTERVALS = 20_000
 # Largest angle at which powers of delta are summed: beyond it cancellation loses digits [rad].
 _LARGEST_ANGLE = 3.0
 _TERMS = 60
 # Bound on the rounding error of all sums and products, relative to their sizes.
-_ROUNDED = 2 * (_TERMS + 2 * _ORDER) * UNIT
+_RELATIVE_ROUNDING = 2 * (_TERMS + 2 * _ORDER) * UNIT_ROUNDOFF
 
 
 def angular_peak(
@@ -62,27 +62,28 @@ def angular_peak(
         exceeded where pieces rotate so far that they would have to be cut into too many parts.
     """
     tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
-    hidden = _hidden(tangents, coefficients, widths)
+    rounding_errors = _rounding_errors(tangents, coefficients, widths)
     rows, low, half = np.arange(len(widths)), np.zeros(len(widths)), widths / 2
-    taylor, remainder, errors = _model(tangents, hidden, half, order)
+    taylor, remainder, errors = _taylor_model(tangents, rounding_errors, half, order)
     for _ in range(_MAX_HALVINGS):
-        coarse = ~(remainder <= tolerance / 2)
-        if not coarse.any() or len(rows) + coarse.sum() > _MAX_PARTS:
+        is_coarse = ~(remainder <= tolerance / 2)
+        if not is_coarse.any() or len(rows) + is_coarse.sum() > _MAX_INTERVALS:
             break
         tangents = [
-            np.concatenate([part[~coarse], *bernstein.halves(part[coarse])]) for part in tangents
+            np.concatenate([part[~is_coarse], *bernstein.halves(part[is_coarse])])
+            for part in tangents
         ]
-        start, step = low[coarse], half[coarse]
-        low = np.concatenate([low[~coarse], start, start + step])
-        half = np.concatenate([half[~coarse], step / 2, step / 2])
-        rows = np.concatenate([rows[~coarse], rows[coarse], rows[coarse]])
-        taylor, remainder, errors = _model(tangents, hidden[rows], half, order)
+        start, step = low[is_coarse], half[is_coarse]
+        low = np.concatenate([low[~is_coarse], start, start + step])
+        half = np.concatenate([half[~is_coarse], step / 2, step / 2])
+        rows = np.concatenate([rows[~is_coarse], rows[is_coarse], rows[is_coarse]])
+        taylor, remainder, errors = _taylor_model(tangents, rounding_errors[rows], half, order)
     squares = bernstein.square_norm(bernstein.about_middle(taylor, half))
     scale = float(np.sqrt(max(squares[:, [0, -1]].max(), 0.0)))
     top, at, fraction = bernstein.peak(squares, tolerance * max(scale, tolerance) / 2)
     time = (low[at] + fraction * 2 * half[at]) / widths[rows[at]]
-    missed = float((remainder + errors).max())
-    return float(np.sqrt(max(top, 0.0))) + missed, int(rows[at]), min(float(time), 1.0)
+    error = float((remainder + errors).max())
+    return float(np.sqrt(max(top, 0.0))) + error, int(rows[at]), min(float(time), 1.0)
 
 
 def _derivatives(coefficients: Array, widths: Array, count: int) -> list[Array]:
@@ -96,17 +97,18 @@ def _derivatives(coefficients: Array, widths: Array, count: int) -> list[Array]:
     ]
 
 
-def _hidden(tangents: list[Array], coefficients: Array, widths: Array) -> Array:
+def _rounding_errors(tangents: list[Array], coefficients: Array, widths: Array) -> Array:
     """Bound the rounding errors of each piece's vectors in `tangents`, shape (n, k)."""
-    off = [
-        rounding(np.abs(part).max(axis=1) * factorial(k), coefficients, widths, k) / factorial(k)
+    errors = [
+        rounding_bounds(np.abs(part).max(axis=1) * factorial(k), coefficients, widths, k)
+        / factorial(k)
         for k, part in enumerate(tangents)
     ]
-    return np.linalg.norm(np.stack(off, axis=1), axis=2)
+    return np.linalg.norm(np.stack(errors, axis=1), axis=2)
 
 
-def _model(
-    tangents: list[Array], hidden: Array, half: Array, order: int
+def _taylor_model(
+    tangents: list[Array], rounding_errors: Array, half: Array, order: int
 ) -> tuple[Array, Array, Array]:
     """Return a derivative's Taylor polynomial about the middle, and a bound on its error.
 
@@ -114,31 +116,36 @@ def _model(
     """
     middle = np.stack([bernstein.halves(part)[0][:, -1] for part in tangents], axis=1)
     lengths = [np.linalg.norm(part, axis=2).max(axis=1) for part in tangents]
-    bounds = (np.stack(lengths, axis=1) + hidden)[:, :, None]
+    bounds = (np.stack(lengths, axis=1) + rounding_errors)[:, :, None]
     bounds[:, 0] = 0.0
-    wider = bounds + hidden[:, :, None]
+    wider = bounds + rounding_errors[:, :, None]
     majorant, wide = (velocity_series(part[..., None], part, 1.0) for part in (bounds, wider))
-    lag = order - 1
-    falling = np.array([factorial(j + lag) / factorial(j) for j in range(_ORDER + 2)])
-    taylor = turn_rates(middle)[:, lag : lag + _ORDER + 1] * falling[None, : _ORDER + 1, None]
-    beyond = majorant[:, lag + _ORDER + 1, 0] * falling[_ORDER + 1]
+    num_derivatives = order - 1
+    falling = np.array([factorial(j + num_derivatives) / factorial(j) for j in range(_ORDER + 2)])
+    taylor = (
+        angular_velocity_series(middle)[:, num_derivatives : num_derivatives + _ORDER + 1]
+        * falling[None, : _ORDER + 1, None]
+    )
+    next_coefficient = majorant[:, num_derivatives + _ORDER + 1, 0] * falling[_ORDER + 1]
     angle = np.linalg.norm(middle[:, 0], axis=1)[:, None, None]
-    rounded = _ROUNDED * (np.exp(_LARGEST_ANGLE) + angle) * wide
-    off = (wide - majorant + rounded)[:, lag : lag + _ORDER + 1, 0] * falling[:-1]
-    errors = (off * half[:, None] ** np.arange(_ORDER + 1)).sum(axis=1)
-    return taylor, beyond * half ** (_ORDER + 1), errors
+    rounding_terms = _RELATIVE_ROUNDING * (np.exp(_LARGEST_ANGLE) + angle) * wide
+    coefficient_errors = (wide - majorant + rounding_terms)[
+        :, num_derivatives : num_derivatives + _ORDER + 1, 0
+    ] * falling[:-1]
+    errors = (coefficient_errors * half[:, None] ** np.arange(_ORDER + 1)).sum(axis=1)
+    return taylor, next_coefficient * half ** (_ORDER + 1), errors
 
 
-def turn_rates(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:
+def angular_velocity_series(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:
     """Return Taylor coefficients of omega from those of delta; there is one less."""
     is_small = np.linalg.norm(delta[:, 0], axis=1) <= _LARGEST_ANGLE
-    found = np.empty_like(delta[:, 1:])
+    omega = np.empty_like(delta[:, 1:])
     if is_small.any():
         small = delta[is_small]
-        found[is_small] = velocity_series(skew(small), small, -1.0)
+        omega[is_small] = velocity_series(skew(small), small, -1.0)
     if not is_small.all():
-        found[~is_small] = spun_rates(delta[~is_small])
-    return found
+        omega[~is_small] = quaternion_angular_velocity(delta[~is_small])
+    return omega
 
 
 def velocity_series(adjoint: Array, delta: Array, sign: float) -> Array:

@@ -22,7 +22,7 @@ from jaxtyping import Float64
 from numpy.polynomial.polynomial import polyder, polyval
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.rounding import UNIT, rounding
+from planning.certify.intervals.rounding import UNIT_ROUNDOFF, rounding_bounds
 from planning.domain.arrays import Array
 
 # Number of terms of the series, and largest angle at which they are exact to rounding [rad].
@@ -41,40 +41,42 @@ def axis_drift(
     """
     # In the piece's normalized time u = t / width, so that coefficients compare in size.
     scaled = coefficients * (widths[:, None] ** np.arange(coefficients.shape[1]))[:, :, None]
-    x, a, b = (_size(scaled, k) for k in range(3))
-    moments = _moment(scaled)
-    drift = [_size(moments, k) + _rounding(scaled, k) for k in range(3)]
+    x, a, b = (_max_norm(scaled, k) for k in range(3))
+    cross_products = _cross_products(scaled)
+    drift = [_max_norm(cross_products, k) + _rounding_error(scaled, k) for k in range(3)]
     with np.errstate(over="ignore", invalid="ignore"):
-        f, slope, bend = _series(x)
+        f, first_derivative, second_derivative = _series(x)
         bounds = (
             f * drift[0],
-            f * drift[1] + slope * a * drift[0],
-            f * drift[2] + 2 * slope * a * drift[1] + (bend * a**2 + slope * b) * drift[0],
+            f * drift[1] + first_derivative * a * drift[0],
+            f * drift[2]
+            + 2 * first_derivative * a * drift[1]
+            + (second_derivative * a**2 + first_derivative * b) * drift[0],
         )
-        found = bounds[order - 1] / widths**order
-    return np.where(np.isfinite(found), found, np.inf)
+        bound = bounds[order - 1] / widths**order
+    return np.where(np.isfinite(bound), bound, np.inf)
 
 
-def _size(power: Array, order: int) -> Array:
+def _max_norm(power: Array, order: int) -> Array:
     """Return the largest norm of a derivative of a vector polynomial on each piece."""
     ones = np.ones(len(power))
     form = bernstein.from_power(bernstein.derivative(power, order), ones)
-    off = rounding(np.abs(form).max(axis=1), power, ones, order)
-    return np.linalg.norm(form, axis=2).max(axis=1) + np.linalg.norm(off, axis=1)
+    errors = rounding_bounds(np.abs(form).max(axis=1), power, ones, order)
+    return np.linalg.norm(form, axis=2).max(axis=1) + np.linalg.norm(errors, axis=1)
 
 
-def _moment(scaled: Array) -> Array:
+def _cross_products(scaled: Array) -> Array:
     """Return the power basis of delta x delta'."""
     count, terms, _ = scaled.shape
     rates = bernstein.derivative(scaled, 1)
-    found = np.zeros((count, terms + rates.shape[1] - 1, 3))
+    products = np.zeros((count, terms + rates.shape[1] - 1, 3))
     for i in range(terms):
         for k in range(rates.shape[1]):
-            found[:, i + k] += np.cross(scaled[:, i], rates[:, k])
-    return found
+            products[:, i + k] += np.cross(scaled[:, i], rates[:, k])
+    return products
 
 
-def _rounding(scaled: Array, order: int) -> Array:
+def _rounding_error(scaled: Array, order: int) -> Array:
     """Bound the rounding error of the order-th derivative of delta x delta'.
 
     Each power of it is a sum of products, no more than delta has powers, of three roundings each.
@@ -82,13 +84,13 @@ def _rounding(scaled: Array, order: int) -> Array:
     terms = scaled.shape[1]
     sizes = np.linalg.norm(scaled, axis=2)
     sums = sizes.sum(axis=1) * (sizes * np.arange(terms)).sum(axis=1)
-    return (terms + 4) * UNIT * (2.0 * terms) ** order * sums
+    return (terms + 4) * UNIT_ROUNDOFF * (2.0 * terms) ** order * sums
 
 
 def _series(x: Array) -> tuple[Array, Array, Array]:
     """Return f, f' and f'' at the given sizes; infinite where the sum is truncated too early."""
     f = np.array([1.0 / factorial(k + 2) for k in range(_TERMS)])
-    f, slope, bend = (
+    f, first_derivative, second_derivative = (
         np.where(x <= _LARGEST_ANGLE, polyval(x, polyder(f, order)), np.inf) for order in range(3)
     )
-    return f, slope, bend
+    return f, first_derivative, second_derivative

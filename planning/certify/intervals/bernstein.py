@@ -85,7 +85,7 @@ def derivative(
 
 
 def peak(
-    bernstein: Float64[np.ndarray, "n k"], tolerance: float, *, natively: bool = True
+    bernstein: Float64[np.ndarray, "n k"], tolerance: float, *, use_kernel: bool = True
 ) -> tuple[float, int, float]:
     """Return an upper bound on the maximum of n polynomials, each on its own interval.
 
@@ -95,13 +95,13 @@ def peak(
     Args:
         bernstein: Coefficients, a row per interval.
         tolerance: Largest excess of the bound over the true maximum.
-        natively: Whether the native kernel may be used, if it is available.
+        use_kernel: Whether the native kernel may be used, if it is available.
 
     Returns:
         The bound, the row where it is attained, and the fraction of that row's interval. The bound
         always holds; it is within the tolerance unless too many intervals stay undecided.
     """
-    module = native() if natively else None
+    module = native() if use_kernel else None
     if module is not None:
         return module.peak(np.ascontiguousarray(bernstein), tolerance)
     return _peak(bernstein, tolerance)
@@ -109,23 +109,23 @@ def peak(
 
 def _peak(bernstein: Float64[np.ndarray, "n k"], tolerance: float) -> tuple[float, int, float]:
     rows, low = np.arange(len(bernstein)), np.zeros(len(bernstein))
-    width, nodes, dropped = 1.0, bernstein, -np.inf
+    width, nodes, decided_bound = 1.0, bernstein, -np.inf
     for _ in range(_MAX_HALVINGS):
         upper, ends = nodes.max(axis=1), np.maximum(nodes[:, 0], nodes[:, -1])
         best = int(np.argmax(ends))
-        keep = upper > ends[best] + tolerance
-        if not keep.any() or keep.sum() > _MAX_NODES:
+        is_undecided = upper > ends[best] + tolerance
+        if not is_undecided.any() or is_undecided.sum() > _MAX_NODES:
             break
-        keep[best] = True
-        dropped = max(dropped, float(upper[~keep].max(initial=-np.inf)))
-        left, right = halves(nodes[keep][..., None])
+        is_undecided[best] = True
+        decided_bound = max(decided_bound, float(upper[~is_undecided].max(initial=-np.inf)))
+        left, right = halves(nodes[is_undecided][..., None])
         nodes = np.concatenate([left[..., 0], right[..., 0]])
         width /= 2
-        low = np.concatenate([low[keep], low[keep] + width])
-        rows = np.concatenate([rows[keep], rows[keep]])
+        low = np.concatenate([low[is_undecided], low[is_undecided] + width])
+        rows = np.concatenate([rows[is_undecided], rows[is_undecided]])
     top = int(np.argmax(nodes.max(axis=1)))
     at_end = nodes[top, -1] >= nodes[top, 0]
-    bound = max(float(nodes[top].max()), dropped)
+    bound = max(float(nodes[top].max()), decided_bound)
     return bound, int(rows[top]), float(low[top] + (width if at_end else 0.0))
 
 

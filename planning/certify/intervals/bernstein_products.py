@@ -13,7 +13,7 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 
 
-def times(a: Float64[np.ndarray, "n i"], b: Float64[np.ndarray, "n j"]) -> Array:
+def multiply(a: Float64[np.ndarray, "n i"], b: Float64[np.ndarray, "n j"]) -> Array:
     """Return the Bernstein coefficients of products of rows; the degrees add up."""
     if b.shape[1] < a.shape[1]:
         a, b = b, a
@@ -24,9 +24,9 @@ def times(a: Float64[np.ndarray, "n i"], b: Float64[np.ndarray, "n j"]) -> Array
     return product / _binomials(product.shape[1] - 1)
 
 
-def raised(a: Float64[np.ndarray, "n i"], degree: int) -> Array:
+def elevate_degree(a: Float64[np.ndarray, "n i"], degree: int) -> Array:
     """Return the coefficients of the same polynomials, elevated to a degree no smaller."""
-    return times(a, np.ones((len(a), degree - a.shape[1] + 2)))
+    return multiply(a, np.ones((len(a), degree - a.shape[1] + 2)))
 
 
 @cache

@@ -16,14 +16,14 @@ from planning.certify.request import CertifyRequest
 from planning.domain.request.deadline import Deadline
 
 # Tolerance above a bound: a start that lies on it would be refused for rounding.
-SLACK = 1e-6
+BOUND_TOLERANCE = 1e-6
 # Shortest segment [s] and largest number of segments; beyond these the search fails as unproven.
-_SHORTEST = 1e-6
-_MOST_SEGMENTS = 20_000
+_MIN_SEGMENT_DURATION = 1e-6
+_MAX_SEGMENTS = 20_000
 # Resolution of the largest value, relative to the bound or absolute, and the number of additional
 # segments for it.
-_RESOLUTION, _LEAST = 0.02, 1e-4
-_TIGHTENING = 100
+_RELATIVE_RESOLUTION, _ABSOLUTE_RESOLUTION = 0.02, 1e-4
+_REFINEMENT_SEGMENTS = 100
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,12 @@ class QuantityBound:
 
     Attributes:
         value: Value at the centre.
-        top: Upper bound on all of the segment.
+        upper_bound: Upper bound on all of the segment.
         where: Name of the worst object (a pair, a joint) at the centre.
     """
 
     value: float
-    top: float
+    upper_bound: float
     where: str = ""
 
 
@@ -45,7 +45,7 @@ class QuantityBound:
 class Quantity(Protocol):
     """A quantity that must not exceed a bound."""
 
-    def look(self, segment: Segment) -> QuantityBound:
+    def evaluate(self, segment: Segment) -> QuantityBound:
         """Return the value at the centre of a segment, and a bound on all of it."""
         ...
 
@@ -56,14 +56,15 @@ class BoundResult:
 
     Attributes:
         value: Largest measured value.
-        top: Upper bound on the whole trajectory, unproven parts included; infinite if unknown.
+        upper_bound: Upper bound on the whole trajectory, unproven parts included; infinite if
+            unknown.
         passed: Whether the quantity is proven to keep its bound.
         where: Name of the worst object.
         time: Instant of the largest value [s].
     """
 
     value: float
-    top: float
+    upper_bound: float
     passed: bool
     where: str
     time: float
@@ -78,14 +79,14 @@ class _Node:
     segment: Segment = field(compare=False)
 
 
-def bounded(
+def prove_bound(
     quantity: Quantity, bound: float, request: CertifyRequest, deadline: Deadline
 ) -> BoundResult:
     """Prove, or fail to prove, that a quantity keeps its bound on the whole trajectory.
 
     Args:
         quantity: The quantity, in the unit of the bound.
-        bound: Upper limit, with the tolerance `SLACK`.
+        bound: Upper limit, with the tolerance `BOUND_TOLERANCE`.
         request: The request with the trajectory.
         deadline: Time limit.
 
@@ -101,18 +102,18 @@ class BoundTolerance:
     """Tolerance of a largest value, and the effort for it.
 
     Attributes:
-        share: Relative tolerance.
-        least: Absolute tolerance, in the quantity's unit; the larger of both counts.
-        looks: Largest number of segments.
+        relative: Relative tolerance.
+        absolute: Absolute tolerance, in the quantity's unit; the larger of both counts.
+        max_segments: Largest number of segments.
     """
 
-    share: float
-    least: float
-    looks: int
+    relative: float
+    absolute: float
+    max_segments: int
 
 
 def bound_maximum(
-    quantity: Quantity, fineness: BoundTolerance, request: CertifyRequest, deadline: Deadline
+    quantity: Quantity, tolerance: BoundTolerance, request: CertifyRequest, deadline: Deadline
 ) -> BoundResult:
     """Return the largest value of a quantity without a limit; `top` is always an upper bound.
 
@@ -120,7 +121,7 @@ def bound_maximum(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    return _Bisection(quantity, np.inf, request, deadline).highest(fineness)
+    return _Bisection(quantity, np.inf, request, deadline).bound_maximum(tolerance)
 
 
 class _Bisection:
@@ -131,7 +132,7 @@ class _Bisection:
     ) -> None:
         self._quantity, self._bound = quantity, bound
         self._segments, self._deadline = Segments(request.trajectory), deadline
-        self._worst = QuantityBound(-np.inf, -np.inf)
+        self._largest = QuantityBound(-np.inf, -np.inf)
         self._time = 0.0
         self._count = 0
 
@@ -140,31 +141,39 @@ class _Bisection:
         leaves: list[_Node] = []
         while heap:
             node = heappop(heap)
-            if self._worst.value > self._bound + SLACK:
+            if self._largest.value > self._bound + BOUND_TOLERANCE:
                 # No remaining segment has a larger bound, and the leaves keep theirs.
-                return self._finding(-node.rank, passed=False)
-            if -node.rank <= self._bound + SLACK:
+                return self._result(-node.rank, passed=False)
+            if -node.rank <= self._bound + BOUND_TOLERANCE:
                 leaves.append(node)
-            elif self._is_hopeless(node.segment):
-                return self._finding(-node.rank, passed=False)
+            elif self._is_exhausted(node.segment):
+                return self._result(-node.rank, passed=False)
             else:
                 for half in self._segments.halves(node.segment):
                     heappush(heap, self._node(half))
-        fineness = BoundTolerance(0.0, max(_RESOLUTION * abs(self._bound), _LEAST), _TIGHTENING)
-        return self._finding(self._tightened(leaves, fineness), passed=True)
+        tolerance = BoundTolerance(
+            0.0,
+            max(_RELATIVE_RESOLUTION * abs(self._bound), _ABSOLUTE_RESOLUTION),
+            _REFINEMENT_SEGMENTS,
+        )
+        return self._result(self._refine_maximum(leaves, tolerance), passed=True)
 
-    def highest(self, fineness: BoundTolerance) -> BoundResult:
+    def bound_maximum(self, tolerance: BoundTolerance) -> BoundResult:
         whole = self._node(self._segments.whole)
-        return self._finding(self._tightened([whole], fineness), passed=True)
+        return self._result(self._refine_maximum([whole], tolerance), passed=True)
 
-    def _tightened(self, leaves: list[_Node], fineness: BoundTolerance) -> float:
+    def _refine_maximum(self, leaves: list[_Node], tolerance: BoundTolerance) -> float:
         """Halve segments that may contain a larger value; return an upper bound on all."""
         heapify(leaves)
-        last = self._count + fineness.looks
-        while self._count < last:
-            seen = self._worst.value
-            fine = max(fineness.least, fineness.share * abs(seen)) if np.isfinite(seen) else 0.0
-            if not -leaves[0].rank > seen + fine:
+        max_count = self._count + tolerance.max_segments
+        while self._count < max_count:
+            largest = self._largest.value
+            max_gap = (
+                max(tolerance.absolute, tolerance.relative * abs(largest))
+                if np.isfinite(largest)
+                else 0.0
+            )
+            if not -leaves[0].rank > largest + max_gap:
                 break
             node = heappop(leaves)
             for half in self._segments.halves(node.segment):
@@ -178,15 +187,17 @@ class _Bisection:
         if self._count % 16 == 0:
             self._deadline.check("certify")
         self._count += 1
-        sight = self._quantity.look(segment)
-        if sight.value > self._worst.value:
-            self._worst, self._time = sight, segment.time
-        return _Node(-sight.top, self._count, segment)
+        bound = self._quantity.evaluate(segment)
+        if bound.value > self._largest.value:
+            self._largest, self._time = bound, segment.time
+        return _Node(-bound.upper_bound, self._count, segment)
 
-    def _is_hopeless(self, segment: Segment) -> bool:
-        is_short = segment.is_part and segment.end - segment.begin < _SHORTEST
-        return is_short or self._count > _MOST_SEGMENTS
+    def _is_exhausted(self, segment: Segment) -> bool:
+        is_short = segment.is_within_piece and segment.end - segment.begin < _MIN_SEGMENT_DURATION
+        return is_short or self._count > _MAX_SEGMENTS
 
-    def _finding(self, top: float, *, passed: bool) -> BoundResult:
-        worst = self._worst
-        return BoundResult(worst.value, max(top, worst.value), passed, worst.where, self._time)
+    def _result(self, upper_bound: float, *, passed: bool) -> BoundResult:
+        largest = self._largest
+        return BoundResult(
+            largest.value, max(upper_bound, largest.value), passed, largest.where, self._time
+        )

@@ -18,13 +18,13 @@ from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 
 # Tolerance above a bound: a start that lies on it would be refused for rounding.
-SLACK = 1e-6
+BOUND_TOLERANCE = 1e-6
 # Largest number of instants, and smallest width (as a share of a piece), of a proof.
-_MOST_INSTANTS, _NARROWEST = 60_000, 2.0**-40
+_MAX_INSTANTS, _MIN_WIDTH = 60_000, 2.0**-40
 # Resolution of the largest value, relative to the bound or absolute, and the number of additional
 # instants for it.
-_RESOLUTION, _LEAST = 0.02, 1e-4
-_TIGHTENING = 2_000
+_RELATIVE_RESOLUTION, _ABSOLUTE_RESOLUTION = 0.02, 1e-4
+_REFINEMENT_INSTANTS = 2_000
 
 
 @runtime_checkable
@@ -39,7 +39,7 @@ class ChordQuantity(Protocol):
         """Return the function at points, shape (n,)."""
         ...
 
-    def on_chords(self, begin: Array, end: Array) -> Array:
+    def chord_bounds(self, begin: Array, end: Array) -> Array:
         """Return upper bounds on the function between two points each, shape (n,)."""
         ...
 
@@ -49,12 +49,14 @@ class _Intervals:
     """Parts of pieces: the piece, the beginning as a fraction of it, and the point at both ends."""
 
     pieces: Any
-    low: Array
+    begin_fractions: Array
     begin: Array
     end: Array
 
     def __getitem__(self, rows: Any) -> "_Intervals":
-        return _Intervals(self.pieces[rows], self.low[rows], self.begin[rows], self.end[rows])
+        return _Intervals(
+            self.pieces[rows], self.begin_fractions[rows], self.begin[rows], self.end[rows]
+        )
 
 
 class ChordProof:
@@ -63,7 +65,7 @@ class ChordProof:
     def __init__(
         self,
         quantity: ChordQuantity,
-        bends: tuple[Array, Array],
+        point_bounds: tuple[Array, Array],
         request: CertifyRequest,
         deadline: Deadline,
     ) -> None:
@@ -71,16 +73,21 @@ class ChordProof:
 
         Args:
             quantity: The function to bound.
-            bends: Bounds on the point's acceleration and on the rounding error of its position, on
-                every piece, each shape (n,).
+            point_bounds: Bounds on the point's acceleration and on the rounding error of its
+                position, on every piece, each shape (n,).
             request: The request with the trajectory.
             deadline: Time limit.
         """
         self._quantity, self._deadline = quantity, deadline
-        self._bends, self._errors = bends
+        self._accelerations, self._errors = point_bounds
         self._breaks = request.trajectory.breaks
         self._widths = np.diff(self._breaks)
-        self._seen, self._time, self._count, self._settled = -np.inf, 0.0, 0, -np.inf
+        self._largest, self._time, self._num_instants, self._decided_bound = (
+            -np.inf,
+            0.0,
+            0,
+            -np.inf,
+        )
 
     def run(self, bound: float) -> BoundResult:
         """Prove, or fail to prove, that the quantity is at most a bound on the whole trajectory.
@@ -90,56 +97,64 @@ class ChordProof:
             Canceled: The caller canceled.
         """
         pieces = np.arange(len(self._widths))
-        ends = [self._points(pieces, share * self._widths) for share in (0.0, 1.0)]
+        ends = [self._points(pieces, fraction * self._widths) for fraction in (0.0, 1.0)]
         intervals, width = _Intervals(pieces, 0.0 * self._widths, *ends), 1.0
-        fine = max(_RESOLUTION * abs(bound), _LEAST)
-        last = np.inf
+        resolution = max(_RELATIVE_RESOLUTION * abs(bound), _ABSOLUTE_RESOLUTION)
+        max_instants = np.inf
         while len(intervals.pieces):
-            self._look(intervals, width)
-            uppers = self._uppers(intervals, width)
-            if self._seen > bound + SLACK:
-                return self._finding(max(self._settled, float(uppers.max())), passed=False)
-            is_open = uppers > bound + SLACK
+            self._update_largest(intervals, width)
+            upper_bounds = self._upper_bounds(intervals, width)
+            if self._largest > bound + BOUND_TOLERANCE:
+                return self._result(
+                    max(self._decided_bound, float(upper_bounds.max())), passed=False
+                )
+            is_open = upper_bounds > bound + BOUND_TOLERANCE
             if not is_open.any():
-                last = min(last, self._count + _TIGHTENING)
-            if self._count < last:
-                is_open |= uppers > self._seen + fine
-            if is_open.any() and (self._count > _MOST_INSTANTS or width < _NARROWEST):
-                passed = not (uppers > bound + SLACK).any()
-                return self._finding(max(self._settled, float(uppers.max())), passed=passed)
-            self._settled = max(self._settled, float(uppers[~is_open].max(initial=-np.inf)))
+                max_instants = min(max_instants, self._num_instants + _REFINEMENT_INSTANTS)
+            if self._num_instants < max_instants:
+                is_open |= upper_bounds > self._largest + resolution
+            if is_open.any() and (self._num_instants > _MAX_INSTANTS or width < _MIN_WIDTH):
+                passed = not (upper_bounds > bound + BOUND_TOLERANCE).any()
+                return self._result(
+                    max(self._decided_bound, float(upper_bounds.max())), passed=passed
+                )
+            self._decided_bound = max(
+                self._decided_bound, float(upper_bounds[~is_open].max(initial=-np.inf))
+            )
             width /= 2
             intervals = self._halved(intervals[is_open], width)
-        return self._finding(self._settled, passed=True)
+        return self._result(self._decided_bound, passed=True)
 
     def _points(self, pieces: Any, local: Array) -> Array:
-        self._count += len(local)
+        self._num_instants += len(local)
         return self._quantity.points(pieces, local, self._deadline)
 
-    def _look(self, intervals: _Intervals, width: float) -> None:
-        for points, beyond in ((intervals.begin, 0.0), (intervals.end, width)):
+    def _update_largest(self, intervals: _Intervals, width: float) -> None:
+        for points, offset in ((intervals.begin, 0.0), (intervals.end, width)):
             values = self._quantity.values(points)
             row = int(np.argmax(values))
-            if values[row] > self._seen:
+            if values[row] > self._largest:
                 piece = int(intervals.pieces[row])
-                share = float(intervals.low[row]) + beyond
-                self._seen = float(values[row])
-                self._time = float(self._breaks[piece] + share * self._widths[piece])
+                fraction = float(intervals.begin_fractions[row]) + offset
+                self._largest = float(values[row])
+                self._time = float(self._breaks[piece] + fraction * self._widths[piece])
 
-    def _uppers(self, intervals: _Intervals, width: float) -> Array:
+    def _upper_bounds(self, intervals: _Intervals, width: float) -> Array:
         steps = width * self._widths[intervals.pieces]
-        strays = steps**2 / 8 * self._bends[intervals.pieces] + self._errors[intervals.pieces]
-        return self._quantity.on_chords(intervals.begin, intervals.end) + strays
+        deviations = (
+            steps**2 / 8 * self._accelerations[intervals.pieces] + self._errors[intervals.pieces]
+        )
+        return self._quantity.chord_bounds(intervals.begin, intervals.end) + deviations
 
     def _halved(self, intervals: _Intervals, width: float) -> _Intervals:
-        pieces, low = intervals.pieces, intervals.low
-        middle = self._points(pieces, (low + width) * self._widths[pieces])
+        pieces, begin_fractions = intervals.pieces, intervals.begin_fractions
+        middle = self._points(pieces, (begin_fractions + width) * self._widths[pieces])
         return _Intervals(
             np.repeat(pieces, 2),
-            np.stack([low, low + width], axis=1).ravel(),
+            np.stack([begin_fractions, begin_fractions + width], axis=1).ravel(),
             np.stack([intervals.begin, middle], axis=1).reshape(-1, 3),
             np.stack([middle, intervals.end], axis=1).reshape(-1, 3),
         )
 
-    def _finding(self, top: float, *, passed: bool) -> BoundResult:
-        return BoundResult(self._seen, max(top, self._seen), passed, "", self._time)
+    def _result(self, upper_bound: float, *, passed: bool) -> BoundResult:
+        return BoundResult(self._largest, max(upper_bound, self._largest), passed, "", self._time)

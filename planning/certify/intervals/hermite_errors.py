@@ -18,22 +18,27 @@ from functools import cached_property
 import numpy as np
 
 from planning.certify.intervals import bernstein
-from planning.certify.joints.limit_checks import DUST, MAX_UTILISATION, RATES, rate_check
+from planning.certify.joints.limit_checks import (
+    MAX_UTILIZATION,
+    POSITION_TOLERANCE,
+    RATE_NAMES,
+    rate_check,
+)
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.curves.interpolation_proof import Interpolation
 
 # c_r for r = 0, 1, ...
-_ERRORS: dict[Interpolation, tuple[float, ...]] = {
+_ERROR_CONSTANTS: dict[Interpolation, tuple[float, ...]] = {
     "linear": (1 / 8,),
     "cubic": (1 / 384, 3**0.5 / 216, 1 / 12, 1 / 2),
     "quintic": (1 / 46_080, 5**0.5 / 30_000, 1 / 1_920, 1 / 120),
 }
 _ORDERS: dict[Interpolation, int] = {"linear": 2, "cubic": 4, "quintic": 6}
 # Largest jump of acceleration under jerk limits, relative to its limit, on both sides together.
-_STEP = 4e-4
+_MAX_ACCELERATION_JUMP = 4e-4
 # Share of the reserve for interpolation errors; the rest is for errors of the samples.
-_SHARE = 0.9
+_INTERPOLATION_FRACTION = 0.9
 
 
 @dataclass(frozen=True)
@@ -58,79 +63,103 @@ class HermiteErrors:
         return self.request.trajectory.widths
 
     @cached_property
-    def _spare(self) -> list[Array]:
+    def _limit_margins(self) -> list[Array]:
         """The reserve to limits on positions and rates, by order, each shape (nv, n)."""
         request = self.request
         limits, columns = request.limits, [indices[0] for _, indices in request.group.blocks]
-        places = request.forms[0] + request.trajectory.bases.T[:, :, None]
-        left = np.minimum(
-            limits.upper[:, None] - places.max(axis=2), places.min(axis=2) - limits.lower[:, None]
+        positions = request.bernstein_forms[0] + request.trajectory.bases.T[:, :, None]
+        position_margins = np.minimum(
+            limits.upper[:, None] - positions.max(axis=2),
+            positions.min(axis=2) - limits.lower[:, None],
         )
-        found = [np.maximum(left, 0.0) + DUST]
-        for order, form in enumerate(request.forms[1:], start=1):
-            name = RATES[order - 1]
+        margins = [np.maximum(position_margins, 0.0) + POSITION_TOLERANCE]
+        for order, form in enumerate(request.bernstein_forms[1:], start=1):
+            name = RATE_NAMES[order - 1]
             limit = np.empty(len(columns))
             limit[columns] = getattr(limits, name)
-            used = np.abs(form).max(axis=2) / limit[:, None]
-            most = rate_check(request, name, order).value
-            share = np.where(np.isfinite(limit)[:, None], np.minimum(used, most), 0.0)
-            found.append((MAX_UTILISATION - share) * limit[:, None])
-        return found
+            peaks = np.abs(form).max(axis=2) / limit[:, None]
+            max_utilization = rate_check(request, name, order).value
+            utilizations = np.where(
+                np.isfinite(limit)[:, None], np.minimum(peaks, max_utilization), 0.0
+            )
+            margins.append((MAX_UTILIZATION - utilizations) * limit[:, None])
+        return margins
 
-    def gaps(self, kind: Interpolation) -> Array:
+    def sample_spacing(self, kind: Interpolation) -> Array:
         """Return the sample spacing on each piece that keeps the limits [s], shape (n,).
 
         The condition is sufficient, not necessary: near a limit there is almost no reserve.
         """
-        found = [np.full(len(self._widths), np.inf)]
-        steepest, order, errors = self._steepest(kind), _ORDERS[kind], _ERRORS[kind]
-        if kind != "linear" and steepest.any():
-            for r, spare in enumerate(self._spare):
-                found.append(_longest(spare, errors[r] * steepest, order - r).min(axis=0))
+        spacings = [np.full(len(self._widths), np.inf)]
+        derivative_bounds, order, errors = (
+            self._derivative_bounds(kind),
+            _ORDERS[kind],
+            _ERROR_CONSTANTS[kind],
+        )
+        if kind != "linear" and derivative_bounds.any():
+            for r, margins in enumerate(self._limit_margins):
+                spacings.append(
+                    _max_spacing(margins, errors[r] * derivative_bounds, order - r).min(axis=0)
+                )
             if self.request.jerk:
-                step = np.full_like(steepest, _STEP) * self._limit(2)[:, None]
-                found.append(_longest(step, errors[2] * steepest, order - 2).min(axis=0))
-        return np.min(found, axis=0)
+                step = (
+                    np.full_like(derivative_bounds, _MAX_ACCELERATION_JUMP)
+                    * self._limit(2)[:, None]
+                )
+                spacings.append(
+                    _max_spacing(step, errors[2] * derivative_bounds, order - 2).min(axis=0)
+                )
+        return np.min(spacings, axis=0)
 
-    def longest(self, kind: Interpolation, levers: Array, way: float) -> float:
+    def max_sample_period(
+        self, kind: Interpolation, lever_arms: Array, allowed_approach: float
+    ) -> float:
         """Return the longest sample period that is proven to keep limits and clearance [s].
 
         It is the duration if every period is proven to, and 0 if none is.
 
         Args:
             kind: Interpolation used by the receiver of the samples.
-            levers: Largest approach of two shapes per change of each coordinate, shape (nv,).
-            way: Allowed approach of any two shapes [m].
+            lever_arms: Largest approach of two shapes per change of each coordinate, shape (nv,).
+            allowed_approach: Allowed approach of any two shapes [m].
         """
-        steepest = self._steepest(kind)
-        if not steepest.any():
+        derivative_bounds = self._derivative_bounds(kind)
+        if not derivative_bounds.any():
             return self.request.trajectory.duration
-        worst = (steepest * levers[:, None]).sum(axis=0)
-        free = _longest(np.full_like(worst, way), _ERRORS[kind][0] * worst, _ORDERS[kind])
-        period = np.minimum(self.gaps(kind), free)
-        short = period < self._widths
-        return float(period[short].min()) if short.any() else self.request.trajectory.duration
+        approach_bounds = (derivative_bounds * lever_arms[:, None]).sum(axis=0)
+        clearance_period = _max_spacing(
+            np.full_like(approach_bounds, allowed_approach),
+            _ERROR_CONSTANTS[kind][0] * approach_bounds,
+            _ORDERS[kind],
+        )
+        period = np.minimum(self.sample_spacing(kind), clearance_period)
+        is_shorter = period < self._widths
+        return (
+            float(period[is_shorter].min())
+            if is_shorter.any()
+            else self.request.trajectory.duration
+        )
 
     def _limit(self, order: int) -> Array:
         limits = self.request.limits
-        return limits.per_coordinate(getattr(limits, RATES[order - 1]))
+        return limits.per_coordinate(getattr(limits, RATE_NAMES[order - 1]))
 
     @cached_property
-    def _known(self) -> dict[Interpolation, Array]:
+    def _derivative_cache(self) -> dict[Interpolation, Array]:
         return {}
 
-    def _steepest(self, kind: Interpolation) -> Array:
+    def _derivative_bounds(self, kind: Interpolation) -> Array:
         """Return a bound on the derivative in the error term, shape (nv, n)."""
-        known = self._known.get(kind)
-        if known is None:
+        bounds = self._derivative_cache.get(kind)
+        if bounds is None:
             power = bernstein.derivative(self.request.trajectory.coefficients, _ORDERS[kind])
             rows = bernstein.rows_from_power(power, self._widths)
-            known = self._known[kind] = np.abs(rows).max(axis=2)
-        return known
+            bounds = self._derivative_cache[kind] = np.abs(rows).max(axis=2)
+        return bounds
 
 
-def _longest(spare: Array, errors: Array, power: int) -> Array:
+def _max_spacing(margins: Array, errors: Array, power: int) -> Array:
     """Return the largest h with errors h^power within a share of the reserve."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        found = (_SHARE * np.maximum(spare, 0.0) / errors) ** (1 / power)
-    return np.where(errors > 0, found, np.inf)
+        spacing = (_INTERPOLATION_FRACTION * np.maximum(margins, 0.0) / errors) ** (1 / power)
+    return np.where(errors > 0, spacing, np.inf)

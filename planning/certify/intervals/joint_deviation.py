@@ -16,8 +16,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.jumps import in_one_turn, position_jumps
-from planning.certify.intervals.rounding import rounding
+from planning.certify.intervals.jumps import position_jumps, unwrap_turns
+from planning.certify.intervals.rounding import rounding_bounds
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import Joint, JointType
@@ -32,8 +32,8 @@ class Segment:
         end: Last instant [s].
         time: Instant of the configuration `center` [s].
         center: Configuration q of the group at `time`, shape (nq,).
-        turn: Largest rotation of each joint from there [rad], shape (num_joints,).
-        shift: Largest translation of each joint from there [m], shape (num_joints,).
+        max_rotation: Largest rotation of each joint from there [rad], shape (num_joints,).
+        max_translation: Largest translation of each joint from there [m], shape (num_joints,).
         pieces: First piece, and the one after the last.
         bernstein: Coefficients of the tangent, for a segment within one piece.
     """
@@ -42,13 +42,13 @@ class Segment:
     end: float
     time: float
     center: Float64[np.ndarray, " nq"]
-    turn: Float64[np.ndarray, " num_joints"]
-    shift: Float64[np.ndarray, " num_joints"]
+    max_rotation: Float64[np.ndarray, " num_joints"]
+    max_translation: Float64[np.ndarray, " num_joints"]
     pieces: tuple[int, int]
     bernstein: Float64[np.ndarray, "k nv"]
 
     @property
-    def is_part(self) -> bool:
+    def is_within_piece(self) -> bool:
         """Whether the segment lies within one piece."""
         return self.pieces[1] - self.pieces[0] == 1
 
@@ -58,26 +58,35 @@ class Segments:
 
     def __init__(self, trajectory: TimedTrajectory) -> None:
         """Bound the joint motion on every piece."""
-        self._curve = curve = in_one_turn(trajectory)
-        self._turns, self._shifts = _selections(curve.joints)
+        self._curve = curve = unwrap_turns(trajectory)
+        self._rotation_selection, self._translation_selection = _selections(curve.joints)
         self._bernstein = bernstein.from_power(curve.coefficients, np.diff(curve.breaks))
         left, _ = bernstein.halves(self._bernstein)
         self._centers = curve.manifold.plus(curve.bases, left[:, -1])
-        stray, loose = (self._bernstein - left[:, -1:]) ** 2, self._loose() ** 2
-        self._loose_turn, self._loose_shift = (
-            np.sqrt(loose @ chosen) for chosen in (self._turns, self._shifts)
+        squared_deviations, squared_gaps = (
+            (self._bernstein - left[:, -1:]) ** 2,
+            self._gaps_and_rounding() ** 2,
         )
-        self._turn = np.sqrt(stray @ self._turns).max(axis=1) + self._loose_turn
-        self._shift = np.sqrt(stray @ self._shifts).max(axis=1) + self._loose_shift
+        self._gap_rotation, self._gap_translation = (
+            np.sqrt(squared_gaps @ selection)
+            for selection in (self._rotation_selection, self._translation_selection)
+        )
+        self._max_rotation = (
+            np.sqrt(squared_deviations @ self._rotation_selection).max(axis=1) + self._gap_rotation
+        )
+        self._max_translation = (
+            np.sqrt(squared_deviations @ self._translation_selection).max(axis=1)
+            + self._gap_translation
+        )
 
-    def _loose(self) -> Array:
+    def _gaps_and_rounding(self) -> Array:
         """Bound the gap between each piece and the next, and the rounding errors of the piece."""
         curve = self._curve
         largest = np.abs(self._bernstein).max(axis=1)
-        off = rounding(largest, curve.coefficients, np.diff(curve.breaks))
+        bounds = rounding_bounds(largest, curve.coefficients, np.diff(curve.breaks))
         begins, ends = (curve.manifold.plus(curve.bases, self._bernstein[:, i]) for i in (0, -1))
-        off[:-1] += np.abs(position_jumps(curve, begins, ends))
-        return off
+        bounds[:-1] += np.abs(position_jumps(curve, begins, ends))
+        return bounds
 
     @property
     def whole(self) -> Segment:
@@ -93,40 +102,50 @@ class Segments:
         middle = (segment.begin + segment.end) / 2
         left, right = bernstein.halves(segment.bernstein)
         return (
-            self._part(first, (segment.begin, middle), left),
-            self._part(first, (middle, segment.end), right),
+            self._piece_segment(first, (segment.begin, middle), left),
+            self._piece_segment(first, (middle, segment.end), right),
         )
 
     def _range(self, first: int, last: int) -> Segment:
         breaks = self._curve.breaks
         middle = (first + last) // 2
-        moved = self._between(self._centers[first:last], self._centers[middle]) ** 2
+        squared_displacements = (
+            self._displacements(self._centers[first:last], self._centers[middle]) ** 2
+        )
         return Segment(
             begin=float(breaks[first]),
             end=float(breaks[last]),
             time=float(breaks[middle] + breaks[middle + 1]) / 2,
             center=self._centers[middle],
-            turn=(np.sqrt(moved @ self._turns) + self._turn[first:last]).max(axis=0),
-            shift=(np.sqrt(moved @ self._shifts) + self._shift[first:last]).max(axis=0),
+            max_rotation=(
+                np.sqrt(squared_displacements @ self._rotation_selection)
+                + self._max_rotation[first:last]
+            ).max(axis=0),
+            max_translation=(
+                np.sqrt(squared_displacements @ self._translation_selection)
+                + self._max_translation[first:last]
+            ).max(axis=0),
             pieces=(first, last),
             bernstein=self._bernstein[first],
         )
 
-    def _part(self, piece: int, span: tuple[float, float], coefficients: Array) -> Segment:
+    def _piece_segment(self, piece: int, span: tuple[float, float], coefficients: Array) -> Segment:
         middle = bernstein.halves(coefficients)[0][-1]
-        stray = (coefficients - middle) ** 2
+        squared_deviations = (coefficients - middle) ** 2
         return Segment(
             begin=span[0],
             end=span[1],
             time=(span[0] + span[1]) / 2,
             center=self._curve.manifold.plus(self._curve.bases[piece], middle),
-            turn=np.sqrt(stray @ self._turns).max(axis=0) + self._loose_turn[piece],
-            shift=np.sqrt(stray @ self._shifts).max(axis=0) + self._loose_shift[piece],
+            max_rotation=np.sqrt(squared_deviations @ self._rotation_selection).max(axis=0)
+            + self._gap_rotation[piece],
+            max_translation=np.sqrt(squared_deviations @ self._translation_selection).max(axis=0)
+            + self._gap_translation[piece],
             pieces=(piece, piece + 1),
             bernstein=coefficients,
         )
 
-    def _between(self, q1: Array, q0: Array) -> Array:
+    def _displacements(self, q1: Array, q0: Array) -> Array:
         """Return a displacement per velocity coordinate, shape (m, nv), with whole turns.
 
         Whole turns leave the joint itself in place, but not a follower with another multiplier.
@@ -157,17 +176,17 @@ def _angle(a: Array, b: Array) -> Array:
 def _selections(joints: tuple[Joint, ...]) -> tuple[Array, Array]:
     """Return which velocity coordinates rotate and translate each joint, shape (nv, num_joints)."""
     count = sum(joint.num_velocities for joint in joints)
-    turns, shifts = np.zeros((count, len(joints))), np.zeros((count, len(joints)))
+    rotations, translations = np.zeros((count, len(joints))), np.zeros((count, len(joints)))
     begin = 0
     for k, joint in enumerate(joints):
         match joint.type:
             case JointType.REVOLUTE | JointType.CONTINUOUS:
-                turns[begin, k] = 1
+                rotations[begin, k] = 1
             case JointType.PRISMATIC:
-                shifts[begin, k] = 1
+                translations[begin, k] = 1
             case JointType.PLANAR:
-                shifts[begin : begin + 2, k] = turns[begin + 2, k] = 1
+                translations[begin : begin + 2, k] = rotations[begin + 2, k] = 1
             case JointType.FLOATING:
-                turns[begin : begin + 3, k] = shifts[begin + 3 : begin + 6, k] = 1
+                rotations[begin : begin + 3, k] = translations[begin + 3 : begin + 6, k] = 1
         begin += joint.num_velocities
-    return turns, shifts
+    return rotations, translations

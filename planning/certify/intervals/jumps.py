@@ -17,33 +17,35 @@ from jaxtyping import Bool, Float64
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointType, offsets_of
 
-_TURN = 2 * np.pi
+_FULL_TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
-class Sums:
+class JumpSums:
     """Partial sums of consecutive jumps.
 
     Attributes:
         partial: Sums of the first 1, 2, ... jumps, shape (n, nv).
-        sizes: Largest sum between any two instants, by coordinate, shape (nv,).
+        largest: Largest sum between any two instants, by coordinate, shape (nv,).
     """
 
     partial: Float64[np.ndarray, "n nv"]
-    sizes: Float64[np.ndarray, " nv"]
+    largest: Float64[np.ndarray, " nv"]
 
     @classmethod
-    def of(cls, jumps: Float64[np.ndarray, "n nv"]) -> "Sums":
+    def of(cls, jumps: Float64[np.ndarray, "n nv"]) -> "JumpSums":
         """Build from consecutive jumps."""
         partial = np.cumsum(jumps, axis=0)
         return cls(partial, partial.max(axis=0, initial=0.0) - partial.min(axis=0, initial=0.0))
 
-    def parted(self, count: int) -> tuple["Sums", "Sums"]:
+    def split(self, count: int) -> tuple["JumpSums", "JumpSums"]:
         """Return the sums of the first `count` coordinates, and those of the others."""
-        partial, sizes = self.partial, self.sizes
-        return Sums(partial[:, :count], sizes[:count]), Sums(partial[:, count:], sizes[count:])
+        partial, sizes = self.partial, self.largest
+        return JumpSums(partial[:, :count], sizes[:count]), JumpSums(
+            partial[:, count:], sizes[count:]
+        )
 
-    def last_of(self, column: int) -> int:
+    def last_jump(self, column: int) -> int:
         """Return the index of the jump that completes the largest sum of a coordinate."""
         partial = self.partial[:, column]
         above, below = int(np.argmax(partial)), int(np.argmin(partial))
@@ -73,29 +75,29 @@ def position_jumps(
     return jumps
 
 
-def in_one_turn(trajectory: TimedTrajectory) -> TimedTrajectory:
+def unwrap_turns(trajectory: TimedTrajectory) -> TimedTrajectory:
     """Return the same motion without whole-turn jumps between the anchors of its pieces.
 
     Only for joints on a circle, where whole turns make no difference.
     """
     if not any(trajectory.manifold.wraps) or trajectory.num_pieces == 1:
         return trajectory
-    circle = _circles(trajectory)
-    q = trajectory.bases[:, circle]
+    is_circular = _circular_coordinates(trajectory)
+    q = trajectory.bases[:, is_circular]
     columns = np.flatnonzero(np.array(trajectory.manifold.wraps))
     widths = np.diff(trajectory.breaks)
     powers = widths[:, None] ** np.arange(trajectory.coefficients.shape[1])
     coefficients = trajectory.coefficients[:, :, columns]
     ends = q + np.einsum("nk,nkv->nv", powers, coefficients)
-    turns = np.round((q[1:] + coefficients[1:, 0] - ends[:-1]) / _TURN)
+    turns = np.round((q[1:] + coefficients[1:, 0] - ends[:-1]) / _FULL_TURN)
     if not turns.any():
         return trajectory
     bases = np.array(trajectory.bases)
-    bases[1:, circle] -= _TURN * np.cumsum(turns, axis=0)
+    bases[1:, is_circular] -= _FULL_TURN * np.cumsum(turns, axis=0)
     return replace(trajectory, bases=bases)
 
 
-def _circles(trajectory: TimedTrajectory) -> Bool[np.ndarray, " nq"]:
+def _circular_coordinates(trajectory: TimedTrajectory) -> Bool[np.ndarray, " nq"]:
     """Return which coordinates of q are on a circle."""
     flags: list[bool] = []
     for joint in trajectory.joints:

@@ -16,12 +16,12 @@ from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.equal_parts import split_equally
-from planning.certify.intervals.turn_bounds import turn_bounds
+from planning.certify.intervals.turn_bounds import angular_velocity_bounds
 from planning.certify.joints.limit_checks import (
-    MAX_UTILISATION,
-    RATES,
+    MAX_UTILIZATION,
+    RATE_NAMES,
+    angular_blocks,
     has_fixed_axes,
-    turning_blocks,
 )
 from planning.certify.request import CertifyRequest
 from planning.certify.stopping.stop_constraint import StopConstraint, hull
@@ -34,39 +34,41 @@ class BlockRates:
 
     Attributes:
         names: Names of the blocks.
-        forms: Bernstein coefficients by order of derivative, from the first, shape
+        bernstein_forms: Bernstein coefficients by order of derivative, from the first, shape
             (n, k, blocks, size).
         limits: By order: limit of the norm of each block, shape (blocks,).
-        middles: Offset to subtract from accelerations before the limit, where bounds differ by
-            sign, shape (blocks,).
-        is_turning: Whether these are bounds on the norm of an angular rate and its derivatives,
+        acceleration_offsets: Offset to subtract from accelerations before the limit, where bounds
+            differ by sign, shape (blocks,).
+        is_angular: Whether these are bounds on the norm of an angular rate and its derivatives,
             without direction and with one coordinate each.
     """
 
     names: tuple[str, ...]
-    forms: tuple[Float64[np.ndarray, "n k blocks size"], ...]
+    bernstein_forms: tuple[Float64[np.ndarray, "n k blocks size"], ...]
     limits: tuple[Float64[np.ndarray, " blocks"], ...]
-    middles: Float64[np.ndarray, " blocks"]
-    is_turning: bool = False
+    acceleration_offsets: Float64[np.ndarray, " blocks"]
+    is_angular: bool = False
 
     @cached_property
     def hulls(self) -> tuple[Array, ...]:
         """Smallest and largest coefficients by order, shape (2, n, blocks, size)."""
-        return tuple(hull(form) for form in self.forms)
+        return tuple(hull(form) for form in self.bernstein_forms)
 
     @cached_property
-    def load(self) -> StopConstraint:
+    def acceleration_constraint(self) -> StopConstraint:
         """The acceleration limits as a constraint on stops."""
-        slope, bend = self.forms[:2]
-        cells, _, blocks, _ = slope.shape
+        first, second = self.bernstein_forms[:2]
+        cells, _, blocks, _ = first.shape
         return StopConstraint(
             self.names,
-            -slope if self.is_turning else slope,
-            bend,
-            np.broadcast_to(-self.middles[:, None] * MAX_UTILISATION, (cells, 1, blocks, 1)),
+            -first if self.is_angular else first,
+            second,
+            np.broadcast_to(
+                -self.acceleration_offsets[:, None] * MAX_UTILIZATION, (cells, 1, blocks, 1)
+            ),
             None,
             np.zeros((cells, blocks)),
-            np.broadcast_to(self.limits[1] * MAX_UTILISATION, (cells, blocks)),
+            np.broadcast_to(self.limits[1] * MAX_UTILIZATION, (cells, blocks)),
         )
 
 
@@ -78,39 +80,44 @@ class MotionCells:
         begins: First instants [s], shape (n,).
         widths: Durations [s], shape (n,).
         rates: Rates of all blocks; blocks of one coordinate are together.
-        loads: Other constraints on stops (frame accelerations, torques).
+        stop_constraints: Other constraints on stops (frame accelerations, torques).
     """
 
     begins: Float64[np.ndarray, " n"]
     widths: Float64[np.ndarray, " n"]
     rates: tuple[BlockRates, ...]
-    loads: tuple[StopConstraint, ...] = ()
+    stop_constraints: tuple[StopConstraint, ...] = ()
 
     @property
-    def all_loads(self) -> tuple[StopConstraint, ...]:
+    def all_constraints(self) -> tuple[StopConstraint, ...]:
         """All constraints on stops under acceleration limits."""
-        return (*(rates.load for rates in self.rates), *self.loads)
+        return (
+            *(block_rates.acceleration_constraint for block_rates in self.rates),
+            *self.stop_constraints,
+        )
 
     @cached_property
-    def holds(self) -> Any:
+    def can_rest(self) -> Any:
         """Whether the motion can rest in each cell, and continue at any s' up to 1, shape (n,)."""
-        holds = np.ones(len(self.begins), dtype=bool)
-        for load in self.loads:
-            holds &= load.holds.all(axis=1)
-        return holds
+        can_rest = np.ones(len(self.begins), dtype=bool)
+        for constraint in self.stop_constraints:
+            can_rest &= constraint.is_satisfied_at_rest.all(axis=1)
+        return can_rest
 
     @property
     def end(self) -> float:
         """Last instant of the motion [s]."""
         return float(self.begins[-1] + self.widths[-1])
 
-    def ways(self) -> tuple[tuple[str, ...], Float64[np.ndarray, "n blocks"]]:
+    def path_length_bounds(self) -> tuple[tuple[str, ...], Float64[np.ndarray, "n blocks"]]:
         """Return block names, and bounds on the path length of each in each cell [rad or m].
 
         A norm is convex, and each polynomial of the basis covers the same share of a cell.
         """
         names = tuple(name for rates in self.rates for name in rates.names)
-        sizes = [np.linalg.norm(rates.forms[0], axis=3).mean(axis=1) for rates in self.rates]
+        sizes = [
+            np.linalg.norm(rates.bernstein_forms[0], axis=3).mean(axis=1) for rates in self.rates
+        ]
         return names, np.concatenate(sizes, axis=1) * self.widths[:, None]
 
 
@@ -126,7 +133,7 @@ def motion_cells(request: CertifyRequest, count: int) -> MotionCells:
     powers = [curve.tangents(begins, k) / factorial(k) for k in range(terms)]
     taylor = np.stack(powers, axis=1)
     forms = [_form(taylor, order, widths) for order in range(4 if request.jerk else 3)]
-    return MotionCells(begins, widths, tuple(_by_size(request, forms)))
+    return MotionCells(begins, widths, tuple(_block_rates(request, forms)))
 
 
 def _form(taylor: Array, order: int, widths: Array) -> Array:
@@ -136,43 +143,51 @@ def _form(taylor: Array, order: int, widths: Array) -> Array:
     return bernstein.from_power(np.pad(power, padding), widths)
 
 
-def _by_size(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
+def _block_rates(request: CertifyRequest, forms: list[Array]) -> list[BlockRates]:
     """Return the rates of all scalar blocks together, and of each other block."""
     blocks = [(name, list(indices)) for name, indices in request.group.blocks]
-    hidden = [
-        np.array([2 * np.linalg.norm(off[indices]) for _, indices in blocks])
-        for off in request.rounding[1 : len(forms)]
+    rounding_errors = [
+        np.array([2 * np.linalg.norm(error[indices]) for _, indices in blocks])
+        for error in request.rounding_errors[1 : len(forms)]
     ]
-    shared = request.shared_limits
-    limits = [getattr(shared, name) - off for name, off in zip(RATES, hidden, strict=False)]
+    shared = request.limits_with_followers
+    limits = [
+        getattr(shared, name) - off for name, off in zip(RATE_NAMES, rounding_errors, strict=False)
+    ]
     scalar = [i for i, (_, indices) in enumerate(blocks) if len(indices) == 1]
-    found: list[BlockRates] = []
+    block_rates: list[BlockRates] = []
     if scalar:
         columns = [blocks[i][1][0] for i in scalar]
         names = tuple(blocks[i][0] for i in scalar)
         velocity, acceleration, *jerk = (limit[scalar] for limit in limits)
-        middles, acceleration = _by_sign(request, names, acceleration)
-        found.append(
+        acceleration_offsets, acceleration = _acceleration_ranges(request, names, acceleration)
+        block_rates.append(
             BlockRates(
                 names,
                 tuple(form[:, :, columns, None] for form in forms[1:]),
                 (velocity, acceleration, *jerk),
-                middles,
+                acceleration_offsets,
             )
         )
-    turning = turning_blocks(request)
+    angular = angular_blocks(request)
     for i, (name, indices) in enumerate(blocks):
         if len(indices) > 1:
-            own = [form[:, :, None, indices] for form in forms]
+            block_forms = [form[:, :, None, indices] for form in forms]
             bounds = tuple(limit[i : i + 1] for limit in limits)
             largest = [float(bound[0]) for bound in bounds]
-            is_turning = name in turning and not has_fixed_axes(request, indices, largest)
-            rates = _turning(own, [off[i] for off in hidden]) if is_turning else own[1:]
-            found.append(BlockRates((name,), tuple(rates), bounds, np.zeros(1), is_turning))
-    return found
+            is_angular = name in angular and not has_fixed_axes(request, indices, largest)
+            rates = (
+                _angular_rate_bounds(block_forms, [off[i] for off in rounding_errors])
+                if is_angular
+                else block_forms[1:]
+            )
+            block_rates.append(BlockRates((name,), tuple(rates), bounds, np.zeros(1), is_angular))
+    return block_rates
 
 
-def _by_sign(request: CertifyRequest, names: tuple[str, ...], limits: Array) -> tuple[Array, Array]:
+def _acceleration_ranges(
+    request: CertifyRequest, names: tuple[str, ...], limits: Array
+) -> tuple[Array, Array]:
     """Return middle and half width of the acceleration range of scalar blocks.
 
     A block without bounds by sign has its limit in both directions.
@@ -184,10 +199,10 @@ def _by_sign(request: CertifyRequest, names: tuple[str, ...], limits: Array) -> 
     return (highest + lowest) / 2, (highest - lowest) / 2
 
 
-def _turning(forms: list[Array], hidden: list[float]) -> list[Array]:
+def _angular_rate_bounds(forms: list[Array], rounding_errors: list[float]) -> list[Array]:
     """Return bounds on the norm of an angular velocity and its derivatives."""
     sizes = np.stack([
-        np.linalg.norm(form, axis=3).max(axis=1) + off
-        for form, off in zip(forms[1:], hidden, strict=True)
+        np.linalg.norm(form, axis=3).max(axis=1) + error
+        for form, error in zip(forms[1:], rounding_errors, strict=True)
     ])
-    return [size[:, None, :, None] for size in turn_bounds(sizes)]
+    return [size[:, None, :, None] for size in angular_velocity_bounds(sizes)]

@@ -17,13 +17,13 @@ from jaxtyping import Float64
 
 from planning.certify.intervals.bernstein import derivative
 
-UNIT = 2.0**-53
+UNIT_ROUNDOFF = 2.0**-53
 _CONVERSION, _HALVINGS = 5, 65
 # Up to this degree the b_i bound S well enough: rounding errors are below 5e-9 of them.
 LOW_DEGREE = 12
 
 
-def rounding(
+def rounding_bounds(
     largest: Float64[np.ndarray, "*n nv"],
     coefficients: Float64[np.ndarray, "n k nv"],
     widths: Float64[np.ndarray, " n"],
@@ -39,20 +39,20 @@ def rounding(
     """
     terms = max(coefficients.shape[1] - order, 1)
     if terms > LOW_DEGREE + 1:
-        return closely(largest, coefficients, widths, order)
+        return tight_rounding_bounds(largest, coefficients, widths, order)
     # c_k w^k is C(degree, k) times a k-th difference of the b_i: S is at most 3^degree of them.
-    return (terms + 1) * UNIT * (_CONVERSION * 3.0 ** (terms - 1) + _HALVINGS) * largest
+    return (terms + 1) * UNIT_ROUNDOFF * (_CONVERSION * 3.0 ** (terms - 1) + _HALVINGS) * largest
 
 
-def closely(
+def tight_rounding_bounds(
     largest: Float64[np.ndarray, "*n nv"],
     coefficients: Float64[np.ndarray, "n k nv"],
     widths: Float64[np.ndarray, " n"],
     order: int = 0,
 ) -> Float64[np.ndarray, "*n nv"]:
-    """Return the bound of `rounding` with S itself, for low degrees too: smaller, more work."""
+    """Return the bound of `rounding_bounds` with S itself, for low degrees too: tighter, slower."""
     terms = max(coefficients.shape[1] - order, 1)
     powers = widths[:, None] ** np.arange(terms)
     sizes = np.einsum("nk,nkv->nv", powers, np.abs(derivative(coefficients, order)))
     sizes = sizes if largest.ndim > 1 else sizes.max(axis=0)
-    return (terms + 1) * UNIT * (_CONVERSION * sizes + _HALVINGS * largest)
+    return (terms + 1) * UNIT_ROUNDOFF * (_CONVERSION * sizes + _HALVINGS * largest)

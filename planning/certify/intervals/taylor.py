@@ -21,12 +21,12 @@ def expand_at(
         terms: Number of coefficients; beyond the degree they are zero.
     """
     count, length, width = coefficients.shape
-    moved = np.array(coefficients)
+    expanded = np.array(coefficients)
     for i in range(length - 1):
         for k in range(length - 2, i - 1, -1):
-            moved[:, k] += offsets[:, None] * moved[:, k + 1]
+            expanded[:, k] += offsets[:, None] * expanded[:, k + 1]
     padded = np.zeros((count, terms, width))
-    padded[:, : min(terms, length)] = moved[:, :terms]
+    padded[:, : min(terms, length)] = expanded[:, :terms]
     return padded
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from jaxtyping import Float64
 
 
-def turn_bounds(sizes: Float64[np.ndarray, "k *n"]) -> Float64[np.ndarray, "k *n"]:
+def angular_velocity_bounds(sizes: Float64[np.ndarray, "k *n"]) -> Float64[np.ndarray, "k *n"]:
     """Return bounds on |omega| and its first derivatives, one for each of the sizes.
 
     Args:

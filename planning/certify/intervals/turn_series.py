@@ -20,13 +20,17 @@ from planning.certify.intervals.taylor import cross, derivative, dot, scaled
 from planning.domain.arrays import Array
 
 
-def spun_rates(delta: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, "n m 3"]:
+def quaternion_angular_velocity(
+    delta: Float64[np.ndarray, "n k 3"],
+) -> Float64[np.ndarray, "n m 3"]:
     """Return Taylor coefficients of the angular velocity, one less than those of delta (not 0)."""
     last = delta.shape[1] - 1
     real, vector = _quaternion(delta)
-    turned, spun = derivative(real, 1), derivative(vector, 1)
+    scalar_rate, vector_rate = derivative(real, 1), derivative(vector, 1)
     real, vector = real[:, :last], vector[:, :last]
-    return 2 * (scaled(real, spun) - scaled(turned, vector) - cross(vector, spun))
+    return 2 * (
+        scaled(real, vector_rate) - scaled(scalar_rate, vector) - cross(vector, vector_rate)
+    )
 
 
 def _quaternion(delta: Array) -> tuple[Array, Array]:

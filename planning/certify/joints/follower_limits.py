@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.rounding import UNIT
+from planning.certify.intervals.rounding import UNIT_ROUNDOFF
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 
@@ -25,19 +25,21 @@ def follower_excesses(request: CertifyRequest) -> tuple[list[str], Array]:
     names: list[str] = []
     rows: list[Array] = []
     for follower in request.followers:
-        bases = request.trajectory.bases[:, follower.position]
-        form = request.forms[0][follower.rate]
+        bases = request.trajectory.bases[:, follower.position_index]
+        form = request.bernstein_forms[0][follower.velocity_index]
         values = follower.multiplier * (form + bases[:, None]) + follower.offset
-        hidden = abs(follower.multiplier) * request.rounding[0][follower.rate]
-        hidden += 4 * UNIT * (np.abs(values).max() + abs(follower.offset))
+        rounding_error = (
+            abs(follower.multiplier) * request.rounding_errors[0][follower.velocity_index]
+        )
+        rounding_error += 4 * UNIT_ROUNDOFF * (np.abs(values).max() + abs(follower.offset))
         for excess in (values - follower.upper, follower.lower - values):
             if np.isfinite(excess).all():
                 names.append(follower.name)
-                rows.append(excess + hidden)
+                rows.append(excess + rounding_error)
     return names, np.stack(rows) if rows else np.zeros((0, 1, 1))
 
 
-def follower_uses(
+def follower_utilizations(
     request: CertifyRequest, name: str, order: int
 ) -> Iterator[tuple[float, str, int, float]]:
     """Yield the peak of a rate over its limit, the follower, the piece, and the fraction of it."""
@@ -45,8 +47,8 @@ def follower_uses(
         limit = getattr(follower, name)
         if not np.isfinite(limit):
             continue
-        share = abs(follower.multiplier) / limit
-        rows = request.forms[order][follower.rate] * share
-        top, row, fraction = bernstein.peak(np.concatenate([rows, -rows]), _RELATIVE_GAP)
-        hidden = float(request.rounding[order][follower.rate]) * share
-        yield max(top, 0.0) + hidden, follower.name, row % len(rows), fraction
+        scale = abs(follower.multiplier) / limit
+        rows = request.bernstein_forms[order][follower.velocity_index] * scale
+        peak, row, fraction = bernstein.peak(np.concatenate([rows, -rows]), _RELATIVE_GAP)
+        rounding_error = float(request.rounding_errors[order][follower.velocity_index]) * scale
+        yield max(peak, 0.0) + rounding_error, follower.name, row % len(rows), fraction

@@ -16,7 +16,9 @@ class Deviations:
         self._curve = curve
         self._times = np.union1d(curve.breaks, times)
         self._widths = self._times[1:] - self._times[:-1]
-        self._here = shifted(curve, self._times[:-1]) if curve.manifold.is_flat else None
+        self._polynomials = (
+            local_polynomials(curve, self._times[:-1]) if curve.manifold.is_flat else None
+        )
 
     def of(self, other: TimedTrajectory) -> Float64[np.ndarray, "m nv"]:
         """Return the largest difference of each coordinate of two motions at equal instants.
@@ -30,16 +32,16 @@ class Deviations:
             other: A motion of the same joints and duration, with breaks among the instants.
         """
         curve = self._curve
-        if self._here is None:
+        if self._polynomials is None:
             return np.full((1, curve.manifold.num_velocities), np.inf)
-        (q, here), (q_other, there) = self._here, shifted(other, self._times[:-1])
-        terms, common = here.shape[1], min(here.shape[1], there.shape[1])
-        apart = np.zeros((len(here), max(terms, there.shape[1]), here.shape[2]))
-        apart[:, :terms] = here
-        apart[:, :common] -= there[:, :common]
-        np.negative(there[:, common:], out=apart[:, common : there.shape[1]])
-        apart[:, 0] = curve.manifold.minus(q, q_other)
-        forms = np.abs(bernstein.rows_from_power(apart, self._widths))
+        (q, own), (q_other, others) = self._polynomials, local_polynomials(other, self._times[:-1])
+        terms, common = own.shape[1], min(own.shape[1], others.shape[1])
+        difference = np.zeros((len(own), max(terms, others.shape[1]), own.shape[2]))
+        difference[:, :terms] = own
+        difference[:, :common] -= others[:, :common]
+        np.negative(others[:, common:], out=difference[:, common : others.shape[1]])
+        difference[:, 0] = curve.manifold.minus(q, q_other)
+        forms = np.abs(bernstein.rows_from_power(difference, self._widths))
         # Maximum over few terms: faster term by term than along the last axis.
         largest = forms[:, :, 0]
         for k in range(1, forms.shape[2]):
@@ -47,23 +49,25 @@ class Deviations:
         return largest.T
 
 
-def shifted(curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]) -> tuple[Array, Array]:
+def local_polynomials(
+    curve: TimedTrajectory, begins: Float64[np.ndarray, " m"]
+) -> tuple[Array, Array]:
     """Return positions of a curve at instants, and its polynomials expanded about them.
 
     By repeated synthetic division; shapes (m, nq) and (m, degree + 1, nv).
     """
     piece, offsets = curve.locate(begins)
-    moved = curve.coefficients[piece]
+    expanded = curve.coefficients[piece]
     rows = np.flatnonzero(offsets)
     if len(rows):
-        moved[rows] = _expanded(moved[rows], offsets[rows, None])
-    return curve.bases[piece] + moved[:, 0], moved
+        expanded[rows] = _expand(expanded[rows], offsets[rows, None])
+    return curve.bases[piece] + expanded[:, 0], expanded
 
 
-def _expanded(coefficients: Array, away: Array) -> Array:
+def _expand(coefficients: Array, offsets: Array) -> Array:
     """Return polynomials expanded about other points; the input is overwritten."""
     terms = np.ascontiguousarray(coefficients.swapaxes(0, 1))
     for i in range(len(terms) - 1):
         for k in range(len(terms) - 2, i - 1, -1):
-            terms[k] += away * terms[k + 1]
+            terms[k] += offsets * terms[k + 1]
     return terms.swapaxes(0, 1)

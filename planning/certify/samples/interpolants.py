@@ -14,15 +14,15 @@ from functools import cached_property
 import numpy as np
 
 from planning.certify.certifier import (
+    additional_checks,
     motion_checks,
-    place_checks,
-    special_checks,
-    unchecked_of,
-    without_bends,
+    polyline_checks,
+    skipped_checks,
+    without_smoothness_limits,
 )
 from planning.certify.clearance.clearance_check import check_clearance
-from planning.certify.clearance.clearance_result import MARGIN_SLACK
-from planning.certify.clearance.levers import levers_of
+from planning.certify.clearance.clearance_result import MARGIN_TOLERANCE
+from planning.certify.clearance.levers import lever_arms_of
 from planning.certify.intervals.hermite_errors import HermiteErrors
 from planning.certify.request import CertifyRequest
 from planning.certify.samples.deviation import Deviations
@@ -64,15 +64,15 @@ def prove_interpolants(
         Canceled: The caller canceled.
         ModelInvalid: The scene has a shape or joint of a kind that cannot be certified.
     """
-    judge = _Judge(model, request, samples, clearance, deadline, errors)
-    return tuple(judge.verdict(kind) for kind in KINDS)
+    checker = _InterpolantChecker(model, request, samples, clearance, deadline, errors)
+    return tuple(checker.check(kind) for kind in KINDS)
 
 
 _NO_TIME = "there was no time left to prove it"
 
 
 @dataclass(frozen=True)
-class _Judge:
+class _InterpolantChecker:
     """Proof of all interpolants of one set of samples."""
 
     model: DrakeModel
@@ -83,69 +83,75 @@ class _Judge:
     errors: HermiteErrors | None
 
     @cached_property
-    def way(self) -> float:
+    def allowed_approach(self) -> float:
         """Allowed approach of two shapes beyond that along the motion [m]."""
-        return self.clearance - self.request.margins.largest + MARGIN_SLACK
+        return self.clearance - self.request.margins.largest + MARGIN_TOLERANCE
 
     @cached_property
-    def levers(self) -> Array:
-        return levers_of(self.model, self.request)
+    def lever_arms(self) -> Array:
+        return lever_arms_of(self.model, self.request)
 
     @cached_property
     def deviations(self) -> Deviations:
         return Deviations(self.request.trajectory, self.samples.times)
 
     @cached_property
-    def has_more(self) -> bool:
+    def has_other_constraints(self) -> bool:
         """Whether the request has constraints other than joint limits and clearance."""
         request = self.request
-        more = (request.constraints, request.lines, request.tool_limits, request.speed_zones)
-        return any(more) or request.effort or bool(steering_of(request.group))
+        others = (request.constraints, request.lines, request.tool_limits, request.speed_zones)
+        return any(others) or request.effort or bool(steering_of(request.group))
 
-    def verdict(self, kind: Interpolation) -> InterpolationProof:
+    def check(self, kind: Interpolation) -> InterpolationProof:
         is_straight = kind == "linear"
         if not (is_straight or self.request.trajectory.manifold.is_flat):
             reason = "samples do not say how joints that float turn between them"
             return InterpolationProof(kind, False, np.inf, None, reason=reason)  # noqa: FBT003
         try:
-            return self._held_to_all(kind)
+            return self._prove(kind)
         except DeadlineExceeded:
             return InterpolationProof(kind, False, np.inf, None, reason=_NO_TIME)  # noqa: FBT003
 
-    def _held_to_all(self, kind: Interpolation) -> InterpolationProof:
+    def _prove(self, kind: Interpolation) -> InterpolationProof:
         self.deadline.check("certify")
         is_straight = kind == "linear"
-        made = interpolated(self.samples, kind)
-        asked = replace(self.request, trajectory=made, options=CertifyOptions())
-        apart = self.deviations.of(made)
-        checks = self._checks(without_bends(asked) if is_straight else asked, apart, kind)
+        interpolant = interpolate_samples(self.samples, kind)
+        request = replace(self.request, trajectory=interpolant, options=CertifyOptions())
+        deviations = self.deviations.of(interpolant)
+        checks = self._checks(
+            without_smoothness_limits(request) if is_straight else request, deviations, kind
+        )
         failed = tuple(check for check in checks if not check.passed)
         proven = not failed
-        unchecked = unchecked_of(self.request) if is_straight else ()
+        unchecked = skipped_checks(self.request) if is_straight else ()
         period = self._period(kind, proven=proven)
-        deviation = float(apart.max())
+        deviation = float(deviations.max())
         return InterpolationProof(kind, proven, deviation, period, failed, unchecked)
 
-    def _checks(self, asked: CertifyRequest, apart: Array, kind: Interpolation) -> list[Check]:
-        own = place_checks(asked) if kind == "linear" else motion_checks(asked)
-        found = [*own, *special_checks(self.model, asked, self.deadline)]
+    def _checks(
+        self, request: CertifyRequest, deviations: Array, kind: Interpolation
+    ) -> list[Check]:
+        trajectory_checks = polyline_checks(request) if kind == "linear" else motion_checks(request)
+        checks = [*trajectory_checks, *additional_checks(self.model, request, self.deadline)]
         # Zero deviation times an infinite lever is zero.
-        nearer = np.multiply(apart, self.levers, out=np.zeros_like(apart), where=apart > 0)
-        if not float(nearer.sum(axis=1).max()) <= self.way:
-            found.append(check_clearance(self.model, asked, self.deadline).check)
-        return found
+        approaches = np.multiply(
+            deviations, self.lever_arms, out=np.zeros_like(deviations), where=deviations > 0
+        )
+        if not float(approaches.sum(axis=1).max()) <= self.allowed_approach:
+            checks.append(check_clearance(self.model, request, self.deadline).check)
+        return checks
 
     def _period(self, kind: Interpolation, *, proven: bool) -> float | None:
-        seen, longest = self.samples.longest_gap, 0.0
-        if self.errors is not None and not self.has_more:
-            longest = self.errors.longest(kind, self.levers, self.way)
+        longest_gap, max_period = self.samples.longest_gap, 0.0
+        if self.errors is not None and not self.has_other_constraints:
+            max_period = self.errors.max_sample_period(kind, self.lever_arms, self.allowed_approach)
         if proven:
-            return max(seen, longest)
+            return max(longest_gap, max_period)
         # Where these samples fail, no longer period can be proven.
-        return longest if 0 < longest < seen else None
+        return max_period if 0 < max_period < longest_gap else None
 
 
-def interpolated(samples: SampledTrajectory, kind: Interpolation) -> TimedTrajectory:
+def interpolate_samples(samples: SampledTrajectory, kind: Interpolation) -> TimedTrajectory:
     """Return the interpolated motion of samples; only linear with floating joints."""
     joints, times, positions = samples.joints, samples.times, samples.positions
     match kind:

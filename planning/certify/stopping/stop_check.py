@@ -6,7 +6,7 @@ from jaxtyping import Float64
 from planning.certify.frames.tool_rates import ToolRates
 from planning.certify.intervals.motion_cells import MotionCells, motion_cells
 from planning.certify.request import CertifyRequest
-from planning.certify.stopping.stop_constraints import with_constraints
+from planning.certify.stopping.stop_constraints import with_stop_constraints
 from planning.certify.stopping.stops import Stops, hardest_stops, smooth_stops
 from planning.domain.report.certificate import Check
 from planning.domain.report.stop_report import StopReport
@@ -14,7 +14,7 @@ from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
 # Number of cells of a motion: fewer with jerk limits, where each takes more work.
-_CELLS, _SMOOTH_CELLS = 600, 300
+_NUM_CELLS, _NUM_SMOOTH_CELLS = 600, 300
 
 
 def stop_check(
@@ -32,33 +32,38 @@ def stop_check(
         Canceled: The caller canceled.
     """
     deadline.check("certify")
-    cells = motion_cells(request, _SMOOTH_CELLS if request.jerk else _CELLS)
-    cells = with_constraints(model, request, cells, deadline)
+    cells = motion_cells(request, _NUM_SMOOTH_CELLS if request.jerk else _NUM_CELLS)
+    cells = with_stop_constraints(model, request, cells, deadline)
     stops = (smooth_stops if request.jerk else hardest_stops)(cells, deadline)
     # From within a cell the motion continues to the cell's end, and stops from there.
     times = cells.widths + stops.times[1:]
     longest = int(np.argmax(times))
-    ways = _report(model, request, cells, stops, deadline)
-    report = StopReport(float(times[longest]), float(cells.begins[longest]), *ways, *_unheld(cells))
-    most = request.options.max_stopping_time
-    bound = np.inf if most is None else most
+    distances = _stopping_distances(model, request, cells, stops, deadline)
+    report = StopReport(
+        float(times[longest]), float(cells.begins[longest]), *distances, *_static_overload(cells)
+    )
+    max_stopping_time = request.options.max_stopping_time
+    bound = np.inf if max_stopping_time is None else max_stopping_time
     passed = report.time <= bound
     where = report.unheld
     return Check("stop", report.time, bound, "s", 0.0, passed, where, report.begin), report
 
 
-def _unheld(cells: MotionCells) -> tuple[str, float | None]:
+def _static_overload(cells: MotionCells) -> tuple[str, float | None]:
     """Return the block with the largest static overload and its instant [s]; or "" and None."""
-    worst, found = 1.0, ("", None)
-    for load in cells.loads:
-        over = load.held_use
-        cell, block = np.unravel_index(int(np.argmax(over)), over.shape)
-        if not load.holds.all() and over[cell, block] > worst:
-            worst, found = float(over[cell, block]), (load.names[block], float(cells.begins[cell]))
-    return found
+    worst, overload = 1.0, ("", None)
+    for constraint in cells.stop_constraints:
+        utilizations = constraint.static_utilization
+        cell, block = np.unravel_index(int(np.argmax(utilizations)), utilizations.shape)
+        if not constraint.is_satisfied_at_rest.all() and utilizations[cell, block] > worst:
+            worst, overload = (
+                float(utilizations[cell, block]),
+                (constraint.names[block], float(cells.begins[cell])),
+            )
+    return overload
 
 
-def _report(
+def _stopping_distances(
     model: DrakeModel,
     request: CertifyRequest,
     cells: MotionCells,
@@ -66,23 +71,33 @@ def _report(
     deadline: Deadline,
 ) -> tuple[float, str, float | None, str]:
     """Return a joint's longest stopping distance, the joint, and the tool's, and its frame."""
-    names, ways = cells.ways()
-    longest = _longest(ways, stops)
+    names, path_lengths = cells.path_length_bounds()
+    longest = _max_stopping_distances(path_lengths, stops)
     joint = int(np.argmax(longest))
     frame = next(iter(request.group.tool_frames), "")
     if not frame:
         return float(longest[joint]), names[joint], None, ""
-    tool = _tool_ways(ToolRates(model, request, frame), cells, deadline)
-    return float(longest[joint]), names[joint], float(_longest(tool[:, None], stops)[0]), frame
+    tool_path_lengths = _tool_path_lengths(ToolRates(model, request, frame), cells, deadline)
+    return (
+        float(longest[joint]),
+        names[joint],
+        float(_max_stopping_distances(tool_path_lengths[:, None], stops)[0]),
+        frame,
+    )
 
 
-def _longest(ways: Float64[np.ndarray, "n m"], stops: Stops) -> Float64[np.ndarray, " m"]:
+def _max_stopping_distances(
+    path_lengths: Float64[np.ndarray, "n m"], stops: Stops
+) -> Float64[np.ndarray, " m"]:
     """Return the longest path length from a cell to the end of the stop that follows it."""
-    gone = np.concatenate([np.zeros((1, ways.shape[1])), np.cumsum(ways, axis=0)])
-    return (gone[stops.ends[1:]] - gone[:-1]).max(axis=0)
+    traveled = np.concatenate([
+        np.zeros((1, path_lengths.shape[1])),
+        np.cumsum(path_lengths, axis=0),
+    ])
+    return (traveled[stops.ends[1:]] - traveled[:-1]).max(axis=0)
 
 
-def _tool_ways(
+def _tool_path_lengths(
     tool: ToolRates, cells: MotionCells, deadline: Deadline
 ) -> Float64[np.ndarray, " n"]:
     """Bound the path length of the tool's origin in each cell [m].

@@ -15,21 +15,21 @@ from planning.certify.frames.frame_chain import derivative_bounds, origin_errors
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.motion_cells import MotionCells
-from planning.certify.joints.limit_checks import MAX_UTILISATION
+from planning.certify.joints.limit_checks import MAX_UTILIZATION
 from planning.certify.request import CertifyRequest
 from planning.certify.stopping.stop_constraint import StopConstraint
 from planning.certify.torque.links import Link, links_of
-from planning.certify.torque.taylor_torques import Torques, torque_series
+from planning.certify.torque.taylor_torques import TorquePolynomials, torque_series
 from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel
 
 # Number of evaluations of a frame in each cell after the one at its beginning.
-_LOOKS = 8
-_AT_ONCE = 256
+_NUM_SAMPLES = 8
+_BATCH_SIZE = 256
 
 
-def with_constraints(
+def with_stop_constraints(
     model: DrakeModel, request: CertifyRequest, cells: MotionCells, deadline: Deadline
 ) -> MotionCells:
     """Return the cells with all constraints on stops other than joint rates.
@@ -40,111 +40,119 @@ def with_constraints(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    loads = [
-        _of_frame(model, request, cells, (limit.frame, limit.acceleration), deadline)
+    constraints = [
+        _frame_constraint(model, request, cells, (limit.frame, limit.acceleration), deadline)
         for limit in request.tool_limits
         if limit.acceleration is not None
     ]
     if request.effort:
-        loads += _of_torques(model, request, cells, deadline)
-    return replace(cells, loads=tuple(loads))
+        constraints += _torque_constraints(model, request, cells, deadline)
+    return replace(cells, stop_constraints=tuple(constraints))
 
 
-def _of_frame(
+def _frame_constraint(
     model: DrakeModel,
     request: CertifyRequest,
     cells: MotionCells,
     limit: tuple[str, float],
     deadline: Deadline,
 ) -> StopConstraint:
-    frame, most = limit
-    pieces, begins = _placed(request, cells)
-    places = np.linspace(0.0, 1.0, _LOOKS + 1)
-    local = begins[:, None] + places * cells.widths[:, None]
+    frame, max_acceleration = limit
+    pieces, begins = _locate_cells(request, cells)
+    fractions = np.linspace(0.0, 1.0, _NUM_SAMPLES + 1)
+    local = begins[:, None] + fractions * cells.widths[:, None]
     states = FrameStates(model, request, frame)
-    seen = states.at(np.repeat(pieces, len(places)), local.ravel(), deadline)
-    shape = (len(pieces), len(places), 1, 3)
+    motion = states.at(np.repeat(pieces, len(fractions)), local.ravel(), deadline)
+    shape = (len(pieces), len(fractions), 1, 3)
     with np.errstate(over="ignore", invalid="ignore"):
-        beyond = derivative_bounds(model, request, frame)[pieces, 2:]
-        off = (cells.widths[:, None] / _LOOKS) ** 2 / 8 * beyond
-        off += origin_errors(model, request, frame)[pieces, 1:]
-        bounds = most * MAX_UTILISATION - off[:, 1:]
-    load = StopConstraint(
+        higher_derivatives = derivative_bounds(model, request, frame)[pieces, 2:]
+        errors = (cells.widths[:, None] / _NUM_SAMPLES) ** 2 / 8 * higher_derivatives
+        errors += origin_errors(model, request, frame)[pieces, 1:]
+        bounds = max_acceleration * MAX_UTILIZATION - errors[:, 1:]
+    constraint = StopConstraint(
         (f"tool_acceleration {frame}",),
-        seen.velocity.reshape(shape),
-        seen.acceleration.reshape(shape),
+        motion.velocity.reshape(shape),
+        motion.acceleration.reshape(shape),
         np.zeros((len(pieces), 1, 1, 1)),
         None,
-        off[:, :1],
+        errors[:, :1],
         bounds,
     )
-    return load.where_known
+    return constraint.without_overflow
 
 
-def _of_torques(
+def _torque_constraints(
     model: DrakeModel, request: CertifyRequest, cells: MotionCells, deadline: Deadline
 ) -> list[StopConstraint]:
     """Return the torque constraints of all blocks with effort limits, grouped by size."""
     limits = request.limits
     limited = [i for i in range(len(limits.effort)) if np.isfinite(limits.effort[i])]
-    shares = _shares(model, request, cells, deadline) if limited else []
-    loads: list[StopConstraint] = []
+    terms = _torque_terms(model, request, cells, deadline) if limited else []
+    constraints: list[StopConstraint] = []
     for size in sorted({len(limits.blocks[i]) for i in limited}):
         chosen = [i for i in limited if len(limits.blocks[i]) == size]
         columns = np.array([list(limits.blocks[i]) for i in chosen])
-        (slope, off), *others = (
+        (by_path_acceleration, path_acceleration_error), *others = (
             (
-                bernstein.about_middle(share.taylor, cells.widths / 2)[:, :, columns],
-                np.linalg.norm(share.missed[:, columns], axis=2),
+                bernstein.about_middle(term.taylor, cells.widths / 2)[:, :, columns],
+                np.linalg.norm(term.errors[:, columns], axis=2),
             )
-            for share in shares
+            for term in terms
         )
-        bend, rest, *drag = (form for form, _ in others)
-        missed = np.sum([beyond for _, beyond in others], axis=0)
+        by_squared_path_velocity, constant, *by_path_velocity = (form for form, _ in others)
+        errors = np.sum([error for _, error in others], axis=0)
         names = tuple(f"torque {request.group.blocks[i][0]}" for i in chosen)
-        bounds = limits.effort[chosen] * MAX_UTILISATION - missed
-        load = StopConstraint(names, slope, bend, rest, drag[0] if drag else None, off, bounds)
-        loads.append(load.where_known)
-    return loads
+        bounds = limits.effort[chosen] * MAX_UTILIZATION - errors
+        constraint = StopConstraint(
+            names,
+            by_path_acceleration,
+            by_squared_path_velocity,
+            constant,
+            by_path_velocity[0] if by_path_velocity else None,
+            path_acceleration_error,
+            bounds,
+        )
+        constraints.append(constraint.without_overflow)
+    return constraints
 
 
-def _shares(
+def _torque_terms(
     model: DrakeModel, request: CertifyRequest, cells: MotionCells, deadline: Deadline
-) -> list[Torques]:
+) -> list[TorquePolynomials]:
     """Return the torques' shares of s'', of s'^2, of gravity, and of s' if a joint is damped."""
     links = links_of(model, request)
     gravity = np.array(model.plant.gravity_field().gravity_vector())
-    free = tuple(replace(link, motion=replace(link.motion, damping=0.0)) for link in links)
-    wanted = [(free, 0 * gravity, 1), (free, 0 * gravity, 2), (free, gravity, 0)]
+    undamped = tuple(replace(link, motion=replace(link.motion, damping=0.0)) for link in links)
+    terms = [(undamped, 0 * gravity, 1), (undamped, 0 * gravity, 2), (undamped, gravity, 0)]
     if any(link.motion.damping for link in links):
-        wanted.append((links, 0 * gravity, 0))
-    return [_share(share, request, cells, deadline) for share in wanted]
+        terms.append((links, 0 * gravity, 0))
+    return [_torque_term(term, request, cells, deadline) for term in terms]
 
 
-def _share(
-    share: tuple[tuple[Link, ...], Array, int],
+def _torque_term(
+    term: tuple[tuple[Link, ...], Array, int],
     request: CertifyRequest,
     cells: MotionCells,
     deadline: Deadline,
-) -> Torques:
-    links, gravity, order = share
-    pieces, begins = _placed(request, cells)
+) -> TorquePolynomials:
+    links, gravity, order = term
+    pieces, begins = _locate_cells(request, cells)
     halves = cells.widths / 2
-    parts: list[Torques] = []
-    for begin in range(0, len(pieces), _AT_ONCE):
+    parts: list[TorquePolynomials] = []
+    for begin in range(0, len(pieces), _BATCH_SIZE):
         deadline.check("certify")
-        rows = slice(begin, begin + _AT_ONCE)
-        where = pieces[rows], begins[rows] + halves[rows], halves[rows]
+        rows = slice(begin, begin + _BATCH_SIZE)
+        segments = pieces[rows], begins[rows] + halves[rows], halves[rows]
         # Overflow gives NaN: the torque is unknown there.
         with np.errstate(over="ignore", invalid="ignore"):
-            parts.append(torque_series(links, gravity, request.trajectory, where, order))
-    return Torques(
+            parts.append(torque_series(links, gravity, request.trajectory, segments, order))
+    return TorquePolynomials(
         np.concatenate([part.taylor for part in parts]),
-        np.concatenate([part.missed for part in parts]),
+        np.concatenate([part.errors for part in parts]),
     )
 
 
-def _placed(request: CertifyRequest, cells: MotionCells) -> tuple[Any, Array]:
+def _locate_cells(request: CertifyRequest, cells: MotionCells) -> tuple[Any, Array]:
     """Return the piece of every cell, and the cell's beginning since the piece's break [s]."""
     breaks = request.trajectory.breaks
     pieces = np.searchsorted(breaks, cells.begins + cells.widths / 2) - 1

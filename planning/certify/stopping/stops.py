@@ -35,22 +35,22 @@ import numpy as np
 from jaxtyping import Float64, Int
 
 from planning.certify.intervals.motion_cells import MotionCells
-from planning.certify.joints.limit_checks import MAX_UTILISATION
-from planning.certify.stopping.stop_constraint import spread
+from planning.certify.joints.limit_checks import MAX_UTILIZATION
+from planning.certify.stopping.stop_constraint import interval_product
 from planning.domain.arrays import Array, Indices
-from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.deadline import NO_DEADLINE, Deadline
 
-_STANDS = 1e-12
+_REST_TOLERANCE = 1e-12
 # Squared rate that counts as zero: it moves nothing even with the largest ramp.
-_STILL = 1e-200
+_ZERO_SQUARED_RATE = 1e-200
 # Range of ramps: any that ends within a cell is above the first, any meaningful one below the
 # second [1/s].
-_LEAST_RAMP, _MOST_RAMP = 1e-12, 1e9
+_MIN_BRAKING, _MAX_BRAKING = 1e-12, 1e9
 # Durations of stops under jerk limits: shortest [s], and ratio of consecutive ones.
-_SHORTEST, _STEP = 0.01, 1.15
+_MIN_DURATION, _DURATION_RATIO = 0.01, 1.15
 # Table of the profile's integral, and the error of a lookup.
-_TABLE = np.linspace(0.0, 1.0, 4097)
-_OFF = 1e-3
+_PROFILE_TABLE = np.linspace(0.0, 1.0, 4097)
+_TABLE_ERROR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Stops:
     ends: Int[np.ndarray, " n_plus_1"]
 
 
-def hardest_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
+def hardest_stops(cells: MotionCells, deadline: Deadline = NO_DEADLINE) -> Stops:
     """Return stops under acceleration limits, each as hard as its cells allow.
 
     Raises:
@@ -79,21 +79,21 @@ def hardest_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
     moving = np.arange(count)
     while len(moving):
         deadline.check("certify")
-        at, before = ends[moving], y[moving]
-        width = cells.widths[at]
-        ramp = ramps(cells, at, before)
-        after = before - 2 * width * ramp
-        after[after < _STANDS] = 0.0
+        cell, before = ends[moving], y[moving]
+        width = cells.widths[cell]
+        braking = max_braking(cells, cell, before)
+        after = before - 2 * width * braking
+        after[after < _REST_TOLERANCE] = 0.0
         # Coming to rest within the cell takes s' / x.
-        passed = np.where(after > 0, width, before / (2 * np.maximum(ramp, _LEAST_RAMP)))
-        times[moving] += 2 * passed / (np.sqrt(before) + np.sqrt(after))
+        traversed = np.where(after > 0, width, before / (2 * np.maximum(braking, _MIN_BRAKING)))
+        times[moving] += 2 * traversed / (np.sqrt(before) + np.sqrt(after))
         y[moving] = after
         ends[moving] += 1
         moving = moving[(after > 0) & (ends[moving] < count)]
-    return _or_finished(cells, *_waited(cells, times, ends))
+    return _end_if_sooner(cells, *_with_delays(cells, times, ends))
 
 
-def _waited(cells: MotionCells, times: Array, ends: Indices) -> tuple[Array, Indices]:
+def _with_delays(cells: MotionCells, times: Array, ends: Indices) -> tuple[Array, Indices]:
     """Return stops with those that do not exist replaced by the next one, after a delay."""
     for i in range(len(cells.begins) - 1, -1, -1):
         if np.isnan(times[i]):
@@ -101,147 +101,177 @@ def _waited(cells: MotionCells, times: Array, ends: Indices) -> tuple[Array, Ind
     return times, ends
 
 
-def smooth_stops(cells: MotionCells, deadline: Deadline = UNHURRIED) -> Stops:
+def smooth_stops(cells: MotionCells, deadline: Deadline = NO_DEADLINE) -> Stops:
     """Return stops under acceleration and jerk limits, by one profile, with the best delay.
 
     Raises:
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    count, best = len(cells.begins), smooth_durations(cells, deadline)
-    over = np.append(cells.begins + best, cells.end)
+    count, durations = len(cells.begins), smooth_durations(cells, deadline)
+    end_times = np.append(cells.begins + durations, cells.end)
     # Of all stops that begin here or later, the one that ends first.
     soonest = np.arange(count + 1)
     for i in range(count - 1, -1, -1):
-        soonest[i] = i if over[i] < over[soonest[i + 1]] else soonest[i + 1]
+        soonest[i] = i if end_times[i] < end_times[soonest[i + 1]] else soonest[i + 1]
     edges = np.append(cells.begins, cells.end)
     # The profile's integral is T / 2.
-    stands = edges[soonest] + np.append(best, 0.0)[soonest] / 2
-    ends = np.searchsorted(edges, np.minimum(stands, cells.end) - 1e-12)
-    return _or_finished(cells, over[soonest] - edges, np.maximum(ends, np.arange(count + 1)))
+    stop_times = edges[soonest] + np.append(durations, 0.0)[soonest] / 2
+    ends = np.searchsorted(edges, np.minimum(stop_times, cells.end) - 1e-12)
+    return _end_if_sooner(cells, end_times[soonest] - edges, np.maximum(ends, np.arange(count + 1)))
 
 
 def smooth_durations(
-    cells: MotionCells, deadline: Deadline = UNHURRIED
+    cells: MotionCells, deadline: Deadline = NO_DEADLINE
 ) -> Float64[np.ndarray, " n"]:
     """Return durations of smooth stops that begin with each cell [s], infinite if none passes."""
-    best = np.full(len(cells.begins), np.inf)
-    lasting = _SHORTEST
-    while lasting < 2 * cells.end:
-        open_ = np.flatnonzero(np.isinf(best))
-        best[open_[_passes(cells, open_, lasting, deadline)]] = lasting
-        lasting *= _STEP
-    return best
+    durations = np.full(len(cells.begins), np.inf)
+    duration = _MIN_DURATION
+    while duration < 2 * cells.end:
+        undecided = np.flatnonzero(np.isinf(durations))
+        durations[undecided[_can_stop(cells, undecided, duration, deadline)]] = duration
+        duration *= _DURATION_RATIO
+    return durations
 
 
-def _or_finished(cells: MotionCells, times: Array, ends: Indices) -> Stops:
+def _end_if_sooner(cells: MotionCells, times: Array, ends: Indices) -> Stops:
     """Return the stops, replaced by the end of the motion where that is sooner."""
-    left = cells.end - np.append(cells.begins, cells.end)
-    is_sooner = left < times
-    return Stops(np.where(is_sooner, left, times), np.where(is_sooner, len(cells.begins), ends))
+    remaining = cells.end - np.append(cells.begins, cells.end)
+    is_sooner = remaining < times
+    return Stops(
+        np.where(is_sooner, remaining, times), np.where(is_sooner, len(cells.begins), ends)
+    )
 
 
-def ramps(cells: MotionCells, at: Indices, y: Array) -> Array:
+def max_braking(cells: MotionCells, cell: Indices, y: Array) -> Array:
     """Return the hardest braking x in some cells that are entered with y [1/s].
 
     Args:
         cells: Cells of the motion.
-        at: Indices of the cells, shape (m,).
+        cell: Indices of the cells, shape (m,).
         y: s'^2 at the beginning of each, in [0, 1], shape (m,).
 
     Returns:
         Shape (m,); NaN where no x is admissible.
     """
-    width = cells.widths[at]
-    lows, highs = np.zeros((3, len(at))), np.full((3, len(at)), _MOST_RAMP)
-    for load in cells.all_loads:
-        limits = load.bounds[at], load.off_slope[at]
-        for i, begun, part in load.sides(at, y, width):
-            least, most = _between(begun, part, *limits)
-            lows[i], highs[i] = np.maximum(lows[i], least), np.minimum(highs[i], most)
-    holds = cells.holds[at]
-    stands = np.where(highs[[0, 2]].min(axis=0) >= lows[0], highs[[0, 2]].min(axis=0), 0.0)
-    goes_on = np.minimum(highs[:2].min(axis=0), np.where(holds, y, y / 2) / (2 * width))
+    width = cells.widths[cell]
+    lower_bounds, upper_bounds = np.zeros((3, len(cell))), np.full((3, len(cell)), _MAX_BRAKING)
+    for constraint in cells.all_constraints:
+        limits = constraint.bounds[cell], constraint.path_acceleration_error[cell]
+        for i, without_braking, by_braking in constraint.cell_conditions(cell, y, width):
+            lower, upper = _braking_interval(without_braking, by_braking, *limits)
+            lower_bounds[i], upper_bounds[i] = (
+                np.maximum(lower_bounds[i], lower),
+                np.minimum(upper_bounds[i], upper),
+            )
+    can_rest = cells.can_rest[cell]
+    braking_to_rest = np.where(
+        upper_bounds[[0, 2]].min(axis=0) >= lower_bounds[0], upper_bounds[[0, 2]].min(axis=0), 0.0
+    )
+    braking_through = np.minimum(
+        upper_bounds[:2].min(axis=0), np.where(can_rest, y, y / 2) / (2 * width)
+    )
     # Where the motion cannot rest, it may only continue at full rate.
-    otherwise = np.where(holds | (y == 1), 0.0, np.nan)
-    goes_on = np.where(goes_on >= lows[:2].max(axis=0), goes_on, otherwise)
-    goes_on[~holds & (y - 2 * width * goes_on < _STANDS)] = np.nan
-    return np.where(holds & (2 * stands * width >= y), stands, goes_on)
+    fallback = np.where(can_rest | (y == 1), 0.0, np.nan)
+    braking_through = np.where(
+        braking_through >= lower_bounds[:2].max(axis=0), braking_through, fallback
+    )
+    braking_through[~can_rest & (y - 2 * width * braking_through < _REST_TOLERANCE)] = np.nan
+    return np.where(can_rest & (2 * braking_to_rest * width >= y), braking_to_rest, braking_through)
 
 
-def _between(begun: Array, part: Array, bound: Array, off: Array) -> tuple[Array, Array]:
+def _braking_interval(
+    without_braking: Array, by_braking: Array, bound: Array, error: Array
+) -> tuple[Array, Array]:
     """Return the interval of x per cell for which |begun - x part| <= bound - x off throughout.
 
     Args:
-        begun: Shape (m, k, blocks, size).
-        part: The same.
+        without_braking: Shape (m, k, blocks, size).
+        by_braking: The same.
         bound: Shape (m, blocks).
-        off: Bound on the error of part, shape (m, blocks).
+        error: Bound on the error of part, shape (m, blocks).
     """
-    bound, off = bound[:, None], off[:, None]
-    square, along = _dot(part, part) - off**2, _dot(begun, part) - bound * off
-    size = _dot(begun, begun)
-    inner = along**2 + square * (bound**2 - size)
-    counts = square > _STILL
-    root, divisor = np.sqrt(np.maximum(inner, 0.0)), np.where(counts, square, 1.0)
-    least = np.where(counts, (along - root) / divisor, -np.inf).max(axis=(1, 2))
-    most = np.where(counts, (along + root) / divisor, np.inf)
-    is_empty = np.where(counts, inner < 0, size > bound**2) | (bound < 0)
-    if off.any():
+    bound, error = bound[:, None], error[:, None]
+    square, along = (
+        _dot(by_braking, by_braking) - error**2,
+        _dot(without_braking, by_braking) - bound * error,
+    )
+    size = _dot(without_braking, without_braking)
+    discriminant = along**2 + square * (bound**2 - size)
+    is_quadratic = square > _ZERO_SQUARED_RATE
+    root, divisor = np.sqrt(np.maximum(discriminant, 0.0)), np.where(is_quadratic, square, 1.0)
+    lower = np.where(is_quadratic, (along - root) / divisor, -np.inf).max(axis=(1, 2))
+    upper = np.where(is_quadratic, (along + root) / divisor, np.inf)
+    is_empty = np.where(is_quadratic, discriminant < 0, size > bound**2) | (bound < 0)
+    if error.any():
         # Where |part| <= off, |begun| + 2 x off is a bound.
-        ends = np.where(counts, bound, (bound - np.sqrt(size)) / 2) / np.where(off > 0, off, 1.0)
-        most = np.minimum(most, np.where(off > 0, ends, np.inf))
-    return least, np.where(is_empty.any(axis=(1, 2)), -np.inf, most.min(axis=(1, 2)))
+        limits = np.where(is_quadratic, bound, (bound - np.sqrt(size)) / 2) / np.where(
+            error > 0, error, 1.0
+        )
+        upper = np.minimum(upper, np.where(error > 0, limits, np.inf))
+    return lower, np.where(is_empty.any(axis=(1, 2)), -np.inf, upper.min(axis=(1, 2)))
 
 
 def _dot(left: Array, right: Array) -> Array:
     return np.einsum("mkbs,mkbs->mkb", left, right)
 
 
-def _passes(cells: MotionCells, starts: Indices, lasting: float, deadline: Deadline) -> Any:
+def _can_stop(cells: MotionCells, starts: Indices, duration: float, deadline: Deadline) -> Any:
     """Return in which of some cells a smooth stop of a given duration can begin."""
-    passes = np.ones(len(starts), dtype=bool)
-    integral = _TABLE - _TABLE**3 + _TABLE**4 / 2
-    live, step = np.arange(len(starts)), 0
-    while len(live):
+    can_stop = np.ones(len(starts), dtype=bool)
+    integral = _PROFILE_TABLE - _PROFILE_TABLE**3 + _PROFILE_TABLE**4 / 2
+    pending, step = np.arange(len(starts)), 0
+    while len(pending):
         deadline.check("certify")
-        at = starts[live] + step
-        begun = (cells.begins[at] - cells.begins[starts[live]]) / lasting
-        over = begun + cells.widths[at] / lasting
-        u0 = np.maximum(np.interp(begun, integral, _TABLE) - _OFF, 0.0)
-        u1 = np.minimum(np.interp(over, integral, _TABLE) + _OFF, 1.0)
-        kept = _is_kept(cells, at, u0, u1, lasting) & (cells.holds[at] | (over < 0.5))
-        passes[live[~kept]] = False
-        goes_on = kept & (over < 0.5) & (at + 1 < len(cells.begins))
-        live, step = live[goes_on], step + 1
-    return passes
+        cell = starts[pending] + step
+        entry = (cells.begins[cell] - cells.begins[starts[pending]]) / duration
+        exit_ = entry + cells.widths[cell] / duration
+        u0 = np.maximum(np.interp(entry, integral, _PROFILE_TABLE) - _TABLE_ERROR, 0.0)
+        u1 = np.minimum(np.interp(exit_, integral, _PROFILE_TABLE) + _TABLE_ERROR, 1.0)
+        is_satisfied = _is_satisfied(cells, cell, u0, u1, duration) & (
+            cells.can_rest[cell] | (exit_ < 0.5)
+        )
+        can_stop[pending[~is_satisfied]] = False
+        is_moving = is_satisfied & (exit_ < 0.5) & (cell + 1 < len(cells.begins))
+        pending, step = pending[is_moving], step + 1
+    return can_stop
 
 
-def _is_kept(cells: MotionCells, at: Indices, u0: Array, u1: Array, lasting: float) -> Any:
+def _is_satisfied(cells: MotionCells, cell: Indices, u0: Array, u1: Array, duration: float) -> Any:
     """Return in which cells the limits hold while u goes from u0 to u1."""
-    rate = np.stack([_smooth(u1), _smooth(u0)])
+    path_velocity = np.stack([_smooth_profile(u1), _smooth_profile(u0)])
     steepest = np.where((u0 < 0.5) & (u1 > 0.5), 0.25, np.maximum(u0 * (1 - u0), u1 * (1 - u1)))
     flattest = np.minimum(u0 * (1 - u0), u1 * (1 - u1))
-    ramp = np.stack([-6 * steepest, -6 * flattest]) / lasting
-    twist = np.stack([-6 + 12 * u0, -6 + 12 * u1]) / lasting**2
-    kept = np.ones(len(at), dtype=bool)
-    for load in cells.loads:
-        kept &= load.used(at, rate, ramp)
+    path_acceleration = np.stack([-6 * steepest, -6 * flattest]) / duration
+    path_jerk = np.stack([-6 + 12 * u0, -6 + 12 * u1]) / duration**2
+    is_satisfied = np.ones(len(cell), dtype=bool)
+    for constraint in cells.stop_constraints:
+        is_satisfied &= constraint.is_satisfied(cell, path_velocity, path_acceleration)
     for rates in cells.rates:
-        first, second, third = (form[:, at] for form in rates.hulls)
-        vdot = spread(second, _cubed(rate, 2)) + spread(first, ramp)
-        vddot = spread(third, _cubed(rate, 3)) + spread(first, twist)
-        vddot += 3 * spread(second, np.stack([ramp[0] * rate[1], ramp[1] * rate[0]]))
-        vdot -= rates.middles[:, None] * MAX_UTILISATION
+        first, second, third = (form[:, cell] for form in rates.hulls)
+        vdot = interval_product(second, _nonnegative_power(path_velocity, 2)) + interval_product(
+            first, path_acceleration
+        )
+        vddot = interval_product(third, _nonnegative_power(path_velocity, 3)) + interval_product(
+            first, path_jerk
+        )
+        vddot += 3 * interval_product(
+            second,
+            np.stack([
+                path_acceleration[0] * path_velocity[1],
+                path_acceleration[1] * path_velocity[0],
+            ]),
+        )
+        vdot -= rates.acceleration_offsets[:, None] * MAX_UTILIZATION
         for bounded, limit in ((vdot, rates.limits[1]), (vddot, rates.limits[2])):
             sizes = np.linalg.norm(np.abs(bounded).max(axis=0), axis=2)
-            kept &= (sizes <= limit * MAX_UTILISATION).all(axis=1)
-    return kept
+            is_satisfied &= (sizes <= limit * MAX_UTILIZATION).all(axis=1)
+    return is_satisfied
 
 
-def _smooth(u: Array) -> Array:
+def _smooth_profile(u: Array) -> Array:
     return 1 - 3 * u**2 + 2 * u**3
 
 
-def _cubed(rate: Array, power: int) -> Array:
-    return np.maximum(rate, 0.0) ** power
+def _nonnegative_power(path_velocity: Array, power: int) -> Array:
+    return np.maximum(path_velocity, 0.0) ** power

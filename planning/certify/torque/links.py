@@ -17,7 +17,7 @@ from jaxtyping import Float64
 
 from planning.certify.intervals.taylor import skew
 from planning.certify.request import CertifyRequest
-from planning.certify.torque.link_motion import JointMotion, JointMotions, Kind
+from planning.certify.torque.link_motion import JointMotion, JointMotions, MotionKind
 from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
@@ -50,7 +50,7 @@ class Link:
         return self.inertia[:3, 3] / self.mass if self.mass > 0 else np.zeros(3)
 
     @property
-    def moments(self) -> tuple[Array, Array]:
+    def principal_second_moments(self) -> tuple[Array, Array]:
         """Eigenvalues s_k [kg m^2], shape (3,), and eigenvectors e_k as columns, shape (3, 3)."""
         center = self.center
         return np.linalg.eigh(self.inertia[:3, :3] - self.mass * np.outer(center, center))
@@ -63,68 +63,72 @@ def links_of(model: DrakeModel, request: CertifyRequest) -> tuple[Link, ...]:
         ModelInvalid: A joint is of a kind that cannot be certified, or a moving body has no known
             mass.
     """
-    return _Reading(model, request).run()
+    return _LinkBuilder(model, request).run()
 
 
-class _Reading:
+class _LinkBuilder:
     """One traversal of the model from the world to the tips."""
 
     def __init__(self, model: DrakeModel, request: CertifyRequest) -> None:
         self._model, self._plant, self._payload = model, model.plant, request.payload
         self._context = model.plant.CreateDefaultContext()
-        self._plant.SetPositions(self._context, model.follow(np.array(request.state)))
+        self._plant.SetPositions(self._context, model.apply_couplings(np.array(request.state)))
         self._motions = JointMotions(model, request.group)
-        self._rotors = self._reflected()
+        self._rotor_inertias = self._read_rotor_inertias()
         self._links: list[Link] = []
 
     def run(self) -> tuple[Link, ...]:
         neighbours = self._neighbours()
-        pending: list[tuple[Any, _Hold]] = [(self._plant.world_body(), _Hold(-1, np.eye(4)))]
-        seen = {int(self._plant.world_body().index())}
+        pending: list[tuple[Any, _BodyPlacement]] = [
+            (self._plant.world_body(), _BodyPlacement(-1, np.eye(4)))
+        ]
+        visited = {int(self._plant.world_body().index())}
         while pending:
-            body, hold = pending.pop()
+            body, placement = pending.pop()
             for joint in neighbours.get(int(body.index()), []):
                 is_forward = joint.parent_body().index() == body.index()
                 other = joint.child_body() if is_forward else joint.parent_body()
-                if int(other.index()) not in seen:
-                    seen.add(int(other.index()))
-                    beyond = self._across(joint, hold, is_forward=is_forward)
-                    self._load(other, beyond)
-                    pending.append((other, beyond))
+                if int(other.index()) not in visited:
+                    visited.add(int(other.index()))
+                    other_placement = self._across_joint(joint, placement, is_forward=is_forward)
+                    self._add_inertia(other, other_placement)
+                    pending.append((other, other_placement))
         return tuple(self._links)
 
     def _neighbours(self) -> dict[int, list[Any]]:
-        found: dict[int, list[Any]] = {}
+        joints_of: dict[int, list[Any]] = {}
         for index in self._plant.GetJointIndices():
             joint = self._plant.get_joint(index)
             for body in (joint.parent_body(), joint.child_body()):
-                found.setdefault(int(body.index()), []).append(joint)
-        return found
+                joints_of.setdefault(int(body.index()), []).append(joint)
+        return joints_of
 
-    def _across(self, joint: Any, hold: "_Hold", *, is_forward: bool) -> "_Hold":
+    def _across_joint(
+        self, joint: Any, placement: "_BodyPlacement", *, is_forward: bool
+    ) -> "_BodyPlacement":
         """Return the link and pose of the body beyond a joint."""
         frames = joint.frame_on_parent(), joint.frame_on_child()
         near, far = frames if is_forward else frames[::-1]
-        x_near = hold.pose @ _matrix(near.GetFixedPoseInBodyFrame())
+        x_near = placement.pose @ _matrix(near.GetFixedPoseInBodyFrame())
         x_far = np.linalg.inv(_matrix(far.GetFixedPoseInBodyFrame()))
         motions = self._motions.of(joint)
         if not motions:
             between = far.CalcPose(self._context, near)
-            return _Hold(hold.link, x_near @ _matrix(between) @ x_far)
+            return _BodyPlacement(placement.link, x_near @ _matrix(between) @ x_far)
         if not is_forward:
             if len(motions) > 1:
                 message = f"joint {joint.name()!r} cannot be certified from its child's side"
                 raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
             motions = [motions[0].reversed]
-        link = hold.link
+        link = placement.link
         for motion, damping in zip(motions, self._dampings(joint, motions), strict=True):
-            rotor = self._rotors.get(int(joint.index()), 0.0)
-            dragged = replace(motion, damping=damping, rotor=rotor)
-            self._links.append(Link(link, x_near, dragged, np.zeros((4, 4))))
+            rotor_inertia = self._rotor_inertias.get(int(joint.index()), 0.0)
+            damped_motion = replace(motion, damping=damping, rotor_inertia=rotor_inertia)
+            self._links.append(Link(link, x_near, damped_motion, np.zeros((4, 4))))
             link, x_near = len(self._links) - 1, np.eye(4)
-        return _Hold(link, x_far)
+        return _BodyPlacement(link, x_far)
 
-    def _reflected(self) -> dict[int, float]:
+    def _read_rotor_inertias(self) -> dict[int, float]:
         """Return the reflected rotor inertia of every joint with an actuator."""
         actuators = map(self._plant.get_joint_actuator, self._plant.GetJointActuatorIndices())
         return {
@@ -134,56 +138,58 @@ class _Reading:
 
     def _dampings(self, joint: Any, motions: list[JointMotion]) -> list[float]:
         """Return the damping of every part of a joint's motion."""
-        given = np.array(joint.GetDampingVector(self._context)).tolist()
-        if motions[-1].kind is not Kind.SPIN:
-            return given
-        if any(given):
+        damping = np.array(joint.GetDampingVector(self._context)).tolist()
+        if motions[-1].kind is not MotionKind.SPHERICAL:
+            return damping
+        if any(damping):
             message = f"joint {joint.name()!r} floats and is damped, which cannot be certified"
             raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
         return [0.0] * len(motions)
 
-    def _load(self, body: Any, hold: "_Hold") -> None:
+    def _add_inertia(self, body: Any, placement: "_BodyPlacement") -> None:
         """Add the inertia of a body, and of its payload, to its link."""
-        if hold.link < 0:
+        if placement.link < 0:
             return
         inertia = body.CalcSpatialInertiaInBodyFrame(self._context)
-        moments = np.array(inertia.CalcRotationalInertia().CopyToFullMatrix3())
+        rotational_inertia = np.array(inertia.CalcRotationalInertia().CopyToFullMatrix3())
         mass, center = float(inertia.get_mass()), np.array(inertia.get_com())
-        if not (np.isfinite(mass) and np.isfinite(moments).all()):
+        if not (np.isfinite(mass) and np.isfinite(rotational_inertia).all()):
             message = f"nobody says what {body.name()!r} weighs, which moves"
             raise ModelInvalid(message, {"body": body.name(), "reason": message})
-        link = self._links[hold.link]
-        total = link.inertia + _carried(hold.pose, _pseudo(mass, center, moments))
+        link = self._links[placement.link]
+        total = link.inertia + _transformed(
+            placement.pose, _pseudo_inertia(mass, center, rotational_inertia)
+        )
         if self._payload is not None:
             frame = self._model.frame(self._payload.frame)
             if frame.body().index() == body.index():
-                added = self._payload
-                shift = skew(added.center_of_mass)
-                about_frame = added.inertia - added.mass * shift @ shift
-                x_lf = hold.pose @ _matrix(frame.GetFixedPoseInBodyFrame())
-                pseudo = _pseudo(added.mass, added.center_of_mass, about_frame)
-                total = total + _carried(x_lf, pseudo)
-        self._links[hold.link] = replace(link, inertia=total)
+                payload = self._payload
+                shift = skew(payload.center_of_mass)
+                about_frame = payload.inertia - payload.mass * shift @ shift
+                x_lf = placement.pose @ _matrix(frame.GetFixedPoseInBodyFrame())
+                pseudo = _pseudo_inertia(payload.mass, payload.center_of_mass, about_frame)
+                total = total + _transformed(x_lf, pseudo)
+        self._links[placement.link] = replace(link, inertia=total)
 
 
 @dataclass(frozen=True)
-class _Hold:
+class _BodyPlacement:
     """Link of a body, and X_LB, the body's pose in it."""
 
     link: int
     pose: Array
 
 
-def _pseudo(mass: float, center: Array, moments: Array) -> Array:
+def _pseudo_inertia(mass: float, center: Array, rotational_inertia: Array) -> Array:
     """Return pseudo-inertia J from mass, centre of mass and rotational inertia about the origin."""
     pseudo = np.zeros((4, 4))
-    pseudo[:3, :3] = np.trace(moments) / 2 * np.eye(3) - moments
+    pseudo[:3, :3] = np.trace(rotational_inertia) / 2 * np.eye(3) - rotational_inertia
     pseudo[:3, 3] = pseudo[3, :3] = mass * center
     pseudo[3, 3] = mass
     return pseudo
 
 
-def _carried(pose: Array, pseudo: Array) -> Array:
+def _transformed(pose: Array, pseudo: Array) -> Array:
     return pose @ pseudo @ pose.T
 
 

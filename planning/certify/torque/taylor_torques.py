@@ -11,27 +11,27 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from planning.certify.intervals.rounding import UNIT
+from planning.certify.intervals.rounding import UNIT_ROUNDOFF
 from planning.certify.intervals.taylor import expand_at
 from planning.certify.torque.links import Link
 from planning.certify.torque.newton_euler import TERMS, TorqueRecursion
-from planning.certify.torque.torque_remainder import missed
+from planning.certify.torque.torque_remainder import torque_errors
 from planning.domain.curves.curve import TimedTrajectory
 
 
 @dataclass(frozen=True)
-class Torques:
+class TorquePolynomials:
     """Torque polynomials of n segments.
 
     Attributes:
         taylor: Coefficients about the middle [N m or N per second to the power], shape (n, k, nv);
             for a rotation in space along the world's axes, else per coordinate.
-        missed: Bound on the error of each coordinate's polynomial, rounding included [N m or N],
+        errors: Bound on the error of each coordinate's polynomial, rounding included [N m or N],
             shape (n, nv); for a rotation in space on the norm of all three, at the first.
     """
 
     taylor: Float64[np.ndarray, "n k nv"]
-    missed: Float64[np.ndarray, "n nv"]
+    errors: Float64[np.ndarray, "n nv"]
 
 
 def torque_series(
@@ -40,7 +40,7 @@ def torque_series(
     trajectory: TimedTrajectory,
     segments: tuple[Any, Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]],
     order: int = 2,
-) -> Torques:
+) -> TorquePolynomials:
     """Return the torque polynomials along segments of a trajectory.
 
     Args:
@@ -55,8 +55,10 @@ def torque_series(
     coefficients = trajectory.coefficients[pieces]
     length = max(TERMS + 3, coefficients.shape[1])
     tangents = expand_at(coefficients, middles, length)
-    hidden = 4 * (length + 1) * UNIT * expand_at(np.abs(coefficients), middles, length)
+    coefficient_errors = (
+        4 * (length + 1) * UNIT_ROUNDOFF * expand_at(np.abs(coefficients), middles, length)
+    )
     bases = trajectory.bases[pieces]
-    found = TorqueRecursion(links, gravity, (tangents[:, : TERMS + 2], bases), order).run()
-    beyond = missed(links, gravity, (tangents, bases, halves), hidden, order)
-    return Torques(found, beyond)
+    taylor = TorqueRecursion(links, gravity, (tangents[:, : TERMS + 2], bases), order).run()
+    errors = torque_errors(links, gravity, (tangents, bases, halves), coefficient_errors, order)
+    return TorquePolynomials(taylor, errors)

@@ -12,22 +12,22 @@ rotation the constant counts then: exp(e_0).
 import numpy as np
 
 from planning.certify.intervals.angular_rates import velocity_series
-from planning.certify.intervals.rounding import UNIT
+from planning.certify.intervals.rounding import UNIT_ROUNDOFF
 from planning.certify.intervals.taylor import derivative, enlarged, expand_at, scaled
-from planning.certify.torque.link_motion import Kind
+from planning.certify.torque.link_motion import MotionKind
 from planning.certify.torque.links import Link
-from planning.certify.torque.newton_euler import TERMS, resisted
+from planning.certify.torque.newton_euler import TERMS, inertial_derivative
 from planning.domain.arrays import Array
 
 # Bound on the relative rounding error of sums and products.
-_ROUNDED = 2**13 * UNIT
+_RELATIVE_ROUNDING = 2**13 * UNIT_ROUNDOFF
 
 
-def missed(
+def torque_errors(
     links: tuple[Link, ...],
     gravity: Array,
     motion: tuple[Array, Array, Array],
-    hidden: Array,
+    coefficient_errors: Array,
     order: int,
 ) -> Array:
     """Bound remainder and rounding errors of the torques' polynomials of `TERMS` powers, (n, nv).
@@ -40,27 +40,33 @@ def missed(
         gravity: Gravity vector g [m/s^2].
         motion: Taylor coefficients about the segments' middles, shape (n, k, nv), anchor
             configurations of the pieces, (n, nq), and half of the segments' widths [s].
-        hidden: Bound on the errors of the coefficients, shape (n, k, nv).
+        coefficient_errors: Bound on the errors of the coefficients, shape (n, k, nv).
         order: Order of the derivative in the inertial terms.
     """
     tangents, bases, halves = motion
-    sizes, off = (_lengths(links, np.abs(part)) for part in (tangents, hidden))
-    near = TorqueRemainderBound(links, gravity, (sizes + off, bases, halves), order).run()
-    wide = (sizes + 2 * off, bases, halves)
-    far = TorqueRemainderBound(links, gravity, wide, order, off[:, 0]).run()
+    sizes, errors_of_norms = (
+        _norms(links, np.abs(part)) for part in (tangents, coefficient_errors)
+    )
+    bound = TorqueRemainderBound(
+        links, gravity, (sizes + errors_of_norms, bases, halves), order
+    ).run()
+    wider_motion = (sizes + 2 * errors_of_norms, bases, halves)
+    wider_bound = TorqueRemainderBound(
+        links, gravity, wider_motion, order, errors_of_norms[:, 0]
+    ).run()
     powers = halves[:, None] ** np.arange(TERMS + 1)
-    errors = (far - near + _ROUNDED * far) * powers[:, :, None]
-    return near[:, TERMS] * powers[:, TERMS, None] + errors[:, :TERMS].sum(axis=1)
+    errors = (wider_bound - bound + _RELATIVE_ROUNDING * wider_bound) * powers[:, :, None]
+    return bound[:, TERMS] * powers[:, TERMS, None] + errors[:, :TERMS].sum(axis=1)
 
 
-def _lengths(links: tuple[Link, ...], sizes: Array) -> Array:
+def _norms(links: tuple[Link, ...], sizes: Array) -> Array:
     """Return norms of coefficients, with each rotation in space as one norm, at its first."""
-    found = np.array(sizes)
+    norms = np.array(sizes)
     for link in links:
-        if link.motion.kind is Kind.SPIN:
-            spin = slice(link.motion.rate, link.motion.rate + 3)
-            found[:, :, link.motion.rate] = np.linalg.norm(sizes[:, :, spin], axis=2)
-    return found
+        if link.motion.kind is MotionKind.SPHERICAL:
+            columns = slice(link.motion.velocity_index, link.motion.velocity_index + 3)
+            norms[:, :, link.motion.velocity_index] = np.linalg.norm(sizes[:, :, columns], axis=2)
+    return norms
 
 
 class TorqueRemainderBound:
@@ -80,77 +86,86 @@ class TorqueRemainderBound:
         # sum C(m, k) |q_m| h^(m - k) bounds the k-th coefficient about any point in [-h, h].
         self._bounds = expand_at(sizes, halves, TERMS + 3)
         count = len(halves)
-        still = enlarged(np.zeros((count, TERMS + 2)))
+        identity = enlarged(np.zeros((count, TERMS + 2)))
         self._rates = [np.zeros((count, TERMS + 2))] * (len(links) + 1)
-        self._turns = [still] * (len(links) + 1)
-        self._turned = [np.zeros(count)] * (len(links) + 1)
-        self._places = [np.zeros((count, TERMS + 3))] * (len(links) + 1)
-        self._arms = [still] * len(links)
+        self._rotations = [identity] * (len(links) + 1)
+        self._rotation_errors = [np.zeros(count)] * (len(links) + 1)
+        self._positions = [np.zeros((count, TERMS + 3))] * (len(links) + 1)
+        self._arms = [identity] * len(links)
 
     def run(self) -> Array:
         """Return the bounds, shape (n, k, nv)."""
         for i, link in enumerate(self._links):
-            self._place(i, link)
+            self._update_pose(i, link)
         forces = [self._force(i, link) for i, link in enumerate(self._links)]
         total = np.zeros((len(self._bounds), TERMS + 1, self._bounds.shape[2]))
         for i in reversed(range(len(self._links))):
             link, (force, moment) = self._links[i], forces[i]
             motion = link.motion
-            if motion.kind is Kind.SPIN:
-                total[:, :, motion.rate] += moment
+            if motion.kind is MotionKind.SPHERICAL:
+                total[:, :, motion.velocity_index] += moment
             else:
-                along = moment if motion.kind is Kind.TURN else force
-                axis = self._turns[link.parent][:, : TERMS + 1]
-                torque = scaled(axis, along) + self._drive(link)
-                total[:, :, motion.rate] += abs(motion.scale) * torque
+                load = moment if motion.kind is MotionKind.REVOLUTE else force
+                axis = self._rotations[link.parent][:, : TERMS + 1]
+                torque = scaled(axis, load) + self._drive_torque(link)
+                total[:, :, motion.velocity_index] += abs(motion.scale) * torque
             if link.parent >= 0:
-                below = forces[link.parent]
+                parent_force = forces[link.parent]
                 arm = self._arms[i][:, : TERMS + 1]
-                forces[link.parent] = below[0] + force, below[1] + moment + scaled(arm, force)
+                forces[link.parent] = (
+                    parent_force[0] + force,
+                    parent_force[1] + moment + scaled(arm, force),
+                )
         return total
 
-    def _place(self, i: int, link: Link) -> None:
+    def _update_pose(self, i: int, link: Link) -> None:
         motion = link.motion
-        before = self._turns[link.parent]
-        bound = abs(motion.scale) * self._bounds[:, :, motion.rate]
-        rate, reach = self._rates[link.parent], np.zeros_like(bound)
-        reach[:, 0] = np.linalg.norm(link.X_PF[:3, 3])
+        parent_rotation = self._rotations[link.parent]
+        bound = abs(motion.scale) * self._bounds[:, :, motion.velocity_index]
+        rate, arm = self._rates[link.parent], np.zeros_like(bound)
+        arm[:, 0] = np.linalg.norm(link.X_PF[:3, 3])
         match motion.kind:
-            case Kind.SLIDE:
-                at = motion.scale * self._bases[:, motion.position] + motion.offset
-                reach = reach + bound
-                reach[:, 0] += np.abs(at)
-            case Kind.TURN:
+            case MotionKind.PRISMATIC:
+                coordinate = motion.scale * self._bases[:, motion.position_index] + motion.offset
+                arm = arm + bound
+                arm[:, 0] += np.abs(coordinate)
+            case MotionKind.REVOLUTE:
                 rate = rate + derivative(bound, 1)
-            case Kind.SPIN:
+            case MotionKind.SPHERICAL:
                 # The angle itself does not matter; see `angular_rates`.
-                spin = np.array(bound)
-                spin[:, 0] = self._constants[:, motion.rate]
-                rate = rate + velocity_series(spin[..., None, None], spin[..., None], 1.0)[..., 0]
+                tangent = np.array(bound)
+                tangent[:, 0] = self._constants[:, motion.velocity_index]
+                rate = (
+                    rate
+                    + velocity_series(tangent[..., None, None], tangent[..., None], 1.0)[..., 0]
+                )
         constant = 0.0 * bound[:, 0]
-        if motion.kind is not Kind.SLIDE:
-            constant = abs(motion.scale) * self._constants[:, motion.rate]
-        self._turned[i] = self._turned[link.parent] + constant
-        self._rates[i], self._turns[i] = rate, enlarged(rate) * np.exp(self._turned[i])[:, None]
-        self._arms[i] = scaled(before, reach)
-        self._places[i] = self._places[link.parent] + self._arms[i]
+        if motion.kind is not MotionKind.PRISMATIC:
+            constant = abs(motion.scale) * self._constants[:, motion.velocity_index]
+        self._rotation_errors[i] = self._rotation_errors[link.parent] + constant
+        self._rates[i], self._rotations[i] = (
+            rate,
+            enlarged(rate) * np.exp(self._rotation_errors[i])[:, None],
+        )
+        self._arms[i] = scaled(parent_rotation, arm)
+        self._positions[i] = self._positions[link.parent] + self._arms[i]
 
-    def _drive(self, link: Link) -> Array:
+    def _drive_torque(self, link: Link) -> Array:
         motion = link.motion
-        bound = abs(motion.scale) * self._bounds[:, :, motion.rate]
+        bound = abs(motion.scale) * self._bounds[:, :, motion.velocity_index]
         speed = motion.damping * derivative(bound, 1)[:, : TERMS + 1]
-        return speed + motion.rotor * resisted(bound, self._order, TERMS + 1)
+        return speed + motion.rotor_inertia * inertial_derivative(bound, self._order, TERMS + 1)
 
     def _force(self, i: int, link: Link) -> tuple[Array, Array]:
         zero = np.zeros((len(self._bounds), TERMS + 1))
         if link.mass <= 0:
             return zero, zero
-        turn = self._turns[i]
-        arm = float(np.linalg.norm(link.center)) * turn
-        force = resisted(self._places[i] + arm, self._order, TERMS + 1)
+        rotation = self._rotations[i]
+        arm = float(np.linalg.norm(link.center)) * rotation
+        force = inertial_derivative(self._positions[i] + arm, self._order, TERMS + 1)
         force[:, 0] += self._gravity
         force = link.mass * force
-        sizes, _ = link.moments
-        changes = resisted(turn, self._order, TERMS + 1)
-        spread = float(np.abs(sizes).sum()) * scaled(turn[:, : TERMS + 1], changes)
-        return force, scaled(arm[:, : TERMS + 1], force) + spread
+        eigenvalues, _ = link.principal_second_moments
+        derivatives = inertial_derivative(rotation, self._order, TERMS + 1)
+        moment = float(np.abs(eigenvalues).sum()) * scaled(rotation[:, : TERMS + 1], derivatives)
+        return force, scaled(arm[:, : TERMS + 1], force) + moment

@@ -17,27 +17,27 @@ from planning.domain.robot.steering import SteeredManifold
 
 # Largest turn of a piece [rad], and smallest number of pieces of an arc: on one piece alone, as
 # retimers cut them, a long gentle arc has no place for full speed.
-_TURN, _FEWEST = 0.2, 4
+_MAX_PIECE_ANGLE, _MIN_NUM_PIECES = 0.2, 4
 # An arc that turns less is a line [rad]: the arc is less than a millionth of a nanometre off.
-_STRAIGHT = 1e-12
-_SHORTEST = 1e-12
+_MIN_ARC_ANGLE = 1e-12
+_MIN_LENGTH = 1e-12
 
 
 def arcs_through(manifold: SteeredManifold, waypoints: Float64[np.ndarray, "n nq"]) -> JointSpline:
     """Return the arcs and lines between waypoints, parametrised by their joint-space length."""
     deltas = manifold.minus(waypoints[1:], waypoints[:-1])
     lengths = np.sqrt((deltas**2).sum(axis=1))
-    keep = lengths > _SHORTEST
+    keep = lengths > _MIN_LENGTH
     if not keep.any():
         return JointSpline.through(manifold.joints, waypoints)
     deltas, origins = deltas[keep], waypoints[:-1][keep]
-    turns = np.abs(deltas[:, [iv + 2 for _, iv in manifold.offsets]]).max(axis=1)
-    fewest = np.where(turns < _STRAIGHT, 1, _FEWEST)
-    counts = np.maximum(fewest, np.ceil(turns / _TURN - 1e-9)).astype(int)
+    angles = np.abs(deltas[:, [iv + 2 for _, iv in manifold.offsets]]).max(axis=1)
+    min_counts = np.where(angles < _MIN_ARC_ANGLE, 1, _MIN_NUM_PIECES)
+    counts = np.maximum(min_counts, np.ceil(angles / _MAX_PIECE_ANGLE - 1e-9)).astype(int)
     rows = np.repeat(np.arange(len(counts)), counts)
     steps = deltas[rows] / counts[rows][:, None]
-    places = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
-    begins = manifold.plus(origins[rows], places[:, None] * steps)
+    step_indices = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+    begins = manifold.plus(origins[rows], step_indices[:, None] * steps)
     total = lengths[keep].sum()
     widths = np.linalg.norm(steps, axis=1) / total
     breaks = np.concatenate([[0.0], np.cumsum(widths)])
@@ -53,28 +53,28 @@ def _polynomials(manifold: SteeredManifold, begins: Array, steps: Array) -> Arra
     coefficients[:, 1] = steps
     ends = manifold.plus(begins, steps)
     for iq, iv in manifold.offsets:
-        turn = steps[:, iv + 2]
-        first = [_rates(q[:, iq + 2], steps[:, iv : iv + 2], turn) for q in (begins, ends)]
-        shift = ends[:, iq : iq + 2] - begins[:, iq : iq + 2]
-        arc = _hermite(shift, *first[0], *first[1])
+        angle = steps[:, iv + 2]
+        first = [_rates(q[:, iq + 2], steps[:, iv : iv + 2], angle) for q in (begins, ends)]
+        displacement = ends[:, iq : iq + 2] - begins[:, iq : iq + 2]
+        arc = _hermite(displacement, *first[0], *first[1])
         line = np.zeros_like(arc)
-        line[:, 1] = shift
-        is_line = np.abs(turn) < _STRAIGHT
+        line[:, 1] = displacement
+        is_line = np.abs(angle) < _MIN_ARC_ANGLE
         coefficients[:, :, iv : iv + 2] = np.where(is_line[:, None, None], line, arc)
     return coefficients
 
 
-def _rates(yaw: Array, velocity: Array, turn: Array) -> tuple[Array, Array]:
+def _rates(yaw: Array, velocity: Array, angle: Array) -> tuple[Array, Array]:
     """Return the first and second derivative of x and y at a yaw, each shape (n, 2)."""
     c, s = np.cos(yaw), np.sin(yaw)
     x, y = velocity.T
     rate = np.stack([c * x - s * y, s * x + c * y], axis=1)
-    return rate, turn[:, None] * np.stack([-rate[:, 1], rate[:, 0]], axis=1)
+    return rate, angle[:, None] * np.stack([-rate[:, 1], rate[:, 0]], axis=1)
 
 
-def _hermite(shift: Array, v0: Array, a0: Array, v1: Array, a1: Array) -> Array:
-    """Return polynomials on [0, 1] from 0 to `shift` with given derivatives at both ends."""
+def _hermite(displacement: Array, v0: Array, a0: Array, v1: Array, a1: Array) -> Array:
+    """Return polynomials on [0, 1] from 0 to `displacement` with given derivatives at both ends."""
     # Residuals at the end of each piece of the polynomial that meets the start's values alone.
-    p, v, a = shift - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
-    last = (10 * p - 4 * v + a / 2, -15 * p + 7 * v - a, 6 * p - 3 * v + a / 2)
-    return np.stack([np.zeros_like(shift), v0, a0 / 2, *last], axis=1)
+    p, v, a = displacement - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
+    high_coefficients = (10 * p - 4 * v + a / 2, -15 * p + 7 * v - a, 6 * p - 3 * v + a / 2)
+    return np.stack([np.zeros_like(displacement), v0, a0 / 2, *high_coefficients], axis=1)

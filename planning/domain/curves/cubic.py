@@ -9,7 +9,7 @@ from planning.domain.robot.joints import Joint
 from planning.domain.robot.manifold import Manifold
 
 # Number of waypoints of the polynomial that gives the slope at each end.
-_AT_ENDS = 4
+_NUM_END_POINTS = 4
 
 
 def cubic_through(
@@ -49,14 +49,14 @@ def _slopes(x: Array, y: Array) -> Array:
     """Return the derivatives at the knots that make the second derivative continuous."""
     n = len(x)
     h = np.diff(x)
-    matrix, right = np.eye(n), np.zeros_like(y)
-    right[0] = _end_slope(x[:_AT_ENDS], y[:_AT_ENDS])
-    right[-1] = _end_slope(x[::-1][:_AT_ENDS], y[::-1][:_AT_ENDS])
+    matrix, right_side = np.eye(n), np.zeros_like(y)
+    right_side[0] = _end_slope(x[:_NUM_END_POINTS], y[:_NUM_END_POINTS])
+    right_side[-1] = _end_slope(x[::-1][:_NUM_END_POINTS], y[::-1][:_NUM_END_POINTS])
     secants = np.diff(y, axis=0) / h[:, None]
     for i in range(1, n - 1):
         matrix[i, i - 1 : i + 2] = h[i], 2 * (h[i - 1] + h[i]), h[i - 1]
-        right[i] = 3 * (h[i] * secants[i - 1] + h[i - 1] * secants[i])
-    return np.linalg.solve(matrix, right)
+        right_side[i] = 3 * (h[i] * secants[i - 1] + h[i - 1] * secants[i])
+    return np.linalg.solve(matrix, right_side)
 
 
 def _end_slope(x: Array, y: Array) -> Array:

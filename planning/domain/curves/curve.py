@@ -147,7 +147,7 @@ class TimedTrajectory(Curve):
         times[-1] = self.duration
         return times
 
-    def even_times(self, count: int) -> Array:
+    def evenly_spaced_times(self, count: int) -> Array:
         """Return `count` instants [s], evenly spaced, from the first to the last; at least two."""
         return np.linspace(0.0, self.duration, count)
 
@@ -196,16 +196,16 @@ class TimedTrajectory(Curve):
     def reverse(self) -> "TimedTrajectory":
         """The same motion from its end to its start."""
         widths, terms = np.diff(self.breaks), self.coefficients.shape[1]
-        turned = np.zeros_like(self.coefficients)
+        reversed_coefficients = np.zeros_like(self.coefficients)
         # (w - x)^k by the binomial theorem.
         for k in range(terms):
             for j in range(k + 1):
                 factors = (-1.0) ** j * comb(k, j) * widths ** (k - j)
-                turned[:, j] += factors[:, None] * self.coefficients[:, k]
+                reversed_coefficients[:, j] += factors[:, None] * self.coefficients[:, k]
         breaks = self.duration - self.breaks[::-1]
-        return TimedTrajectory(self.joints, breaks, self.bases[::-1], turned[::-1])
+        return TimedTrajectory(self.joints, breaks, self.bases[::-1], reversed_coefficients[::-1])
 
-    def slowed(self, factor: float) -> "TimedTrajectory":
+    def time_scaled(self, factor: float) -> "TimedTrajectory":
         """Return the same motion taking `factor` times as long."""
         powers = factor ** -np.arange(self.coefficients.shape[1], dtype=np.float64)
         return TimedTrajectory(

@@ -102,15 +102,15 @@ def _spline_slopes(
     The equations are tridiagonal and diagonally dominant: Thomas's algorithm needs no pivots.
     """
     slopes = steps / widths[:, None]
-    found = np.zeros((len(widths) + 1, steps.shape[1]))
+    velocities = np.zeros((len(widths) + 1, steps.shape[1]))
     count = len(widths) - 1
     upper = np.zeros(count)
     for i in range(count):
         before, after = widths[i], widths[i + 1]
-        right = 3 * (after * slopes[i] + before * slopes[i + 1])
+        right_side = 3 * (after * slopes[i] + before * slopes[i + 1])
         pivot = 2 * (before + after) - (after * upper[i - 1] if i else 0.0)
         upper[i] = before / pivot
-        found[i + 1] = (right - after * found[i]) / pivot
+        velocities[i + 1] = (right_side - after * velocities[i]) / pivot
     for i in range(count - 1, 0, -1):
-        found[i] -= upper[i - 1] * found[i + 1]
-    return found
+        velocities[i] -= upper[i - 1] * velocities[i + 1]
+    return velocities

@@ -23,12 +23,12 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory, derivative
-from planning.domain.curves.knots import Knots, evaluated
+from planning.domain.curves.knots import Knots, evaluate_polynomials
 from planning.domain.robot.joints import Joint
 from planning.domain.value import Value
 
 # Smallest time between samples, unless the period itself is smaller [s].
-_SHORTEST = 1e-3
+_MIN_PERIOD = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class SampledTrajectory(Value):
         return float(np.diff(self.times).max())
 
 
-def sampled(
+def sample_trajectory(
     trajectory: TimedTrajectory,
     sampling: Sampling,
     limits: Float64[np.ndarray, " nv"],
@@ -94,32 +94,38 @@ def sampled(
     """
     if not sampling.follows_pieces:
         count = sampling.num_points
-        even = None if count is None else trajectory.even_times(count)
-        return _at(trajectory, trajectory.sample_times(sampling.period) if even is None else even)
+        even = None if count is None else trajectory.evenly_spaced_times(count)
+        return _exact_samples(
+            trajectory, trajectory.sample_times(sampling.period) if even is None else even
+        )
     periods = np.full(trajectory.num_pieces, sampling.period)
     if gaps is not None:
-        periods = np.minimum(periods, np.maximum(gaps, _SHORTEST))
+        periods = np.minimum(periods, np.maximum(gaps, _MIN_PERIOD))
     knots = Knots.of(trajectory, periods, limits)
     curve, piece, x = trajectory, knots.pieces, knots.times - trajectory.breaks[knots.pieces]
-    delta, *rates = (evaluated(derivative(curve.coefficients, k)[piece], x) for k in range(3))
+    delta, *rates = (
+        evaluate_polynomials(derivative(curve.coefficients, k)[piece], x) for k in range(3)
+    )
     if not curve.manifold.is_flat:
         q = curve.manifold.plus(curve.bases[piece], delta)
         v = curve.manifold.generalized_velocity(q, delta, rates[0])
         vdot = curve.manifold.generalized_acceleration(q, delta, *rates)
         return SampledTrajectory(curve.joints, knots.times, q, v, vdot)
     states = curve.bases[piece] + delta, rates[0], rates[1]
-    if len(knots.bent):
-        states = *states[:2], _bent(curve, knots, states)
-    moved = _ramped(curve, knots, states) if len(knots.ramps) else states
+    if len(knots.adjusted):
+        states = *states[:2], _adjusted_accelerations(curve, knots, states)
+    moved = _with_ramps(curve, knots, states) if len(knots.ramps) else states
     return SampledTrajectory(curve.joints, knots.times, *moved)
 
 
-def _at(trajectory: TimedTrajectory, times: Array) -> SampledTrajectory:
+def _exact_samples(trajectory: TimedTrajectory, times: Array) -> SampledTrajectory:
     rates = trajectory.velocities(times), trajectory.accelerations(times)
     return SampledTrajectory(trajectory.joints, times, trajectory.positions(times), *rates)
 
 
-def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]) -> Array:
+def _adjusted_accelerations(
+    curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]
+) -> Array:
     """Return the accelerations, with new values at the samples whose acceleration is free.
 
     Linear between three samples, L and R apart, they integrate to
@@ -130,22 +136,27 @@ def _bent(curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Arra
     range of the motion's accelerations there.
     """
     (_, v, a), times = states, knots.times
-    chosen, last = a.copy(), len(times) - 1
-    bend = derivative(curve.coefficients, 2)
-    for m in knots.bent:
+    adjusted, last = a.copy(), len(times) - 1
+    second_derivative = derivative(curve.coefficients, 2)
+    for m in knots.adjusted:
         i, j = max(m - 1, 0), min(m + 1, last)
         before, after = times[m] - times[i], times[j] - times[m]
-        wanted = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
+        target_sum = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
         rows = slice(0 if m == 0 else knots.pieces[i], knots.pieces[j] + 1)
-        begins, ends = bend[rows, 0], evaluated(bend[rows], curve.widths[rows])
+        begins, ends = (
+            second_derivative[rows, 0],
+            evaluate_polynomials(second_derivative[rows], curve.widths[rows]),
+        )
         # Of the piece before only its end counts, of the piece after only its beginning.
-        there = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
-        every = np.concatenate(there)
-        chosen[m] = np.clip(wanted / (before + after), every.min(axis=0), every.max(axis=0))
-    return chosen
+        nearby = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
+        accelerations = np.concatenate(nearby)
+        adjusted[m] = np.clip(
+            target_sum / (before + after), accelerations.min(axis=0), accelerations.max(axis=0)
+        )
+    return adjusted
 
 
-def _ramped(
+def _with_ramps(
     curve: TimedTrajectory, knots: Knots, states: tuple[Array, Array, Array]
 ) -> tuple[Array, Array, Array]:
     """Return the states with linear accelerations on ramps, and later states shifted to match."""
@@ -154,17 +165,17 @@ def _ramped(
     h = (times[j] - times[i])[:, None]
     dv = v[i] + h * (a[i] + a[j]) / 2 - v[j]
     dq = curve.manifold.minus(q[i] + h * v[i] + h**2 * (2 * a[i] + a[j]) / 6, q[j])
-    began = np.searchsorted(j, np.arange(len(times)), side="right")
+    num_ramps_before = np.searchsorted(j, np.arange(len(times)), side="right")
     total_v, total_q, since = (
-        np.concatenate([np.zeros_like(part[:1]), np.cumsum(part, axis=0)])[began]
+        np.concatenate([np.zeros_like(part[:1]), np.cumsum(part, axis=0)])[num_ramps_before]
         for part in (dv, dq, dv * times[j][:, None])
     )
-    moved_q = total_q + total_v * times[:, None] - since
-    back = _smooth(times, moved_q[-1], total_v[-1])
-    return q + moved_q - back[0], v + total_v - back[1], a - back[2]
+    shift_q = total_q + total_v * times[:, None] - since
+    correction = _smooth_correction(times, shift_q[-1], total_v[-1])
+    return q + shift_q - correction[0], v + total_v - correction[1], a - correction[2]
 
 
-def _smooth(times: Array, shift: Array, rate: Array) -> tuple[Array, Array, Array]:
+def _smooth_correction(times: Array, shift: Array, rate: Array) -> tuple[Array, Array, Array]:
     """Return a polynomial from rest at 0 to a shift and a rate, and its derivatives."""
     span = times[-1]
     s = (times / span)[:, None]
@@ -178,8 +189,8 @@ def _smooth(times: Array, shift: Array, rate: Array) -> tuple[Array, Array, Arra
         s**2 * (-12 + 28 * s - 15 * s**2),
         s * (-24 + 84 * s - 60 * s**2),
     )
-    value, slope, bend = (
+    value, slope, second = (
         (f * shift + g * rate * span) / span**k
         for k, (f, g) in enumerate(zip(to_shift, to_rate, strict=True))
     )
-    return value, slope, bend
+    return value, slope, second

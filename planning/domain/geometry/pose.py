@@ -10,7 +10,7 @@ from planning.domain.geometry import rotation
 from planning.domain.value import Value, frozen
 from planning.errors import ProblemInvalid
 
-_NO_TURN = frozen([1.0, 0.0, 0.0, 0.0])
+_IDENTITY_ROTATION = frozen([1.0, 0.0, 0.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Pose(Value):
         if rpy is not None:
             return cls(p, rotation.from_rpy(_vector("rpy", rpy, 3)))
         if quaternion is None:
-            return cls(p, _NO_TURN)
+            return cls(p, _IDENTITY_ROTATION)
         a = _vector("quaternion", quaternion, 4)
         length = float(np.linalg.norm(a))
         if length < 1e-9:
@@ -82,11 +82,11 @@ class Pose(Value):
 
     def distance(self, other: "Pose") -> tuple[float, float]:
         """Return the distance of two poses: translation [m] and rotation angle [rad]."""
-        turn = rotation.log(
+        rotation_vector = rotation.log(
             rotation.multiply(rotation.conjugate(self.quaternion), other.quaternion)
         )
-        shift = float(np.linalg.norm(self.position - other.position))
-        return shift, float(np.linalg.norm(turn))
+        translation = float(np.linalg.norm(self.position - other.position))
+        return translation, float(np.linalg.norm(rotation_vector))
 
 
 def _vector(name: str, numbers: Any, count: int) -> Float64[np.ndarray, " n"]:

@@ -95,10 +95,11 @@ def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> 
     """Return the vectors `p` rotated by the unit quaternions `a`."""
     if a.ndim == p.ndim == 1:
         w, *axis = a.tolist()
-        t = [2 * x for x in _crossed(axis, p.tolist())]
-        beside = _crossed(axis, t)
+        t = [2 * x for x in _cross_components(axis, p.tolist())]
+        twice_crossed = _cross_components(axis, t)
         return np.array([
-            x + w * along + aside for x, along, aside in zip(p.tolist(), t, beside, strict=True)
+            x + w * along + aside
+            for x, along, aside in zip(p.tolist(), t, twice_crossed, strict=True)
         ])
     axes = a[..., 1:]
     turned = 2 * _cross(axes, p)
@@ -119,7 +120,7 @@ def _product(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     ]
 
 
-def _crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+def _cross_components(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     """Return the cross product, component by component."""
     ax, ay, az = a
     bx, by, bz = b
@@ -127,7 +128,7 @@ def _crossed(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    return _stacked(_crossed([a[..., i] for i in range(3)], [b[..., i] for i in range(3)]))
+    return _stacked(_cross_components([a[..., i] for i in range(3)], [b[..., i] for i in range(3)]))
 
 
 def _stacked(components: Sequence[Array | np.float64]) -> Array:
@@ -157,12 +158,12 @@ def body_acceleration(
     theta = np.linalg.norm(phi, axis=-1, keepdims=True)
     theta_rate_times_theta = np.sum(phi * rate, axis=-1, keepdims=True)
     cross = _cross(phi, rate)
-    turning = (
+    jacobian_rate_term = (
         -_b_slope(theta) * theta_rate_times_theta * cross
         + _c_slope(theta) * theta_rate_times_theta * _cross(phi, cross)
         + _c(theta) * _cross(rate, cross)
     )
-    return right_jacobian(phi, curvature) + turning
+    return right_jacobian(phi, curvature) + jacobian_rate_term
 
 
 def _b(theta: Array) -> Array:

@@ -6,7 +6,7 @@ from typing import Any
 from planning.domain.value import Value
 
 # Number of pairs of bodies named in a sentence.
-_TOLD = 3
+_MAX_NAMED_PAIRS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +31,14 @@ class LinearMoveTally(Value):
     """Count of configurations whose approach or retreat stops for one reason.
 
     Attributes:
-        leg: "approach" or "retreat".
+        move: "approach" or "retreat".
         reason: As `LineStop` has it.
         where: The pair of bodies or the joint, or "".
         count: Configurations.
         max_fraction: Largest reached fraction of the line, from the goal outwards.
     """
 
-    leg: str
+    move: str
     reason: str
     where: str
     count: int
@@ -50,7 +50,7 @@ class Funnel(Value):
     """Numbers of IK samples that pass each test; every number is at most the one before it.
 
     Attributes:
-        tried: Seeds given to the solver.
+        num_samples: Seeds given to the solver.
         converged: Reached the target within tolerance.
         within_limits: Within the joint limits.
         collision_free: Free of collision.
@@ -58,25 +58,25 @@ class Funnel(Value):
             count once here.
         rejected_by: Colliding pairs of the rejected configurations; only the first few are
             measured, more of them if none is free.
-        violating: Goal configurations, whole turns included, that were dropped because they or
-            their linear moves violate a path constraint.
-        approach_ok: Of the collision-free ones that keep the path constraints, those whose approach
-            and retreat are free and continuous; all of them if neither is requested. The distinct
-            ones are among these.
-        breaking: Of the collision-free ones, those that violate a path constraint.
+        num_goals_violating: Goal configurations, whole turns included, that were dropped because
+            they or their linear moves violate a path constraint.
+        num_with_linear_moves: Of the collision-free ones that keep the path constraints, those
+            whose approach and retreat are free and continuous; all of them if neither is requested.
+            The distinct ones are among these.
+        num_samples_violating: Of the collision-free ones, those that violate a path constraint.
         blocked_by: Reasons at which approaches and retreats stopped, most frequent first.
     """
 
-    tried: int = 0
+    num_samples: int = 0
     converged: int = 0
     within_limits: int = 0
     collision_free: int = 0
     distinct: int = 0
     rejected_by: tuple[PairTally, ...] = ()
-    violating: int = 0
-    approach_ok: int = 0
+    num_goals_violating: int = 0
+    num_with_linear_moves: int = 0
     blocked_by: tuple[LinearMoveTally, ...] = ()
-    breaking: int = 0
+    num_samples_violating: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,13 +104,16 @@ def rejections(funnel: Funnel) -> tuple[Rejection, ...]:
     colliding = funnel.within_limits - funnel.collision_free
     measured = sum(tally.count for tally in funnel.rejected_by)
     reasons = (
-        Rejection("not_converged", funnel.tried - funnel.converged),
+        Rejection("not_converged", funnel.num_samples - funnel.converged),
         Rejection("outside_limits", funnel.converged - funnel.within_limits),
         *(Rejection("collision", tally.count, tally) for tally in funnel.rejected_by),
         Rejection("collision", colliding - measured),
-        Rejection("path_constraint", funnel.breaking),
-        Rejection("approach", funnel.collision_free - funnel.breaking - funnel.approach_ok),
-        Rejection("duplicate", funnel.approach_ok - funnel.distinct),
+        Rejection("path_constraint", funnel.num_samples_violating),
+        Rejection(
+            "approach",
+            funnel.collision_free - funnel.num_samples_violating - funnel.num_with_linear_moves,
+        ),
+        Rejection("duplicate", funnel.num_with_linear_moves - funnel.distinct),
     )
     return tuple(reason for reason in reasons if reason.count > 0)
 
@@ -118,13 +121,13 @@ def rejections(funnel: Funnel) -> tuple[Rejection, ...]:
 def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
     """Return all of it as JSON; shares are of the samples tried."""
     return {
-        "tried": funnel.tried,
+        "tried": funnel.num_samples,
         "converged": funnel.converged,
         "within_limits": funnel.within_limits,
         "collision_free": funnel.collision_free,
-        "breaking": funnel.breaking,
-        "violating": funnel.violating,
-        "approach_ok": funnel.approach_ok,
+        "breaking": funnel.num_samples_violating,
+        "violating": funnel.num_goals_violating,
+        "approach_ok": funnel.num_with_linear_moves,
         "distinct": funnel.distinct,
         "rejected_by": [
             {
@@ -137,7 +140,7 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
         ],
         "blocked_by": [
             {
-                "leg": tally.leg,
+                "leg": tally.move,
                 "reason": tally.reason,
                 "where": tally.where,
                 "count": tally.count,
@@ -149,7 +152,7 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
             {
                 "reason": one.reason,
                 "count": one.count,
-                "share": one.count / funnel.tried,
+                "share": one.count / funnel.num_samples,
                 "bodies": one.pair and list(one.pair.bodies),
                 "min_depth": one.pair and one.pair.min_depth,
                 "max_depth": one.pair and one.pair.max_depth,
@@ -162,25 +165,25 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
 
 def funnel_summary(funnel: Funnel) -> str:
     """Return the same as a sentence."""
-    words = [f"{funnel.tried} tried", f"{funnel.converged} converged"]
+    phrases = [f"{funnel.num_samples} tried", f"{funnel.converged} converged"]
     if funnel.converged > funnel.within_limits:
-        words.append(f"{funnel.converged - funnel.within_limits} of them are outside limits")
-    words += [
+        phrases.append(f"{funnel.converged - funnel.within_limits} of them are outside limits")
+    phrases += [
         f"{tally.count} of them hit {'-'.join(tally.bodies)} by "
         f"{1000 * tally.min_depth:.3g} to {1000 * tally.max_depth:.3g} mm"
-        for tally in funnel.rejected_by[:_TOLD]
+        for tally in funnel.rejected_by[:_MAX_NAMED_PAIRS]
     ]
-    told = sum(tally.count for tally in funnel.rejected_by[:_TOLD])
-    others = funnel.within_limits - funnel.collision_free - told
-    if others:
-        words.append(f"{others} of them collide" + (" otherwise" if told else ""))
+    num_named = sum(tally.count for tally in funnel.rejected_by[:_MAX_NAMED_PAIRS])
+    num_others = funnel.within_limits - funnel.collision_free - num_named
+    if num_others:
+        phrases.append(f"{num_others} of them collide" + (" otherwise" if num_named else ""))
     if funnel.collision_free:
-        words.append(f"{funnel.collision_free} are free")
-    if funnel.breaking:
-        words.append(f"{funnel.breaking} of these violate a path constraint")
-    blocked = funnel.collision_free - funnel.breaking - funnel.approach_ok
+        phrases.append(f"{funnel.collision_free} are free")
+    if funnel.num_samples_violating:
+        phrases.append(f"{funnel.num_samples_violating} of these violate a path constraint")
+    blocked = funnel.collision_free - funnel.num_samples_violating - funnel.num_with_linear_moves
     if blocked > 0:
-        words.append(f"{blocked} of these have no free approach or retreat")
+        phrases.append(f"{blocked} of these have no free approach or retreat")
     if funnel.collision_free:
-        words.append(f"{funnel.distinct} are distinct")
-    return ", ".join(words)
+        phrases.append(f"{funnel.distinct} are distinct")
+    return ", ".join(phrases)

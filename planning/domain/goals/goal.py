@@ -8,7 +8,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.linear_moves import MAX_SHIFT, MAX_TURN, Displacement
+from planning.domain.goals.linear_moves import (
+    MAX_POSITION_DEVIATION,
+    MAX_ROTATION_DEVIATION,
+    Displacement,
+)
 from planning.domain.value import Value
 
 
@@ -104,14 +108,14 @@ class LineGoal(Value):
         targets: At least one: a pose, or a displacement from the end of the line before it; a frame
             that moves is taken at the start configuration.
         frame: Full name of the tool frame; "" for the group's default.
-        max_shift: Largest distance of the tool's origin from the lines [m].
-        max_turn: Largest error of its rotation [rad].
+        max_position_deviation: Largest distance of the tool's origin from the lines [m].
+        max_rotation_deviation: Largest error of its rotation [rad].
     """
 
     targets: tuple[PoseTarget | Displacement, ...]
     frame: str = ""
-    max_shift: float = MAX_SHIFT
-    max_turn: float = MAX_TURN
+    max_position_deviation: float = MAX_POSITION_DEVIATION
+    max_rotation_deviation: float = MAX_ROTATION_DEVIATION
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +187,6 @@ class GoalPredicate:
 
 
 # Goals that may have an approach and a retreat.
-type LinedGoal = PoseGoal | RegionGoal
+type GoalWithLinearMoves = PoseGoal | RegionGoal
 type ReachGoal = PoseGoal | RegionGoal | RelativeGoal
 type Goal = JointGoal | ConfigurationGoal | ReachGoal | LineGoal | GoalPredicate

@@ -14,20 +14,20 @@ from planning.domain.value import Value
 
 
 @dataclass(frozen=True, eq=False)
-class Bounds(Value):
+class ActiveConstraints(Value):
     """Active constraints of a nearest pose: what keeps it from being nearer to the requested one.
 
     Attributes:
         joints: Coordinates at their limits.
         pairs: Pairs of bodies at their margins.
         constraints: Path constraints that would be violated, on the goal's linear moves too.
-        line: Where and why one of these linear moves would stop.
+        linear_move_stop: Where and why one of these linear moves would stop.
     """
 
     joints: tuple[str, ...] = ()
     pairs: tuple[tuple[str, str], ...] = ()
     constraints: tuple[str, ...] = ()
-    line: LinearMoveStop | None = None
+    linear_move_stop: LinearMoveStop | None = None
 
     @property
     def binding(self) -> str:
@@ -36,8 +36,8 @@ class Bounds(Value):
             return "collision"
         if self.constraints:
             return "path_constraint"
-        if self.line is not None:
-            return self.line.leg
+        if self.linear_move_stop is not None:
+            return self.linear_move_stop.move
         return "limits" if self.joints else "reach"
 
     @property
@@ -48,7 +48,7 @@ class Bounds(Value):
             "joints": list(self.joints),
             "pairs": [list(pair) for pair in self.pairs],
             "constraints": list(self.constraints),
-            "line": self.line and self.line.evidence,
+            "line": self.linear_move_stop and self.linear_move_stop.evidence,
         }
 
 
@@ -66,8 +66,8 @@ class NearestPose(Value):
         rotation_error: Angle from the same pose [rad].
         pose_index: Index of the goal's pose that it is nearest to.
         goal: X_WG of that pose, displaced so that the nearest pose meets it exactly.
-        bounds: Active constraints; None if the time ran out before they were determined, and then
-            a nearer pose may exist.
+        active_constraints: Active constraints; None if the time ran out before they were
+            determined, and then a nearer pose may exist.
     """
 
     pose: Pose
@@ -76,7 +76,7 @@ class NearestPose(Value):
     rotation_error: float
     pose_index: int
     goal: Pose
-    bounds: Bounds | None
+    active_constraints: ActiveConstraints | None
 
     @property
     def evidence(self) -> dict[str, Any]:
@@ -92,9 +92,9 @@ class NearestPose(Value):
                 "position": self.goal.position.tolist(),
                 "quaternion": self.goal.quaternion.tolist(),
             },
-            **(self.bounds or Bounds()).evidence,
-            **({} if self.bounds else {"binding": None}),
-            "cut_short": self.bounds is None,
+            **(self.active_constraints or ActiveConstraints()).evidence,
+            **({} if self.active_constraints else {"binding": None}),
+            "cut_short": self.active_constraints is None,
         }
 
 
@@ -153,18 +153,18 @@ class GoalConfigurations(Value):
         positions: The group's q, nearest to the start first, shape (n, nq), n >= 1.
         target_indices: Index of the goal's candidate that each row reaches.
         funnel: Number of IK samples that passed each test.
-        legs: Approach and retreat of each row; empty if the goal has neither.
+        moves: Approach and retreat of each row; empty if the goal has neither.
     """
 
     positions: Float64[np.ndarray, "n nq"]
     target_indices: tuple[int, ...]
     funnel: Funnel
-    legs: tuple[GoalMoves, ...] = ()
+    moves: tuple[GoalMoves, ...] = ()
 
     @property
     def entries(self) -> Float64[np.ndarray, "n nq"]:
         """End of the free motion to each row: the beginning of its approach, if it has one."""
-        approaches = [leg.approach for leg in self.legs]
+        approaches = [leg.approach for leg in self.moves]
         if not approaches or approaches[0] is None:
             return self.positions
         return np.stack([leg.positions[0] for leg in approaches if leg is not None])

@@ -43,11 +43,11 @@ class LinearMoveStop(Value):
     """Stop of an approach or retreat, traced from the goal outwards.
 
     Attributes:
-        leg: "approach" or "retreat".
+        move: "approach" or "retreat".
         stop: Reason and state.
     """
 
-    leg: str
+    move: str
     stop: LineStop
 
     @property
@@ -55,7 +55,7 @@ class LinearMoveStop(Value):
         """The same as JSON."""
         stop = self.stop
         return {
-            "leg": self.leg,
+            "leg": self.move,
             "reason": stop.reason,
             "fraction": stop.fraction,
             "position": stop.where.position.tolist(),
@@ -74,16 +74,17 @@ class LineTrace(Value):
         line: The line.
         fractions: Fraction along the line of every waypoint, increasing from 0, shape (n,), n >= 1.
         positions: The group's q there, shape (n, nq); geodesics join them.
-        max_shift: Largest distance of the tool from the line, between waypoints too [m].
-        max_turn: The same of its rotation [rad].
+        max_position_deviation: Largest distance of the tool from the line, between waypoints too
+            [m].
+        max_rotation_deviation: The same of its rotation [rad].
         stop: Reason of the stop, or None if all of the line is reached.
     """
 
     line: ToolLine
     fractions: Float64[np.ndarray, " n"]
     positions: Float64[np.ndarray, "n nq"]
-    max_shift: float
-    max_turn: float
+    max_position_deviation: float
+    max_rotation_deviation: float
     stop: LineStop | None
 
     @property
@@ -97,6 +98,6 @@ class LineTrace(Value):
         return self.fraction * self.line.length
 
     @property
-    def leg(self) -> LinearMove:
+    def linear_move(self) -> LinearMove:
         """The trace as a linear move; meaningful only if it reaches the end of the line."""
         return LinearMove(self.line, self.fractions, self.positions)

@@ -11,7 +11,7 @@ from planning.domain.geometry.pose import Pose
 from planning.domain.value import Value
 
 # Default tolerances on the tool's deviation from its line between waypoints.
-MAX_SHIFT, MAX_TURN = 1e-3, float(np.radians(0.5))
+MAX_POSITION_DEVIATION, MAX_ROTATION_DEVIATION = 1e-3, float(np.radians(0.5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +45,12 @@ class ToolLine(Value):
     end: Pose
 
     @property
-    def shift(self) -> Float64[np.ndarray, "3"]:
+    def translation(self) -> Float64[np.ndarray, "3"]:
         """Translation p_1 - p_0 in world [m]."""
         return self.end.position - self.begin.position
 
     @cached_property
-    def turn(self) -> Float64[np.ndarray, "3"]:
+    def rotation_vector(self) -> Float64[np.ndarray, "3"]:
         """Rotation vector phi, in the tool's axes [rad]."""
         inverse = rotation.conjugate(self.begin.quaternion)
         return rotation.log(rotation.multiply(inverse, self.end.quaternion))
@@ -58,12 +58,14 @@ class ToolLine(Value):
     @property
     def length(self) -> float:
         """Length of the path of the tool's origin [m]."""
-        return float(np.linalg.norm(self.shift))
+        return float(np.linalg.norm(self.translation))
 
     def pose(self, fraction: float) -> Pose:
         """Return X_WT at a fraction."""
-        turned = rotation.multiply(self.begin.quaternion, rotation.exp(fraction * self.turn))
-        return Pose.from_parts(self.begin.position + fraction * self.shift, turned)
+        turned = rotation.multiply(
+            self.begin.quaternion, rotation.exp(fraction * self.rotation_vector)
+        )
+        return Pose.from_parts(self.begin.position + fraction * self.translation, turned)
 
     @property
     def reverse(self) -> "ToolLine":
@@ -90,9 +92,9 @@ class LinearMove(Value):
         """The same linear move from its end to its start."""
         return LinearMove(self.line.reverse, 1.0 - self.fractions[::-1], self.positions[::-1])
 
-    def shifted(self, shift: Float64[np.ndarray, " nq"]) -> "LinearMove":
+    def shifted(self, offset: Float64[np.ndarray, " nq"]) -> "LinearMove":
         """Return the same motion with something added to all positions, such as whole turns."""
-        return LinearMove(self.line, self.fractions, self.positions + shift)
+        return LinearMove(self.line, self.fractions, self.positions + offset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +112,7 @@ class GoalMoves(Value):
     @property
     def all(self) -> tuple[LinearMove, ...]:
         """The moves that are not None, approach first."""
-        return tuple(leg for leg in (self.approach, self.retreat) if leg is not None)
+        return tuple(move for move in (self.approach, self.retreat) if move is not None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,12 +123,12 @@ class LineSection(Value):
         line: The line.
         begin: First instant [s].
         end: Last instant [s].
-        max_shift: Largest distance of the tool's origin from the line [m].
-        max_turn: Largest error of its rotation [rad].
+        max_position_deviation: Largest distance of the tool's origin from the line [m].
+        max_rotation_deviation: Largest error of its rotation [rad].
     """
 
     line: ToolLine
     begin: float
     end: float
-    max_shift: float
-    max_turn: float
+    max_position_deviation: float
+    max_rotation_deviation: float

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from planning.errors import UnknownName
 
 # The rest of a sentence that begins with the name of the nearest planner.
-KIN = {
+CLOSEST_PLANNERS = {
     "BiTRRT": ("AORRTC", "also grows two trees, and prefers cheap ways"),
     "CForest": ("InformedRRTstar", "runs one of the trees that CForest runs side by side"),
     "EST": ("KPIECE1", "also grows its tree where it has explored least"),
@@ -32,30 +32,30 @@ def unknown_planner(name: str, known: Iterable[str]) -> UnknownName:
     names = sorted(known)
     # Papers write RRT* where OMPL writes RRTstar.
     starred = name.replace("*", "star")
-    foreign = next((other for other in KIN if other.lower() == starred.lower()), None)
-    if foreign is None or KIN[foreign][0] not in names:
-        is_spelt_otherwise = starred != name and starred in names
+    foreign = next((other for other in CLOSEST_PLANNERS if other.lower() == starred.lower()), None)
+    if foreign is None or CLOSEST_PLANNERS[foreign][0] not in names:
+        is_misspelled = starred != name and starred in names
         return (
-            _spelt(name, starred, names)
-            if is_spelt_otherwise
+            _misspelled_planner(name, starred, names)
+            if is_misspelled
             else UnknownName.among("planner", name, names)
         )
-    nearest, kinship = KIN[foreign]
+    nearest, relation = CLOSEST_PLANNERS[foreign]
     message = (
         f"planner {name!r} is OMPL's, but OMPL's Python wheel does not bind it as a geometric "
-        f"planner; the closest that is here is {nearest!r}, which {kinship}; planners: {names}"
+        f"planner; the closest that is here is {nearest!r}, which {relation}; planners: {names}"
     )
     evidence = {
         "kind": "planner",
         "name": name,
         "known": names,
         "nearest": [nearest],
-        "reason": f"{nearest} {kinship}",
+        "reason": f"{nearest} {relation}",
     }
     return UnknownName(message, evidence)
 
 
-def _spelt(name: str, right: str, names: list[str]) -> UnknownName:
-    message = f"planner {name!r} does not exist; did you mean {right!r}? planners: {names}"
-    evidence = {"kind": "planner", "name": name, "known": names, "nearest": [right]}
+def _misspelled_planner(name: str, correct_name: str, names: list[str]) -> UnknownName:
+    message = f"planner {name!r} does not exist; did you mean {correct_name!r}? planners: {names}"
+    evidence = {"kind": "planner", "name": name, "known": names, "nearest": [correct_name]}
     return UnknownName(message, evidence)

@@ -36,7 +36,7 @@ class PlannerGraph(Value):
     num_edges: int
 
     @property
-    def plain(self) -> dict[str, Any]:
+    def as_json(self) -> dict[str, Any]:
         """The same as lists and numbers, for JSON."""
         return {
             "planner": self.planner,

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64
 from planning.domain.value import Value, digest
 
 # Tolerance for a configuration on a face, for rounding [rad or m].
-_DUST = 1e-9
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Region(Value):
 
     def contains(self, qs: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
         """Return whether each row lies inside."""
-        return (qs @ self.normals.T <= self.offsets + _DUST).all(axis=1)
+        return (qs @ self.normals.T <= self.offsets + _ROUNDING).all(axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +121,8 @@ class Regions(Value):
         return tuple(i for i, region in enumerate(self.regions) if region.contains(q[None])[0])
 
     @property
-    def plain(self) -> dict[str, Any]:
-        """The same as lists and numbers, for JSON; `from_plain` restores it bit for bit."""
+    def as_json(self) -> dict[str, Any]:
+        """The same as lists and numbers, for JSON; `from_json` restores it bit for bit."""
         return {
             "scene": self.scene,
             "group": self.group,
@@ -153,8 +153,8 @@ class Regions(Value):
         }
 
     @classmethod
-    def from_plain(cls, plain: dict[str, Any]) -> "Regions":
-        """Build from the result of `plain`."""
+    def from_json(cls, content: dict[str, Any]) -> "Regions":
+        """Build from the result of `content`."""
         regions = tuple(
             Region(
                 np.array(entry["normals"]),
@@ -162,7 +162,7 @@ class Regions(Value):
                 np.array(entry["center"]),
                 entry["num_free"],
             )
-            for entry in plain["regions"]
+            for entry in content["regions"]
         )
         portals = tuple(
             Portal(
@@ -170,12 +170,12 @@ class Regions(Value):
                 np.array(entry["point"]),
                 entry["radius"],
             )
-            for entry in plain["portals"]
+            for entry in content["portals"]
         )
         fields: dict[str, Any] = {
-            **plain,
-            "lower": np.array(plain["lower"]),
-            "upper": np.array(plain["upper"]),
+            **content,
+            "lower": np.array(content["lower"]),
+            "upper": np.array(content["upper"]),
             "regions": regions,
             "portals": portals,
         }

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from planning.errors import Canceled, DeadlineExceeded
 
 
-def _nobody_cancels() -> bool:
+def _never_canceled() -> bool:
     return False
 
 
-def _nothing() -> None:
+def _do_nothing() -> None:
     pass
 
 
@@ -20,27 +20,27 @@ class Deadline:
     """Time limit with cancellation. The clock is an argument: nothing in `planning` reads its own.
 
     Attributes:
-        allowed: Total time that was allowed [s], for messages.
-        at: The instant, on `clock` [s].
+        time_limit: Total time that was allowed [s], for messages.
+        expires_at: The instant, on `clock` [s].
         clock: Monotonic seconds.
         is_canceled: Returns whether the caller has canceled; called at every check.
-        on_cut: Called each time that a check ends work early because of the clock, since the same
-            problem may then give another result in another run. Deadlines derived from this one
-            share it.
+        on_expiry: Called each time that a check ends work early because of the clock, since the
+            same problem may then give another result in another run. Deadlines derived from this
+            one share it.
     """
 
-    allowed: float
-    at: float
+    time_limit: float
+    expires_at: float
     clock: Callable[[], float]
-    is_canceled: Callable[[], bool] = _nobody_cancels
-    on_cut: Callable[[], None] = _nothing
+    is_canceled: Callable[[], bool] = _never_canceled
+    on_expiry: Callable[[], None] = _do_nothing
 
     @classmethod
     def after(
         cls,
         seconds: float,
         clock: Callable[[], float],
-        is_canceled: Callable[[], bool] = _nobody_cancels,
+        is_canceled: Callable[[], bool] = _never_canceled,
     ) -> "Deadline":
         """Build the deadline that is `seconds` from now."""
         return cls(seconds, clock() + seconds, clock, is_canceled)
@@ -48,50 +48,51 @@ class Deadline:
     @property
     def remaining(self) -> float:
         """Seconds left, never negative."""
-        return max(0.0, self.at - self.clock())
+        return max(0.0, self.expires_at - self.clock())
 
     @property
     def is_over(self) -> bool:
         """Whether the time has run out or the work is canceled."""
-        return self.is_canceled() or self._is_late()
+        return self.is_canceled() or self._is_expired()
 
-    def share(self, fraction: float) -> "Deadline":
+    def at_fraction(self, fraction: float) -> "Deadline":
         """Return a deadline at a fraction of the remaining time."""
         now = self.clock()
-        left = max(0.0, self.at - now)
-        return replace(self, at=now + fraction * left)
+        remaining = max(0.0, self.expires_at - now)
+        return replace(self, expires_at=now + fraction * remaining)
 
     def within(self, seconds: float | None) -> "Deadline":
         """Return the earlier of this deadline and `seconds` from now; None leaves it unchanged."""
         if seconds is None:
             return self
-        return replace(self, at=min(self.at, self.clock() + seconds))
+        return replace(self, expires_at=min(self.expires_at, self.clock() + seconds))
 
     def limited(self, seconds: float) -> "Deadline":
         """Return the earlier of this deadline and a time limit of its own, `seconds` from now.
 
-        Unlike `within` it sets `allowed`, so failures report this limit as the whole time allowed.
+        Unlike `within` it sets `time_limit`, so failures report this limit as the whole time
+        allowed.
         """
         at = self.clock() + seconds
-        return self if self.at <= at else replace(self, allowed=seconds, at=at)
+        return self if self.expires_at <= at else replace(self, time_limit=seconds, expires_at=at)
 
     @property
     def uncancelable(self) -> "Deadline":
         """The same deadline without cancellation."""
-        return replace(self, is_canceled=_nobody_cancels)
+        return replace(self, is_canceled=_never_canceled)
 
     @property
-    def over_when_canceled(self) -> "Deadline":
+    def expired_when_canceled(self) -> "Deadline":
         """The same deadline, which a cancel ends at once: no error, but no time left."""
 
         def clock() -> float:
             return math.inf if self.is_canceled() else self.clock()
 
-        return replace(self, clock=clock, is_canceled=_nobody_cancels)
+        return replace(self, clock=clock, is_canceled=_never_canceled)
 
-    def cutting(self, on_cut: Callable[[], None]) -> "Deadline":
-        """Return the same deadline with another `on_cut` callback."""
-        return replace(self, on_cut=on_cut)
+    def with_on_expiry(self, on_cut: Callable[[], None]) -> "Deadline":
+        """Return the same deadline with another `on_expiry` callback."""
+        return replace(self, on_expiry=on_cut)
 
     def check(self, during: str) -> None:
         """Raise if the work must end now.
@@ -106,17 +107,17 @@ class Deadline:
         if self.is_canceled():
             message = f"canceled during {during}"
             raise Canceled(message, {"during": during}).in_stage(during)
-        if self._is_late():
-            message = f"the allowed {self.allowed:g} s ran out during {during}"
-            evidence = {"allowed": self.allowed, "during": during}
+        if self._is_expired():
+            message = f"the allowed {self.time_limit:g} s ran out during {during}"
+            evidence = {"allowed": self.time_limit, "during": during}
             raise DeadlineExceeded(message, evidence).in_stage(during)
 
-    def _is_late(self) -> bool:
-        is_late = self.clock() >= self.at
+    def _is_expired(self) -> bool:
+        is_late = self.clock() >= self.expires_at
         if is_late:
-            self.on_cut()
+            self.on_expiry()
         return is_late
 
 
 # Deadline without a time limit.
-UNHURRIED = Deadline(math.inf, math.inf, lambda: 0.0)
+NO_DEADLINE = Deadline(math.inf, math.inf, lambda: 0.0)

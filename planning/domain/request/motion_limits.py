@@ -13,7 +13,7 @@ from planning.errors import ProblemInvalid, UnknownName
 type AccelerationBounds = Mapping[str, tuple[float, float]]
 
 
-def require_signs(names: Iterable[str], joints: Iterable[Joint]) -> None:
+def validate_signed_blocks(names: Iterable[str], joints: Iterable[Joint]) -> None:
     """Raise unless every name of acceleration bounds is a joint block of one coordinate.
 
     Raises:
@@ -21,14 +21,15 @@ def require_signs(names: Iterable[str], joints: Iterable[Joint]) -> None:
             cannot because they have several coordinates and so no sign.
     """
     blocks = [block for joint in joints for block in joint.blocks]
-    single = [name for name, indices in blocks if len(indices) == 1]
+    single_coordinate_blocks = [name for name, indices in blocks if len(indices) == 1]
     by_norm = [name for name, indices in blocks if len(indices) > 1]
     for name in names:
-        if name not in single:
-            fault = UnknownName.among("joint", name, single)
+        if name not in single_coordinate_blocks:
+            fault = UnknownName.among("joint", name, single_coordinate_blocks)
             hint = "".join(f"did you mean {near!r}? " for near in fault.evidence["nearest"][:1])
             message = (
-                f"acceleration_bounds: {name!r} cannot be bounded; {hint}what can: {single}; "
+                f"acceleration_bounds: {name!r} cannot be bounded; {hint}what can: "
+                f"{single_coordinate_blocks}; "
                 f"what cannot, as it is limited by a norm, which has no sign: {by_norm}"
             )
             raise UnknownName(message, {**fault.evidence, "by_norm": by_norm})
@@ -85,7 +86,7 @@ class MotionLimits(Value):
     payload: Payload | None = None
 
 
-def no_efforts(group: str) -> ProblemInvalid:
+def missing_effort_limits(group: str) -> ProblemInvalid:
     """Return the error for a request to keep the effort limits of a group that has none."""
     message = f"effort: no joint of {group!r} has a limit on its force or torque that could be "
     message += "kept; state one (URDF's `effort`, or `limits` in robot.yaml), or leave it out"

@@ -135,7 +135,7 @@ class SearchOptions(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class ClearanceWish(Value):
+class ClearanceObjective(Value):
     """Clearance objective: preferred clearance beyond the collision margin, as a soft cost.
 
     Attributes:
@@ -159,7 +159,7 @@ class RefineOptions(Value):
     """
 
     method: Literal["none", "trajopt", "auto"] = "trajopt"
-    clearance: ClearanceWish | None = None
+    clearance: ClearanceObjective | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +179,7 @@ class CertifyOptions(Value):
     robustness: bool = False
 
     @property
-    def wants_stops(self) -> bool:
+    def bounds_stops(self) -> bool:
         """Whether the certify stage bounds stops."""
         return self.stop_anywhere or self.max_stopping_time is not None
 

@@ -7,10 +7,10 @@ from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ProblemInvalid
 
 # Tolerance on the width of a turn for rounded bounds such as -3.1416 to 3.1416 [rad].
-_ROUNDED = 1e-3
+_TURN_TOLERANCE = 1e-3
 
 
-def require_convex(joints: Mapping[str, JointType], cars: Collection[str], field: str) -> None:
+def validate_convex(joints: Mapping[str, JointType], cars: Collection[str], field: str) -> None:
     """Raise unless straight lines between a group's configurations are valid motions.
 
     Args:
@@ -34,7 +34,7 @@ def require_convex(joints: Mapping[str, JointType], cars: Collection[str], field
         raise ProblemInvalid(message, {"field": field, "joints": names})
 
 
-def require_one_turn(joints: Iterable[Joint], bounds: Mapping[str, Sequence[float]]) -> None:
+def validate_one_turn(joints: Iterable[Joint], bounds: Mapping[str, Sequence[float]]) -> None:
     """Raise if the bounds of an angle on a circle span more than one turn.
 
     Args:
@@ -47,7 +47,7 @@ def require_one_turn(joints: Iterable[Joint], bounds: Mapping[str, Sequence[floa
     for joint in joints:
         for name, is_circle in zip(joint.position_names, joint.wraps, strict=True):
             low, high = bounds.get(name, (0.0, 0.0))
-            if is_circle and high - low > tau + _ROUNDED:
+            if is_circle and high - low > tau + _TURN_TOLERANCE:
                 field = f"bounds.{name}"
                 message = (
                     f"{field}: [{low:g}, {high:g}] is {high - low:.6g} rad wide, and after one "

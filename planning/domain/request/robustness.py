@@ -18,11 +18,11 @@ class Robustness(Value):
 
     Attributes:
         obstacle_displacement: Largest displacement of any point of any obstacle from the scene's
-            position [m]; at most `MOST_DISPLACEMENT`.
+            position [m]; at most `MAX_DISPLACEMENT`.
         obstacle_pair: The two bodies that limit it, or ("", "").
         obstacle_time: Time at which they do [s].
         joint_error: Largest simultaneous error of all joints, of each in rotation and in
-            translation [rad or m]; at most `MOST_ERROR`.
+            translation [rad or m]; at most `MAX_JOINT_ERROR`.
         joint_pair: The two bodies that limit it, or ("", "").
         joint_time: Time at which they do [s].
     """
@@ -36,5 +36,5 @@ class Robustness(Value):
 
 
 # Largest values that are reported [m], [rad or m].
-MOST_DISPLACEMENT = 1.0
-MOST_ERROR = 0.5
+MAX_DISPLACEMENT = 1.0
+MAX_JOINT_ERROR = 0.5

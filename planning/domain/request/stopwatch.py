@@ -24,11 +24,11 @@ class Stopwatch:
         """
         self._clock = clock
         self._on_stage = on_stage
-        self._began = clock()
+        self._start_time = clock()
         self._seconds: dict[str, float] = {}
-        self._within = 0.0
-        self._open: list[str] = []
-        self._cut: dict[str, None] = {}
+        self._nested_seconds = 0.0
+        self._running_stages: list[str] = []
+        self._cut_stages: dict[str, None] = {}
 
     @contextmanager
     def stage(self, name: str) -> Generator[None]:
@@ -37,32 +37,32 @@ class Stopwatch:
         `DeadlineExceeded` and `Canceled` raised inside get the stage's name, that of the outermost
         stage if several are nested.
         """
-        if not self._open:
+        if not self._running_stages:
             self._on_stage(name)
-        began, before = self._clock(), self._within
-        self._within = 0.0
-        self._open.append(name)
+        start_time, outer_nested_seconds = self._clock(), self._nested_seconds
+        self._nested_seconds = 0.0
+        self._running_stages.append(name)
         try:
             yield
         except (DeadlineExceeded, Canceled) as failure:
             failure.in_stage(name)
             raise
         finally:
-            self._open.pop()
-            elapsed = self._clock() - began
-            self._seconds[name] = self._seconds.get(name, 0.0) + elapsed - self._within
-            self._within = before + elapsed
+            self._running_stages.pop()
+            elapsed = self._clock() - start_time
+            self._seconds[name] = self._seconds.get(name, 0.0) + elapsed - self._nested_seconds
+            self._nested_seconds = outer_nested_seconds + elapsed
 
-    def each[T](self, name: str, found: Iterable[T]) -> Generator[T]:
+    def each[T](self, name: str, items: Iterable[T]) -> Generator[T]:
         """Yield the items of an iterable; the time to produce each counts towards a stage."""
-        rest = iter(found)
+        iterator = iter(items)
         while True:
             with self.stage(name):
                 try:
-                    one = next(rest)
+                    item = next(iterator)
                 except StopIteration:
                     return
-            yield one
+            yield item
 
     @contextmanager
     def timing_failures(self) -> Generator[None]:
@@ -73,35 +73,35 @@ class Stopwatch:
             failure.timings = self.seconds
             raise
 
-    def note_cut(self) -> None:
+    def record_cut(self) -> None:
         """Record that a deadline cut the innermost running stage short."""
-        if self._open:
-            self._cut[self._open[-1]] = None
+        if self._running_stages:
+            self._cut_stages[self._running_stages[-1]] = None
 
     @property
     def cut_short(self) -> tuple[str, ...]:
         """Names of the stages that a deadline cut short, in the order of their first cuts."""
-        return tuple(self._cut)
+        return tuple(self._cut_stages)
 
     @contextmanager
-    def note(self, name: str) -> Generator[None]:
+    def measure(self, name: str) -> Generator[None]:
         """Count the time inside the block towards a name, and towards its stage as well."""
-        began = self._clock()
+        start_time = self._clock()
         try:
             yield
         finally:
-            self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - began
+            self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - start_time
 
     def add(self, name: str, seconds: float) -> None:
         """Add time that was measured elsewhere to a name; no stage's own time changes."""
         self._seconds[name] = self._seconds.get(name, 0.0) + seconds
 
     @property
-    def parts(self) -> dict[str, float]:
+    def seconds_by_name(self) -> dict[str, float]:
         """Seconds by name."""
         return dict(self._seconds)
 
     @property
     def seconds(self) -> dict[str, float]:
         """Seconds by stage, and in `total` the seconds since the start."""
-        return {**self._seconds, "total": self._clock() - self._began}
+        return {**self._seconds, "total": self._clock() - self._start_time}

@@ -22,9 +22,9 @@ class Follower(Value):
     Attributes:
         name: Full name, `robot::joint`.
         leader: Full name of the group's joint that moves it.
-        position: Index of that joint's coordinate in the group's q.
-        rate: Index of the same in the group's v.
-        block: Index of the joint's block.
+        position_index: Index of that joint's coordinate in the group's q.
+        velocity_index: Index of the same in the group's v.
+        block_index: Index of the joint's block.
         multiplier: Its displacement over that of the leader, of either sign.
         offset: Its position with the leader at 0 [rad or m].
         lower: Smallest position [rad or m].
@@ -36,9 +36,9 @@ class Follower(Value):
 
     name: str
     leader: str
-    position: int
-    rate: int
-    block: int
+    position_index: int
+    velocity_index: int
+    block_index: int
     multiplier: float
     offset: float
     lower: float = -np.inf
@@ -57,7 +57,7 @@ class Follower(Value):
         )
 
     @property
-    def range(self) -> tuple[float, float]:
+    def leader_range(self) -> tuple[float, float]:
         """Range of the leader's positions in which the follower keeps its own limits [rad or m]."""
         if self.multiplier == 0:
             return (-np.inf, np.inf)
@@ -65,7 +65,7 @@ class Follower(Value):
         return min(ends), max(ends)
 
 
-def together(limits: JointLimits, followers: Sequence[Follower]) -> JointLimits:
+def combine_limits(limits: JointLimits, followers: Sequence[Follower]) -> JointLimits:
     """Return the limits of a group that imply the limits of its followers as well.
 
     Raises:
@@ -76,22 +76,22 @@ def together(limits: JointLimits, followers: Sequence[Follower]) -> JointLimits:
     lower, upper = np.array(limits.lower), np.array(limits.upper)
     rates = {name: np.array(getattr(limits, name)) for name in ("velocity", "acceleration", "jerk")}
     for follower in followers:
-        at = follower.position
-        low, high = follower.range
-        lower[at], upper[at] = max(lower[at], low), min(upper[at], high)
-        stands = follower.multiplier == 0
-        if lower[at] > upper[at] or (
-            stands and not follower.lower <= follower.offset <= follower.upper
+        index = follower.position_index
+        low, high = follower.leader_range
+        lower[index], upper[index] = max(lower[index], low), min(upper[index], high)
+        is_fixed = follower.multiplier == 0
+        if lower[index] > upper[index] or (
+            is_fixed and not follower.lower <= follower.offset <= follower.upper
         ):
-            raise _nowhere(follower)
+            raise _no_position_error(follower)
         for name, bounds in rates.items():
-            if not stands:
+            if not is_fixed:
                 allowed = getattr(follower, name) / abs(follower.multiplier)
-                bounds[follower.block] = min(bounds[follower.block], allowed)
+                bounds[follower.block_index] = min(bounds[follower.block_index], allowed)
     return replace(limits, lower=lower, upper=upper, **rates)
 
 
-def _nowhere(follower: Follower) -> ModelInvalid:
+def _no_position_error(follower: Follower) -> ModelInvalid:
     message = (
         f"joint {follower.name!r} follows {follower.leader!r} as {follower.multiplier:g} q + "
         f"{follower.offset:g}, which is never within its limits [{follower.lower:g}, "

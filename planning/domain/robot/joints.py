@@ -30,13 +30,13 @@ _VELOCITIES = {
     JointType.PLANAR: ("x", "y", "yaw"),
     JointType.FLOATING: ("wx", "wy", "wz", "x", "y", "z"),
 }
-_ONE = ("",)
+_SCALAR = ("",)
 _WRAPS = {
     JointType.CONTINUOUS: (True,),
     JointType.PLANAR: (False, False, True),
     JointType.FLOATING: (False,) * 6,
 }
-_LIMITED_TOGETHER = {
+_NORM_LIMITED = {
     JointType.PLANAR: (("linear", (0, 1)), ("angular", (2,))),
     JointType.FLOATING: (("angular", (0, 1, 2)), ("linear", (3, 4, 5))),
 }
@@ -57,12 +57,12 @@ class Joint(Value):
     @property
     def num_positions(self) -> int:
         """Number of position coordinates."""
-        return len(_POSITIONS.get(self.type, _ONE))
+        return len(_POSITIONS.get(self.type, _SCALAR))
 
     @property
     def num_velocities(self) -> int:
         """Number of velocity coordinates."""
-        return len(_VELOCITIES.get(self.type, _ONE))
+        return len(_VELOCITIES.get(self.type, _SCALAR))
 
     @property
     def position_names(self) -> tuple[str, ...]:
@@ -88,20 +88,20 @@ class Joint(Value):
         Scalar joints have one block of one coordinate; planar and floating joints have one for
         their linear and one for their angular motion.
         """
-        pairs = _LIMITED_TOGETHER.get(self.type)
+        pairs = _NORM_LIMITED.get(self.type)
         if pairs is None:
             return ((self.name, (0,)),)
         return tuple((f"{self.name}.{kind}", indices) for kind, indices in pairs)
 
 
 def offsets_of(
-    joints: Iterable[Joint], is_meant: Callable[[Joint], bool]
+    joints: Iterable[Joint], is_selected: Callable[[Joint], bool]
 ) -> tuple[tuple[int, int], ...]:
     """Return the first index in q and in v of each joint that a predicate selects."""
     found: list[tuple[int, int]] = []
     iq = iv = 0
     for joint in joints:
-        if is_meant(joint):
+        if is_selected(joint):
             found.append((iq, iv))
         iq += joint.num_positions
         iv += joint.num_velocities
@@ -146,7 +146,7 @@ class JointGroup(Value):
         return len(self.velocity_names)
 
     @cached_property
-    def plain(self) -> tuple[Indices, Indices]:
+    def additive_indices(self) -> tuple[Indices, Indices]:
         """Indices in q, and in v, of the coordinates that simply add: all but rotations."""
         in_q: list[int] = []
         in_v: list[int] = []

@@ -18,8 +18,8 @@ from planning.domain.robot.joints import Joint, JointType, offsets_of
 from planning.domain.value import Value
 
 # Manifolds by the id() of their joints; each keeps its joints alive, so no id() is reused.
-_shared: dict[int, "Manifold"] = {}
-_MOST_SHARED = 256
+_cache: dict[int, "Manifold"] = {}
+_MAX_CACHED = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +31,11 @@ class Manifold(Value):
     @staticmethod
     def of(joints: tuple[Joint, ...]) -> "Manifold":
         """Return the manifold of a tuple of joints, cached by the identity of the tuple."""
-        found = _shared.get(id(joints))
+        found = _cache.get(id(joints))
         if found is None:
-            if len(_shared) >= _MOST_SHARED:
-                _shared.clear()
-            found = _shared[id(joints)] = Manifold(joints)
+            if len(_cache) >= _MAX_CACHED:
+                _cache.clear()
+            found = _cache[id(joints)] = Manifold(joints)
         return found
 
     @cached_property
@@ -59,7 +59,7 @@ class Manifold(Value):
         return offsets_of(self.joints, lambda joint: joint.type is JointType.FLOATING)
 
     @cached_property
-    def _plain(self) -> tuple[list[int], list[int]]:
+    def _additive_indices(self) -> tuple[list[int], list[int]]:
         """Indices in q and in v of the coordinates that simply add."""
         in_q = set(range(self.num_positions))
         in_v = set(range(self.num_velocities))
@@ -79,7 +79,7 @@ class Manifold(Value):
         return tuple(i for i, wraps in enumerate(self.wraps) if wraps)
 
     @cached_property
-    def is_vector(self) -> bool:
+    def is_vector_space(self) -> bool:
         """Whether q and delta are the same numbers: no circle and no rotation among them."""
         return self.is_flat and not any(self.wraps)
 
@@ -89,7 +89,7 @@ class Manifold(Value):
             return q + delta
         shape = np.broadcast_shapes(q.shape[:-1], delta.shape[:-1])
         moved = np.empty((*shape, self.num_positions))
-        in_q, in_v = self._plain
+        in_q, in_v = self._additive_indices
         if in_q:
             moved[..., in_q] = q[..., in_q] + delta[..., in_v]
         for iq, iv in self._floating:
@@ -100,7 +100,7 @@ class Manifold(Value):
 
     def minus(self, q1: Float64[np.ndarray, "*#n nq"], q0: Float64[np.ndarray, "*#n nq"]) -> Array:
         """Return the shortest delta with q0 [+] delta = q1 (up to whole turns)."""
-        if self.is_vector:
+        if self.is_vector_space:
             return q1 - q0
         delta = q1 - q0 if self.is_flat else self._minus_floating(q1, q0)
         for i in self._circles:
@@ -111,7 +111,7 @@ class Manifold(Value):
         """Return the same as `minus`, but without removing whole turns of angles."""
         shape = np.broadcast_shapes(q1.shape[:-1], q0.shape[:-1])
         delta = np.empty((*shape, self.num_velocities))
-        in_q, in_v = self._plain
+        in_q, in_v = self._additive_indices
         if in_q:
             delta[..., in_v] = q1[..., in_q] - q0[..., in_q]
         for iq, iv in self._floating:

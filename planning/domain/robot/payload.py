@@ -11,7 +11,7 @@ from planning.domain.value import Value
 from planning.errors import ProblemInvalid
 
 # Relative tolerance of the triangle inequality of principal moments, for rounding.
-_SLACK = 1e-9
+_INERTIA_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,20 +55,24 @@ class Payload(Value):
         center = np.array(center_of_mass, dtype=np.float64)
         moments = np.array(inertia, dtype=np.float64)
         if not (np.isfinite(mass) and mass > 0):
-            raise _fault("mass", f"it must be positive and finite, got {mass}")
+            raise _invalid_payload("mass", f"it must be positive and finite, got {mass}")
         if center.shape != (3,) or not np.isfinite(center).all():
-            raise _fault("center_of_mass", "3 finite numbers are needed")
+            raise _invalid_payload("center_of_mass", "3 finite numbers are needed")
         if moments.shape != (6,) or not np.isfinite(moments).all():
-            raise _fault("inertia", "6 finite numbers are needed: Ixx, Iyy, Izz, Ixy, Ixz, Iyz")
+            raise _invalid_payload(
+                "inertia", "6 finite numbers are needed: Ixx, Iyy, Izz, Ixy, Ixz, Iyz"
+            )
         xx, yy, zz, xy, xz, yz = moments
         matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         principal: Any = np.linalg.eigvalsh(matrix)
-        slack = _SLACK * np.abs(principal).max()
+        slack = _INERTIA_TOLERANCE * np.abs(principal).max()
         if principal[0] < -slack or principal[2] > principal[0] + principal[1] + slack:
             words = "no body has these principal moments: none is negative, nor greater than the "
-            raise _fault("inertia", f"{words}two others together; got {principal.tolist()}")
+            raise _invalid_payload(
+                "inertia", f"{words}two others together; got {principal.tolist()}"
+            )
         return cls(frame, float(mass), center, matrix)
 
 
-def _fault(field_name: str, message: str) -> ProblemInvalid:
+def _invalid_payload(field_name: str, message: str) -> ProblemInvalid:
     return ProblemInvalid(f"{field_name}: {message}", {"field": field_name})

@@ -97,10 +97,10 @@ class SteeredManifold(Manifold):
         """Return the configuration after a unit of time at the constant velocity delta."""
         moved = super().plus(q, delta)
         for iq, iv in self.offsets:
-            ahead, aside, turn = (delta[..., iv + i] for i in range(3))
-            straight, bend = _chord(turn)
-            x = straight * ahead - bend * aside
-            y = bend * ahead + straight * aside
+            v_x, v_y, angle = (delta[..., iv + i] for i in range(3))
+            sinc, cosinc = _sinc_and_cosinc(angle)
+            x = sinc * v_x - cosinc * v_y
+            y = cosinc * v_x + sinc * v_y
             c, s = np.cos(q[..., iq + 2]), np.sin(q[..., iq + 2])
             moved[..., iq] = q[..., iq] + c * x - s * y
             moved[..., iq + 1] = q[..., iq + 1] + s * x + c * y
@@ -114,18 +114,18 @@ class SteeredManifold(Manifold):
             x, y = (q1[..., iq + i] - q0[..., iq + i] for i in range(2))
             c, s = np.cos(q0[..., iq + 2]), np.sin(q0[..., iq + 2])
             x, y = c * x + s * y, c * y - s * x
-            straight, bend = _chord(delta[..., iv + 2])
-            size = straight**2 + bend**2
-            delta[..., iv] = (straight * x + bend * y) / size
-            delta[..., iv + 1] = (straight * y - bend * x) / size
+            sinc, cosinc = _sinc_and_cosinc(delta[..., iv + 2])
+            squared_norm = sinc**2 + cosinc**2
+            delta[..., iv] = (sinc * x + cosinc * y) / squared_norm
+            delta[..., iv + 1] = (sinc * y - cosinc * x) / squared_norm
         return delta
 
 
-def _chord(turn: Array) -> tuple[Array, Array]:
+def _sinc_and_cosinc(angle: Array) -> tuple[Array, Array]:
     """Return sin(turn) / turn and (1 - cos(turn)) / turn."""
-    small = np.abs(turn) < _SMALL
-    safe = np.where(small, 1.0, turn)
+    small = np.abs(angle) < _SMALL
+    safe = np.where(small, 1.0, angle)
     # 1 - cos is 2 sin^2 of half the angle, which does not cancel.
-    straight = np.where(small, 1 - turn**2 / 6, np.sin(safe) / safe)
-    bend = np.where(small, turn / 2 - turn**3 / 24, 2 * np.sin(safe / 2) ** 2 / safe)
-    return straight, bend
+    sinc = np.where(small, 1 - angle**2 / 6, np.sin(safe) / safe)
+    cosinc = np.where(small, angle / 2 - angle**3 / 24, 2 * np.sin(safe / 2) ** 2 / safe)
+    return sinc, cosinc

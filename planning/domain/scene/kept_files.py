@@ -35,7 +35,7 @@ class KeptFiles(Value):
         return digest(self.sha256)
 
     @property
-    def plain(self) -> dict[str, Any]:
+    def as_json(self) -> dict[str, Any]:
         """The same as JSON."""
         return {
             "named": self.named,
@@ -45,14 +45,14 @@ class KeptFiles(Value):
         }
 
     @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "KeptFiles":
-        """Build from the result of `plain`.
+    def from_json(cls, content: Mapping[str, Any]) -> "KeptFiles":
+        """Build from the result of `content`.
 
         Raises:
             SceneInvalid: A path leaves the folder, or is none of the files; or a sha256 is
                 malformed.
         """
-        found = cls(plain["named"], plain["main"], plain["card"], dict(plain["sha256"]))
+        found = cls(content["named"], content["main"], content["card"], dict(content["sha256"]))
         for path, sha256 in found.sha256.items():
             parts = PurePosixPath(path).parts
             is_inside = bool(parts) and parts[0] != "/" and ".." not in parts

@@ -72,7 +72,7 @@ class SceneObject(Value):
     mass: float | None = None
     center_of_mass: Float64[np.ndarray, "3"] | None = None
 
-    is_fed_once = True
+    caches_bytes = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class SceneFrame(Value):
     parent: str
     pose: Pose
 
-    is_fed_once = True
+    caches_bytes = True
 
 
 @dataclass(frozen=True, eq=False)

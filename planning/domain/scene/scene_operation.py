@@ -11,7 +11,7 @@ from planning.domain.value import Value
 class AddObject(Value):
     """Scene operation: add an object under an unused name."""
 
-    thing: SceneObject
+    scene_object: SceneObject
 
 
 @dataclass(frozen=True, eq=False)

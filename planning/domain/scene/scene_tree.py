@@ -12,7 +12,7 @@ WORLD = "world"
 
 
 @dataclass(frozen=True, eq=False)
-class Hold(Value):
+class RootAncestor(Value):
     """Root ancestor of an object or frame, with its pose in it.
 
     Attributes:
@@ -38,27 +38,27 @@ def parents(scene: Scene) -> dict[str, tuple[str, Pose]]:
     return {**objects, **{frame.name: (frame.parent, frame.pose) for frame in scene.frames}}
 
 
-def hold_of(name: str, above: Mapping[str, tuple[str, Pose]]) -> Hold:
+def root_ancestor(name: str, parent_of: Mapping[str, tuple[str, Pose]]) -> RootAncestor:
     """Return the root ancestor of an object, a frame or a link, by following `parents`.
 
     Raises:
         SceneInvalid: It is its own ancestor.
     """
     pose = Pose.identity()
-    for step in _way(name, above):
-        name, x_pn = above[step]
+    for step in _ancestors(name, parent_of):
+        name, x_pn = parent_of[step]
         pose = x_pn @ pose
-    return Hold(name, pose)
+    return RootAncestor(name, pose)
 
 
-def holder_of(name: str, above: Mapping[str, tuple[str, Pose]]) -> str | None:
+def root_robot(name: str, parent_of: Mapping[str, tuple[str, Pose]]) -> str | None:
     """Return the robot that is the root ancestor of an object, a frame or a link, or None.
 
     Raises:
         SceneInvalid: It is its own ancestor.
     """
-    way = _way(name, above)
-    return robot_of(above[way[-1]][0] if way else name)
+    ancestors = _ancestors(name, parent_of)
+    return robot_of(parent_of[ancestors[-1]][0] if ancestors else name)
 
 
 def robot_of(root: str) -> str | None:
@@ -67,14 +67,14 @@ def robot_of(root: str) -> str | None:
     return robot if has_robot else None
 
 
-def _way(name: str, above: Mapping[str, tuple[str, Pose]]) -> list[str]:
+def _ancestors(name: str, parent_of: Mapping[str, tuple[str, Pose]]) -> list[str]:
     """Return the chain of ancestors from a name on, as far as the scene defines it."""
     seen: dict[str, None] = {}
-    while name in above:
+    while name in parent_of:
         if name in seen:
-            way = list(seen)
-            message = f"{way[0]!r} hangs on itself: {[*way, name]}"
-            raise SceneInvalid(message, {"path": "", "names": [*way, name]})
+            names = list(seen)
+            message = f"{names[0]!r} hangs on itself: {[*names, name]}"
+            raise SceneInvalid(message, {"path": "", "names": [*names, name]})
         seen[name] = None
-        name = above[name][0]
+        name = parent_of[name][0]
     return list(seen)

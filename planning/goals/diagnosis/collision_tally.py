@@ -8,12 +8,12 @@ from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.goals.funnel import PairTally
 from planning.domain.request.deadline import Deadline
 from planning.goals.goal_query import GoalQuery
-from planning.goals.start import overlap
+from planning.goals.start import has_overlap
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 
 # Configurations measured even after the deadline, so that the tally is not empty.
-_AT_LEAST = 4
+_MIN_MEASURED = 4
 
 
 @dataclass
@@ -22,11 +22,11 @@ class CollisionTally:
 
     Attributes:
         depths: Margin minus distance [m] of each rejected configuration, by pair.
-        num_only_near: Number of configurations that violate margins without overlap.
+        num_margin_only: Number of configurations that violate margins without overlap.
     """
 
     depths: dict[tuple[str, str], list[float]] = field(default_factory=lambda: defaultdict(list))
-    num_only_near: int = 0
+    num_margin_only: int = 0
 
     def add(self, pairs: tuple[BodyPair, ...], margins: PairMargins) -> None:
         """Count a rejected configuration under its pair of largest margin violation, if any."""
@@ -34,7 +34,7 @@ class CollisionTally:
             return
         worst = max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance)
         self.depths[worst.bodies].append(margins.of(*worst.bodies) - worst.distance)
-        self.num_only_near += not overlap(pairs)
+        self.num_margin_only += not has_overlap(pairs)
 
     @property
     def summary(self) -> tuple[PairTally, ...]:
@@ -48,11 +48,11 @@ def count_collisions(
 ) -> CollisionTally:
     """Return the tally of colliding pairs of some configurations, until the deadline.
 
-    The first `_AT_LEAST` configurations are measured in any case.
+    The first `_MIN_MEASURED` configurations are measured in any case.
     """
     tally = CollisionTally()
     for i, q in enumerate(rows):
-        if i >= _AT_LEAST and deadline.is_over:
+        if i >= _MIN_MEASURED and deadline.is_over:
             break
         tally.add(world.violations(query.group, q, query.margins), query.margins)
     return tally

@@ -15,7 +15,7 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ApproachBlocked, GoalInCollision, GoalTooNear, GoalUnreachable
 from planning.goals.diagnosis.collision_tally import count_collisions
-from planning.goals.diagnosis.relaxation import least_deep
+from planning.goals.diagnosis.relaxation import shallowest_collision
 from planning.goals.diagnosis.relaxed_search import sufficient_removal
 from planning.goals.diagnosis.suggestions import suggest_nearest_pose
 from planning.goals.goal_query import GoalQuery
@@ -27,17 +27,17 @@ from planning.goals.targets.target_selection import TargetSelection
 from planning.world.world import World
 
 # Largest number of colliding configurations measured for the evidence.
-_LOOKED_AT = 256
+_MAX_MEASURED = 256
 # Largest number of distinct ones among them, used as hints and for relaxations.
 _NUM_DISTINCT = 32
 # Share of the remaining time for goals that searches with a body removed may take.
-_REMOVAL_SHARE = 0.3
+_REMOVAL_TIME_FRACTION = 0.3
 
 
 def goal_failure(
     world: World,
     query: GoalQuery,
-    aiming: TargetSelection,
+    selection: TargetSelection,
     search: PoseSearch,
     rng: np.random.Generator,
     deadline: Deadline,
@@ -49,32 +49,32 @@ def goal_failure(
     Args:
         world: Loaded scene, with the joint limits under the query's path constraints.
         query: Goal query.
-        aiming: Target selection of the goal.
+        selection: Target selection of the goal.
         search: Finished search without result.
         rng: Random generator of the attempts.
         deadline: Time limit of the diagnosis.
     """
     funnel = search.funnel(())
-    if funnel.collision_free > 0 and search.judge is not None:
-        return _blocked(world, query, aiming, search, rng, deadline)
+    if funnel.collision_free > 0 and search.checker is not None:
+        return _approach_failure(world, query, selection, search, rng, deadline)
     hints = _distinct(query, search.colliding)
-    evidence, words = suggest_nearest_pose(world, query, aiming, hints, rng, deadline)
+    evidence, suggestion = suggest_nearest_pose(world, query, selection, hints, rng, deadline)
     if search.colliding:
-        return all_collide(world, query, search, deadline, evidence, words)
+        return collision_failure(world, query, search, deadline, evidence, suggestion)
     message = (
-        f"no configuration of {query.group.name} brings {aiming.accepted[0].frame} to the goal"
-        f"{words}"
+        f"no configuration of {query.group.name} brings {selection.accepted[0].frame} to the goal"
+        f"{suggestion}"
     )
     return GoalUnreachable(message, {"funnel": funnel_evidence(funnel), **evidence})
 
 
-def all_collide(
+def collision_failure(
     world: World,
     query: GoalQuery,
     search: PoseSearch,
     deadline: Deadline,
     evidence: Mapping[str, Any] = MappingProxyType({}),
-    words: str = "",
+    suggestion: str = "",
 ) -> GoalInCollision | GoalTooNear:
     """Return the failure of a goal all of whose configurations collide or violate margins.
 
@@ -86,78 +86,84 @@ def all_collide(
         search: Finished search with colliding solutions.
         deadline: Time limit of the measurements.
         evidence: Further evidence; obstacles are added to its `relaxation`.
-        words: Text of that evidence, appended to the message.
+        suggestion: Text of that evidence, appended to the message.
     """
     rows = _distinct(query, search.colliding)
     tally = count_collisions(
-        world, query, search.colliding[: max(_LOOKED_AT, query.num_measured)], deadline
+        world, query, search.colliding[: max(_MAX_MEASURED, query.num_measured)], deadline
     )
     funnel = search.funnel(tally.summary)
     relaxation = dict(evidence.get("relaxation", {}))
-    is_near = tally.num_only_near > 0
-    what = "are too near to something" if is_near else "collide"
-    message = f"all {funnel.within_limits} configurations that reach the goal {what}"
-    verb = "break the margin of" if is_near else "hit"
-    message += _hits(funnel.rejected_by, verb, is_cut_short=deadline.is_over)
-    if query.rules is not None:
-        rows = rows[query.rules.are_kept(rows)]
+    is_margin_only = tally.num_margin_only > 0
+    text = "are too near to something" if is_margin_only else "collide"
+    message = f"all {funnel.within_limits} configurations that reach the goal {text}"
+    verb = "break the margin of" if is_margin_only else "hit"
+    message += _describe_tallies(funnel.rejected_by, verb, is_cut_short=deadline.is_over)
+    if query.constraints is not None:
+        rows = rows[query.constraints.are_satisfied(rows)]
     if len(rows):
-        q, pairs = least_deep(world, query, rows)
+        q, pairs = shallowest_collision(world, query, rows)
         relaxation["obstacles"] = pair_evidence(pairs, query.margins)
         relaxation["positions"] = q.tolist()
         message += f"; the least deep hits {describe_pairs(pairs, query.margins)}"
-    if is_near:
-        message += f"; nothing overlaps in {tally.num_only_near} of them, which break margins only"
+    if is_margin_only:
+        message += (
+            f"; nothing overlaps in {tally.num_margin_only} of them, which break margins only"
+        )
     evidence = {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
-    failure = GoalTooNear if is_near else GoalInCollision
-    return failure(message + words, evidence)
+    failure = GoalTooNear if is_margin_only else GoalInCollision
+    return failure(message + suggestion, evidence)
 
 
-def _hits(tallies: tuple[PairTally, ...], verb: str, *, is_cut_short: bool) -> str:
+def _describe_tallies(tallies: tuple[PairTally, ...], verb: str, *, is_cut_short: bool) -> str:
     if not tallies:
         return ""
-    words = ", ".join(
+    text = ", ".join(
         f"{tally.count} {verb} {'-'.join(tally.bodies)} by {1000 * tally.min_depth:.1f} to "
         f"{1000 * tally.max_depth:.1f} mm"
         for tally in tallies[:3]
     )
     measured = sum(tally.count for tally in tallies)
-    return f": of the {measured} measured in time {words}" if is_cut_short else f": {words}"
+    return f": of the {measured} measured in time {text}" if is_cut_short else f": {text}"
 
 
-def _blocked(
+def _approach_failure(
     world: World,
     query: GoalQuery,
-    aiming: TargetSelection,
+    selection: TargetSelection,
     search: PoseSearch,
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> ApproachBlocked:
-    funnel, judge = search.funnel(()), search.judge
-    assert judge is not None  # noqa: S101  (something was blocked)
-    words = ", ".join(
+    funnel, checker = search.funnel(()), search.checker
+    assert checker is not None  # noqa: S101  (something was blocked)
+    text = ", ".join(
         f"{tally.count} times {tally.reason}{' of ' if tally.where else ''}{tally.where} stops the "
-        f"{tally.leg} ({100 * tally.max_fraction:.0f} % of it is free at best)"
+        f"{tally.move} ({100 * tally.max_fraction:.0f} % of it is free at best)"
         for tally in funnel.blocked_by[:3]
     )
-    message = f"no goal configuration has a free approach and retreat: {words}"
-    shorter = shorter_moves(world, query, judge, deadline)
+    message = f"no goal configuration has a free approach and retreat: {text}"
+    shorter = shorter_moves(world, query, checker, deadline)
     if shorter is not None:
-        lengths = " and ".join(f"{1000 * m:.1f} mm of {leg}" for leg, m in shorter.lengths.items())
+        lengths = " and ".join(
+            f"{1000 * m:.1f} mm of {move_name}" for move_name, m in shorter.lengths.items()
+        )
         message += f"; {lengths} would do"
-    removal = sufficient_removal(world, query, search, rng, deadline.share(_REMOVAL_SHARE))
+    removal = sufficient_removal(
+        world, query, search, rng, deadline.at_fraction(_REMOVAL_TIME_FRACTION)
+    )
     if removal is not None:
         message += f"; without {removal['body']} there would be one"
     hints = _distinct(query, search.blocked.rows)
-    evidence, words = suggest_nearest_pose(world, query, aiming, hints, rng, deadline)
+    evidence, text = suggest_nearest_pose(world, query, selection, hints, rng, deadline)
     lengths = {"approach": None, "retreat": None, "pose_index": None}
     relaxation = {**evidence["relaxation"], **lengths, **(shorter.evidence if shorter else {})}
     evidence = {"nearest": evidence["nearest"], "relaxation": {**relaxation, "remove": removal}}
-    return ApproachBlocked(message + words, {"funnel": funnel_evidence(funnel), **evidence})
+    return ApproachBlocked(message + text, {"funnel": funnel_evidence(funnel), **evidence})
 
 
-def _distinct(query: GoalQuery, found: list[Array] | Array) -> Array:
+def _distinct(query: GoalQuery, configurations: list[Array] | Array) -> Array:
     """Return up to `_NUM_DISTINCT` distinct configurations of some infeasible ones."""
-    rows = np.reshape(found[:_LOOKED_AT], (-1, query.group.num_positions))
-    known = UniqueSolutions(query.group, Manifold(query.group.joints))
-    return rows[known.are_new(rows, np.zeros(len(rows), dtype=np.int64))][:_NUM_DISTINCT]
+    rows = np.reshape(configurations[:_MAX_MEASURED], (-1, query.group.num_positions))
+    unique = UniqueSolutions(query.group, Manifold(query.group.joints))
+    return rows[unique.are_new(rows, np.zeros(len(rows), dtype=np.int64))][:_NUM_DISTINCT]

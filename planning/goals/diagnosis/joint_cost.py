@@ -6,15 +6,15 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.domain.robot.manifold import Manifold
-from planning.goals.diagnosis.nearest_program import Pull
+from planning.goals.diagnosis.nearest_program import AddCost
 from planning.goals.ik.group_program import GroupProgram
 from planning.goals.joint_metric import JointMetric
 from planning.world.world import World
 
 
-def to_configuration(
+def joint_distance_cost(
     world: World, group: JointGroup, metric: JointMetric, goal: Float64[np.ndarray, " nq"]
-) -> Pull:
+) -> AddCost:
     """Return a cost on a program: the squared weighted joint distance to a goal configuration.
 
     Full turns of continuous joints do not count. The angle of a small rotation is twice the
@@ -23,32 +23,34 @@ def to_configuration(
     """
     manifold = Manifold(group.joints)
     weights = np.ones(manifold.num_velocities) if metric.weights is None else metric.weights
-    by_position = _by_position(group, weights)
+    position_weights = _position_weights(group, weights)
 
-    def pull(program: GroupProgram, q: Array) -> None:
+    def add_cost(program: GroupProgram, q: Array) -> None:
         is_flat = manifold.is_flat
-        desired = q + manifold.minus(goal, q) if is_flat else _same_sign(group, goal, q)
+        desired = q + manifold.minus(goal, q) if is_flat else _align_quaternions(group, goal, q)
         variables = program.ik.q()[world.drake.position_indices(group)]
         program.ik.get_mutable_prog().AddQuadraticErrorCost(
-            np.diag(by_position**2), desired, variables
+            np.diag(position_weights**2), desired, variables
         )
 
-    return pull
+    return add_cost
 
 
-def _by_position(group: JointGroup, weights: Array) -> Array:
-    found, offset = list[float](), 0
+def _position_weights(group: JointGroup, weights: Array) -> Array:
+    position_weights, offset = list[float](), 0
     for joint in group.joints:
-        own = weights[offset : offset + joint.num_velocities]
+        joint_weights = weights[offset : offset + joint.num_velocities]
         if joint.type is JointType.FLOATING:
-            found += [2 * float(own[:3].mean())] * 4 + own[3:].tolist()
+            position_weights += [2 * float(joint_weights[:3].mean())] * 4 + joint_weights[
+                3:
+            ].tolist()
         else:
-            found += own.tolist()
+            position_weights += joint_weights.tolist()
         offset += joint.num_velocities
-    return np.array(found)
+    return np.array(position_weights)
 
 
-def _same_sign(group: JointGroup, goal: Array, q: Array) -> Array:
+def _align_quaternions(group: JointGroup, goal: Array, q: Array) -> Array:
     """Return the goal with quaternions in the hemisphere of q's; both signs mean one rotation."""
     desired, offset = np.array(goal), 0
     for joint in group.joints:

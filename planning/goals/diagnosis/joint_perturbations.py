@@ -9,9 +9,9 @@ from planning.domain.robot.manifold import Manifold
 from planning.goals.joint_metric import JointMetric
 
 # Largest displacement of a coordinate, reached by coordinates of weight 0 [rad, m].
-_TURN, _SHIFT = np.pi, 2.0
+_MAX_ROTATION, _MAX_TRANSLATION = np.pi, 2.0
 # Largest number of coordinates that a sparse displacement changes.
-_FEW = 3
+_MAX_SPARSE_COORDINATES = 3
 
 
 class JointPerturbations:
@@ -22,45 +22,53 @@ class JointPerturbations:
         self._rng = rng
         count = Manifold(group.joints).num_velocities
         weights = np.ones(count) if metric.weights is None else metric.weights
-        self._is_idle = weights == 0
-        self._scale = 1 / np.where(self._is_idle, 1.0, weights)
+        self._is_unweighted = weights == 0
+        self._scale = 1 / np.where(self._is_unweighted, 1.0, weights)
         kinds = [joint.type for joint in group.joints for _ in joint.velocity_names]
-        straight = [kind is JointType.PRISMATIC for kind in kinds]
-        self._reach = np.where(straight, _SHIFT, _TURN)
+        is_prismatic = [kind is JointType.PRISMATIC for kind in kinds]
+        self._max_displacement = np.where(is_prismatic, _MAX_TRANSLATION, _MAX_ROTATION)
 
     @property
-    def largest(self) -> float:
+    def max_radius(self) -> float:
         """Norm of the largest displacement worth sampling."""
-        return float(np.linalg.norm(self._reach[~self._is_idle] / self._scale[~self._is_idle]))
+        return float(
+            np.linalg.norm(
+                self._max_displacement[~self._is_unweighted] / self._scale[~self._is_unweighted]
+            )
+        )
 
-    def within(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
+    def sample_ball(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
         """Return displacements of norm at most `radius`: half uniform, half along few coordinates.
 
         In many dimensions uniform samples of a ball hardly ever lie along the axes, where the
         nearest feasible configuration often is.
         """
-        moves = self._normal(count)
-        few = count // 2
-        order = self._rng.random((few, moves.shape[1])).argsort(axis=1)
-        moves[:few][order >= self._rng.integers(1, _FEW + 1, (few, 1))] = 0.0
+        displacements = self._normal_samples(count)
+        num_sparse = count // 2
+        order = self._rng.random((num_sparse, displacements.shape[1])).argsort(axis=1)
+        displacements[:num_sparse][
+            order >= self._rng.integers(1, _MAX_SPARSE_COORDINATES + 1, (num_sparse, 1))
+        ] = 0.0
         lengths = self._rng.random((count, 1))
-        lengths[few:] **= 1 / moves.shape[1]
-        norms = np.linalg.norm(moves, axis=1, keepdims=True)
-        return self._unweighted(radius * lengths * moves / np.maximum(norms, 1e-12))
+        lengths[num_sparse:] **= 1 / displacements.shape[1]
+        norms = np.linalg.norm(displacements, axis=1, keepdims=True)
+        return self._to_displacements(radius * lengths * displacements / np.maximum(norms, 1e-12))
 
-    def about(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
+    def sample_multiscale(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
         """Return displacements of all scales up to about `radius`, most of them much smaller."""
-        sizes = radius * 10 ** self._rng.uniform(-4.0, -0.5, (count, 1))
-        return self._unweighted(sizes * self._normal(count) / np.sqrt(len(self._scale)))
+        scales = radius * 10 ** self._rng.uniform(-4.0, -0.5, (count, 1))
+        return self._to_displacements(
+            scales * self._normal_samples(count) / np.sqrt(len(self._scale))
+        )
 
-    def _normal(self, count: int) -> Array:
-        moves = self._rng.normal(size=(count, len(self._scale)))
-        moves[:, self._is_idle] = 0.0
-        return moves
+    def _normal_samples(self, count: int) -> Array:
+        displacements = self._rng.normal(size=(count, len(self._scale)))
+        displacements[:, self._is_unweighted] = 0.0
+        return displacements
 
-    def _unweighted(self, moves: Array) -> Array:
+    def _to_displacements(self, displacements: Array) -> Array:
         """Return displacements [rad, m]; weight-0 coordinates are uniform in every other row."""
-        moves = moves * self._scale
-        anywhere = self._rng.uniform(-1.0, 1.0, moves[::2].shape) * self._reach
-        moves[::2] = np.where(self._is_idle, anywhere, moves[::2])
-        return moves
+        displacements = displacements * self._scale
+        uniform = self._rng.uniform(-1.0, 1.0, displacements[::2].shape) * self._max_displacement
+        displacements[::2] = np.where(self._is_unweighted, uniform, displacements[::2])
+        return displacements

@@ -13,10 +13,10 @@ from planning.world.constraints.body_pairs import moved_bodies
 from planning.world.world import World
 
 # Margins tried, as shares of the least distance, and their reserve below that distance [m].
-_SHARES, _BELOW = (1.0, 0.9, 0.5, 0.0), 1e-6
+_MARGIN_FRACTIONS, _MARGIN_RESERVE = (1.0, 0.9, 0.5, 0.0), 1e-6
 
 
-def relaxation_of(
+def joint_goal_relaxation(
     world: World, query: GoalQuery, rows: Float64[np.ndarray, "n nq"]
 ) -> dict[str, Any]:
     """Return the violations of the least infeasible row and sufficient relaxations, as evidence.
@@ -29,63 +29,66 @@ def relaxation_of(
         query: Goal query.
         rows: Goal configurations.
     """
-    faults = [_faults(world, query, q) for q in rows]
-    best = min(range(len(faults)), key=lambda k: (_kinds(faults[k]), _depth(faults[k]), k))
-    limits, pairs, constraints = faults[best]
+    violations = [_violations(world, query, q) for q in rows]
+    best = min(
+        range(len(violations)),
+        key=lambda k: (_num_violated_kinds(violations[k]), _depth(violations[k]), k),
+    )
+    limits, pairs, constraints = violations[best]
     return {
         "goal_index": best,
         "positions": rows[best].tolist(),
         "limits": limits,
         "obstacles": pair_evidence(pairs, query.margins),
         "constraints": constraints,
-        "remove": _in_the_way(moved_bodies(world.drake, query.group), pairs),
-        "margin": _margin_that_does(world, query, rows[best], pairs),
+        "remove": _bodies_to_remove(moved_bodies(world.drake, query.group), pairs),
+        "margin": _sufficient_margin(world, query, rows[best], pairs),
     }
 
 
-type _Faults = tuple[list[dict[str, Any]], tuple[BodyPair, ...], list[dict[str, Any]]]
+type _Violations = tuple[list[dict[str, Any]], tuple[BodyPair, ...], list[dict[str, Any]]]
 
 
-def _faults(world: World, query: GoalQuery, q: Float64[np.ndarray, " nq"]) -> _Faults:
+def _violations(world: World, query: GoalQuery, q: Float64[np.ndarray, " nq"]) -> _Violations:
     outside = limit_violations(world.limits(query.group), query.group, q)
     pairs = world.violations(query.group, q, query.margins)
-    broken = [] if query.rules is None else query.rules.violations(q)
-    return outside, pairs, broken
+    violated_constraints = [] if query.constraints is None else query.constraints.violations(q)
+    return outside, pairs, violated_constraints
 
 
-def _kinds(faults: _Faults) -> int:
-    return sum(bool(some) for some in faults)
+def _num_violated_kinds(violations: _Violations) -> int:
+    return sum(bool(some) for some in violations)
 
 
-def _depth(faults: _Faults) -> float:
+def _depth(violations: _Violations) -> float:
     """Return the largest penetration depth of a pair [m], regardless of its margin."""
-    return max((-pair.distance for pair in faults[1]), default=-np.inf)
+    return max((-pair.distance for pair in violations[1]), default=-np.inf)
 
 
-def _in_the_way(moved: set[str], pairs: Iterable[BodyPair]) -> list[str] | None:
+def _bodies_to_remove(moved: set[str], pairs: Iterable[BodyPair]) -> list[str] | None:
     """Return the bodies whose removal leaves no pair colliding; None for a self-collision.
 
     Of a pair with one body that the group moves, the other body is removed. Of a pair that the
     group does not move, which collides at every q, the second body is removed, unless one of them
     is already.
     """
-    chosen: dict[str, None] = {}
-    resting: list[tuple[str, str]] = []
+    removed: dict[str, None] = {}
+    static_pairs: list[tuple[str, str]] = []
     for pair in pairs:
-        still = [body for body in pair.bodies if body not in moved]
-        if not still:
+        static_bodies = [body for body in pair.bodies if body not in moved]
+        if not static_bodies:
             return None
-        if len(still) == 1:
-            chosen[still[0]] = None
+        if len(static_bodies) == 1:
+            removed[static_bodies[0]] = None
         else:
-            resting.append(pair.bodies)
-    for bodies in resting:
-        if not set(bodies) & set(chosen):
-            chosen[bodies[1]] = None
-    return sorted(chosen)
+            static_pairs.append(pair.bodies)
+    for bodies in static_pairs:
+        if not set(bodies) & set(removed):
+            removed[bodies[1]] = None
+    return sorted(removed)
 
 
-def _margin_that_does(
+def _sufficient_margin(
     world: World,
     query: GoalQuery,
     q: Float64[np.ndarray, " nq"],
@@ -95,14 +98,14 @@ def _margin_that_does(
 
     Margins of the scene for specific pairs stay as they are.
     """
-    fixed = query.margins.by_pair
+    pair_margins = query.margins.by_pair
     if not pairs or min(pair.distance for pair in pairs) < 0:
         return None
-    if any(tuple(sorted(pair.bodies)) in fixed for pair in pairs):
+    if any(tuple(sorted(pair.bodies)) in pair_margins for pair in pairs):
         return None
-    least = min(pair.distance for pair in pairs) - _BELOW
-    for share in _SHARES:
-        margin = max(share * least, 0.0)
+    max_margin = min(pair.distance for pair in pairs) - _MARGIN_RESERVE
+    for fraction in _MARGIN_FRACTIONS:
+        margin = max(fraction * max_margin, 0.0)
         if world.collision_oracle(query.group, world.margins(margin)).is_free(q):
             return margin
     return None

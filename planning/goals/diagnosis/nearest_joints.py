@@ -8,9 +8,9 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
-from planning.goals.diagnosis.joint_cost import to_configuration
+from planning.goals.diagnosis.joint_cost import joint_distance_cost
 from planning.goals.diagnosis.joint_perturbations import JointPerturbations
-from planning.goals.diagnosis.nearest_program import pulled
+from planning.goals.diagnosis.nearest_program import minimize_cost
 from planning.goals.feasibility import Feasibility
 from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.seeds import Seeds
@@ -18,17 +18,17 @@ from planning.goals.joint_metric import JointMetric
 from planning.world.world import World
 
 # Configurations per batch.
-_NUM_TRIES = 2048
+_BATCH_SIZE = 2048
 # First sampling radius [rad or m], and its growth factor after each round without result.
-_FIRST, _FARTHER = 1e-3, 1.6
+_INITIAL_RADIUS, _RADIUS_GROWTH = 1e-3, 1.6
 # Rounds of improvement at most, and rounds without improvement after which the search ends.
 _MAX_ROUNDS, _PATIENCE = 24, 4
 # Largest number of gradient descents (nonlinear programs).
-_MAX_PULLS = 5
+_MAX_DESCENTS = 5
 # Largest ratio of the new to the old distance that counts as an improvement.
-_NEWS = 0.999
+_IMPROVEMENT_RATIO = 0.999
 # Samples of the geodesic to the best configuration, and number of refinements.
-_NUM_STEPS, _NUM_LOOKS = 64, 3
+_NUM_GEODESIC_SAMPLES, _NUM_REFINEMENTS = 64, 3
 
 
 @dataclass(frozen=True)
@@ -74,86 +74,97 @@ class NearestJointSearch:
         self._limits = world.limits(query.group)
         self._metric = JointMetric.from_names(query.group, query.options.joint_weights)
         self._manifold = Manifold(query.group.joints)
-        self._moves = JointPerturbations(query.group, self._metric, rng)
+        self._perturbations = JointPerturbations(query.group, self._metric, rng)
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
         self._feasibility = Feasibility(world, query)
-        self._inside = self._clipped(goals)
+        self._clipped_goals = self._clip_to_limits(goals)
         self._best: NearestJoints | None = None
-        self._num_pulls = 0
+        self._num_descents = 0
 
     def run(self) -> NearestJoints | None:
         """Return the nearest feasible configuration found; None if none was."""
-        self._consider(self._inside)
-        self._look_around()
-        missed = 0
+        self._update_best(self._clipped_goals)
+        self._find_first()
+        num_without_improvement = 0
         for _ in range(_MAX_ROUNDS):
             best = self._best
-            if best is None or best.cost <= 0 or missed >= _PATIENCE or self._deadline.is_over:
+            if (
+                best is None
+                or best.cost <= 0
+                or num_without_improvement >= _PATIENCE
+                or self._deadline.is_over
+            ):
                 break
-            missed = 0 if self._nearer(best) else missed + 1
+            num_without_improvement = 0 if self._improve(best) else num_without_improvement + 1
         return self._best
 
-    def _look_around(self) -> None:
+    def _find_first(self) -> None:
         """Find a first feasible configuration, at growing distance, and improve it by descent."""
-        radius, largest = _FIRST, self._moves.largest
+        radius, largest = _INITIAL_RADIUS, self._perturbations.max_radius
         while self._best is None and radius < largest and not self._deadline.is_over:
-            self._consider(self._around(radius))
-            radius *= _FARTHER
+            self._update_best(self._sample_around(radius))
+            radius *= _RADIUS_GROWTH
         if self._best is None:
-            self._consider(self._seeds.take(_NUM_TRIES))
+            self._update_best(self._seeds.take(_BATCH_SIZE))
         if self._best is not None:
-            self._straighten(self._best)
-            order = np.argsort(self._costs(self._inside)[0], kind="stable")
-            self._pull(self._inside[order[0]], int(order[0]))
-            self._pull(self._best.q, self._best.index)
+            self._refine_on_geodesic(self._best)
+            order = np.argsort(self._costs(self._clipped_goals)[0], kind="stable")
+            self._descend(self._clipped_goals[order[0]], int(order[0]))
+            self._descend(self._best.q, self._best.index)
 
-    def _nearer(self, best: NearestJoints) -> bool:
+    def _improve(self, best: NearestJoints) -> bool:
         """Sample configurations nearer than the best; return whether one improves on it."""
-        reach = np.sqrt(max(best.cost**2 - self._costs(self._inside)[0].min() ** 2, 0.0))
-        self._consider(self._around(float(reach)))
+        radius = np.sqrt(max(best.cost**2 - self._costs(self._clipped_goals)[0].min() ** 2, 0.0))
+        self._update_best(self._sample_around(float(radius)))
         goal = self._goals[best.index]
-        towards = self._manifold.minus(goal[None], best.q[None])
-        share = 10 ** (-4 * np.linspace(0.0, 1.0, _NUM_TRIES))[:, None]
-        moves = self._moves.about(best.cost, _NUM_TRIES) + share * towards
-        self._consider(self._manifold.plus(best.q[None], moves))
-        if self._best is None or self._best.cost >= _NEWS * best.cost:
+        to_goal = self._manifold.minus(goal[None], best.q[None])
+        fractions = 10 ** (-4 * np.linspace(0.0, 1.0, _BATCH_SIZE))[:, None]
+        displacements = (
+            self._perturbations.sample_multiscale(best.cost, _BATCH_SIZE) + fractions * to_goal
+        )
+        self._update_best(self._manifold.plus(best.q[None], displacements))
+        if self._best is None or self._best.cost >= _IMPROVEMENT_RATIO * best.cost:
             return False
-        self._straighten(self._best)
-        self._pull(self._best.q, self._best.index)
+        self._refine_on_geodesic(self._best)
+        self._descend(self._best.q, self._best.index)
         return True
 
-    def _around(self, radius: float) -> Array:
+    def _sample_around(self, radius: float) -> Array:
         """Return random configurations around the given ones, in turn."""
-        moves = self._moves.within(radius, _NUM_TRIES)
-        centres = self._inside[np.arange(_NUM_TRIES) % len(self._inside)]
-        return self._manifold.plus(centres, moves)
+        displacements = self._perturbations.sample_ball(radius, _BATCH_SIZE)
+        centres = self._clipped_goals[np.arange(_BATCH_SIZE) % len(self._clipped_goals)]
+        return self._manifold.plus(centres, displacements)
 
-    def _straighten(self, found: NearestJoints) -> None:
-        """Find the first feasible point on the geodesic from a given configuration to `found`."""
-        begin, end = self._inside[found.index], found.q
-        for _ in range(_NUM_LOOKS):
-            shares = np.linspace(0.0, 1.0, _NUM_STEPS + 1)
-            along = self._manifold.interpolate(begin, end, shares)
-            found_at = self._feasibility.first(along[:-1])
-            first = len(along) - 1 if found_at is None else found_at
-            self._consider(along[first][None])
-            begin, end = along[max(first - 1, 0)], along[first]
+    def _refine_on_geodesic(self, nearest: NearestJoints) -> None:
+        """Find the first feasible point on the geodesic from a given configuration to `nearest`."""
+        begin, end = self._clipped_goals[nearest.index], nearest.q
+        for _ in range(_NUM_REFINEMENTS):
+            fractions = np.linspace(0.0, 1.0, _NUM_GEODESIC_SAMPLES + 1)
+            samples = self._manifold.interpolate(begin, end, fractions)
+            first_feasible = self._feasibility.first_feasible(samples[:-1])
+            first = len(samples) - 1 if first_feasible is None else first_feasible
+            self._update_best(samples[first][None])
+            begin, end = samples[max(first - 1, 0)], samples[first]
 
-    def _pull(self, q: Array, index: int) -> None:
+    def _descend(self, q: Array, index: int) -> None:
         """Minimize the distance to a given configuration from q, by nonlinear programming."""
-        if self._num_pulls >= _MAX_PULLS or (self._deadline.is_over and self._best is not None):
+        if self._num_descents >= _MAX_DESCENTS or (
+            self._deadline.is_over and self._best is not None
+        ):
             return
-        self._num_pulls += 1
-        pull = to_configuration(self._world, self._query.group, self._metric, self._goals[index])
-        self._consider(pulled(self._world, self._query, pull, q)[None])
+        self._num_descents += 1
+        add_cost = joint_distance_cost(
+            self._world, self._query.group, self._metric, self._goals[index]
+        )
+        self._update_best(minimize_cost(self._world, self._query, add_cost, q)[None])
 
-    def _consider(self, rows: Array) -> None:
+    def _update_best(self, rows: Array) -> None:
         """Update the best configuration by the nearest feasible row, if that is nearer."""
-        rows = self._clipped(rows)
+        rows = self._clip_to_limits(rows)
         costs, index = self._costs(rows)
-        nearer = np.flatnonzero(costs < (np.inf if self._best is None else self._best.cost))
-        order = nearer[np.argsort(costs[nearer], kind="stable")]
-        first = self._feasibility.first(rows[order])
+        nearer_indices = np.flatnonzero(costs < (np.inf if self._best is None else self._best.cost))
+        order = nearer_indices[np.argsort(costs[nearer_indices], kind="stable")]
+        first = self._feasibility.first_feasible(rows[order])
         if first is not None:
             k = order[first]
             self._best = NearestJoints(float(costs[k]), np.array(rows[k]), int(index[k]))
@@ -164,6 +175,6 @@ class NearestJointSearch:
         index = costs.argmin(axis=0)
         return costs[index, np.arange(len(rows))], index
 
-    def _clipped(self, rows: Array) -> Array:
+    def _clip_to_limits(self, rows: Array) -> Array:
         unit = self._manifold.normalized(rows)
         return np.clip(unit, self._limits.lower, self._limits.upper)

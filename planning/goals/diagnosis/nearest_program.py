@@ -13,7 +13,7 @@ from planning.domain.request.deadline import Deadline
 from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.constraint_program import add_constraints
 from planning.goals.ik.group_program import GroupProgram
-from planning.goals.ik.height_constraint import keep_above
+from planning.goals.ik.height_constraint import add_height_constraints
 from planning.goals.targets.ball_target import BallTarget
 from planning.goals.targets.region_target import RegionTarget
 from planning.goals.targets.tool_target import ToolTarget
@@ -22,35 +22,35 @@ from planning.world.world import World
 
 type Target = ToolTarget | RegionTarget | BallTarget
 # Adds the cost of the distance to a goal to a program, expanded about a configuration q, (nq,).
-type Pull = Callable[[GroupProgram, Array], None]
+type AddCost = Callable[[GroupProgram, Array], None]
 
 _MAJOR_ITERATIONS = 60
 _MAX_ROUNDS = 6
 # Distance beyond their margin within which pairs are constrained from the next round on [m].
-_NEAR = 0.02
+_INFLUENCE_DISTANCE = 0.02
 # Extra margin, larger than the solver's tolerance; and the largest margin violation that counts as
 # such an inaccuracy [m].
-_SLACK, _SMALL = 1e-5, 1e-3
+_SLACK, _MAX_INACCURACY = 1e-5, 1e-3
 # Step size below which the iteration has converged [rad or m].
-_SETTLED = 1e-6
+_STEP_TOLERANCE = 1e-6
 # Largest angle up to which the weight of the cosine cost is matched to the squared angle [rad].
 _LARGEST_ANGLE = 3.0
 
 
-def moved_along(target: Target, reached: Pose) -> Pose:
+def displaced_target_pose(target: Target, tool_pose: Pose) -> Pose:
     """Return X_WG of a target after the displacement of its closest pose onto X_WT."""
     if not target.position_tolerance.any() and not target.rotation_tolerance.any():
-        return reached
-    return reached @ target.closest(reached).inverse @ target.pose
+        return tool_pose
+    return tool_pose @ target.closest(tool_pose).inverse @ target.pose
 
 
-def pulled(
+def minimize_cost(
     world: World,
     query: GoalQuery,
-    pull: Pull,
+    add_cost: AddCost,
     q: Float64[np.ndarray, " nq"],
     *,
-    is_apart: bool = True,
+    is_collision_constrained: bool = True,
     deadline: Deadline | None = None,
 ) -> Float64[np.ndarray, " nq"]:
     """Minimize a goal cost from q by sequential quadratic programming (SNOPT), in rounds.
@@ -61,36 +61,40 @@ def pulled(
     Args:
         world: Loaded scene.
         query: Goal query; of its path constraints only those with an equivalent in Drake count.
-        pull: Adds the cost.
+        add_cost: Adds the cost.
         q: Initial guess.
-        is_apart: Whether body pairs have to keep their margins.
+        is_collision_constrained: Whether body pairs have to keep their margins.
         deadline: Time limit, after which no further round begins; None for none.
     """
     limits = world.limits(query.group)
     pairs: dict[tuple[Any, Any], float] = {}
     slack = _SLACK
     for _ in range(_MAX_ROUNDS):
-        known = len(pairs)
-        near, depth = _near_pairs(world, query, q) if is_apart else ({}, -np.inf)
-        pairs.update(near)
+        num_known = len(pairs)
+        near_pairs, depth = (
+            _near_pairs(world, query, q) if is_collision_constrained else ({}, -np.inf)
+        )
+        pairs.update(near_pairs)
         # A small margin violation that the solver left is added to the slack of the next round.
-        slack += depth + _SLACK if 0 < depth < _SMALL else 0.0
+        slack += depth + _SLACK if 0 < depth < _MAX_INACCURACY else 0.0
         program = GroupProgram(world, query.group, _MAJOR_ITERATIONS)
-        pull(program, q)
-        if query.rules is not None:
-            add_constraints(program, world, query.rules)
-        _keep_apart(program, world, {pair: margin + slack for pair, margin in pairs.items()})
-        moved = np.clip(program.solve(q), limits.lower, limits.upper)
-        step = float(np.abs(moved - q).max())
-        q = moved
-        if step < _SETTLED and len(pairs) == known and depth <= 0:
+        add_cost(program, q)
+        if query.constraints is not None:
+            add_constraints(program, world, query.constraints)
+        _add_distance_constraints(
+            program, world, {pair: margin + slack for pair, margin in pairs.items()}
+        )
+        next_q = np.clip(program.solve(q), limits.lower, limits.upper)
+        step = float(np.abs(next_q - q).max())
+        q = next_q
+        if step < _STEP_TOLERANCE and len(pairs) == num_known and depth <= 0:
             break
         if deadline is not None and deadline.is_over:
             break
     return q
 
 
-def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
+def pose_distance_cost(world: World, query: GoalQuery, target: Target) -> AddCost:
     """Return the cost of the pose metric between a tool frame and its closest pose in tolerance.
 
     Drake's cost of a rotation is c (1 - cos theta); with c = 2 w^2 theta / sin theta at the present
@@ -99,29 +103,35 @@ def to_pose(world: World, query: GoalQuery, target: Target) -> Pull:
     metric = query.options.pose_metric
     frame, origin = world.drake.frame(target.frame), world.drake.plant.world_frame()
 
-    def pull(program: GroupProgram, q: Array) -> None:
-        reached = world.frame_pose(target.frame, world.embed(query.group, q))
-        wanted = target.closest(reached)
-        x_wg = RigidTransform(wanted.matrix)
+    def add_cost(program: GroupProgram, q: Array) -> None:
+        tool_pose = world.frame_pose(target.frame, world.embed(query.group, q))
+        desired = target.closest(tool_pose)
+        x_wg = RigidTransform(desired.matrix)
         weight = metric.translation**2 * np.eye(3)
         program.ik.AddPositionCost(origin, x_wg.translation(), frame, np.zeros(3), weight)
-        theta = min(reached.distance(wanted)[1], _LARGEST_ANGLE)
+        theta = min(tool_pose.distance(desired)[1], _LARGEST_ANGLE)
         slope = 2 * metric.rotation**2 / float(np.sinc(theta / np.pi))
         program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), slope)
 
-    return pull
+    return add_cost
 
 
-def _keep_apart(program: GroupProgram, world: World, least: dict[tuple[Any, Any], float]) -> None:
+def _add_distance_constraints(
+    program: GroupProgram, world: World, min_distances: dict[tuple[Any, Any], float]
+) -> None:
     """Add minimum-distance constraints [m] for pairs of geometries."""
-    rows = half_space_pairs_of(world.drake).index
-    is_known = program.show(least)
-    for pair, distance in least.items():
-        if pair not in rows and is_known(pair):
+    half_space_rows = half_space_pairs_of(world.drake).row_by_ids
+    is_registered = program.register_geometries(min_distances)
+    for pair, distance in min_distances.items():
+        if pair not in half_space_rows and is_registered(pair):
             program.ik.AddDistanceConstraint(pair, distance, np.inf)
-    heights = {rows[pair]: distance for pair, distance in least.items() if pair in rows}
+    heights = {
+        half_space_rows[pair]: distance
+        for pair, distance in min_distances.items()
+        if pair in half_space_rows
+    }
     if heights:
-        keep_above(program, world.drake, heights)
+        add_height_constraints(program, world.drake, heights)
 
 
 def _near_pairs(
@@ -130,11 +140,13 @@ def _near_pairs(
     """Return the margins [m] of geometry pairs near at q, and the largest margin violation [m]."""
     margins = query.margins
     probe = world.distance_probe(margins)
-    found = probe.geometries_within(world.embed(query.group, q), margins.largest + _NEAR)
-    lacks = [margins.of(*bodies) - distance for _, bodies, distance in found]
+    pairs = probe.geometries_within(
+        world.embed(query.group, q), margins.largest + _INFLUENCE_DISTANCE
+    )
+    violations = [margins.of(*bodies) - distance for _, bodies, distance in pairs]
     near = {
         pair: margins.of(*bodies)
-        for (pair, bodies, distance), lack in zip(found, lacks, strict=True)
-        if lack > -_NEAR and np.isfinite(distance)
+        for (pair, bodies, distance), violation in zip(pairs, violations, strict=True)
+        if violation > -_INFLUENCE_DISTANCE and np.isfinite(distance)
     }
-    return near, max(lacks, default=-np.inf)
+    return near, max(violations, default=-np.inf)

@@ -13,11 +13,11 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 # Configurations per draw.
-_NUM_DRAWN = 320
+_NUM_SAMPLES = 320
 # Singular values below this share of the largest count as zero.
 _RCOND = 1e-3
 # Largest scale of the joint displacements [rad or m].
-_FARTHEST = 1.0
+_MAX_SCALE = 1.0
 
 
 class PosePerturbations:
@@ -34,25 +34,28 @@ class PosePerturbations:
         self._limits = world.limits(group)
         self._manifold = Manifold(group.joints)
         self._kinematics = ToolKinematics(world, group, frame)
-        self._moves = JointPerturbations(group, JointMetric(self._manifold, None), rng)
+        self._perturbations = JointPerturbations(group, JointMetric(self._manifold, None), rng)
 
-    def drawn(self, q: Float64[np.ndarray, " nq"], wanted: Pose) -> Float64[np.ndarray, "n nq"]:
+    def sample(self, q: Float64[np.ndarray, " nq"], desired: Pose) -> Float64[np.ndarray, "n nq"]:
         """Return configurations within limits: q displaced at random and towards a pose X_WT."""
-        whole = step_to(self._kinematics, q, wanted)
-        radius = min(float(np.linalg.norm(whole)), _FARTHEST)
-        shares = 10 ** (-4 * np.linspace(0.0, 1.0, _NUM_DRAWN))[:, None]
-        moves = self._moves.about(max(radius, 1e-6), _NUM_DRAWN) + shares * whole
-        rows = self._manifold.normalized(self._manifold.plus(q[None], moves))
+        full_step = minimum_norm_step(self._kinematics, q, desired)
+        radius = min(float(np.linalg.norm(full_step)), _MAX_SCALE)
+        fractions = 10 ** (-4 * np.linspace(0.0, 1.0, _NUM_SAMPLES))[:, None]
+        displacements = (
+            self._perturbations.sample_multiscale(max(radius, 1e-6), _NUM_SAMPLES)
+            + fractions * full_step
+        )
+        rows = self._manifold.normalized(self._manifold.plus(q[None], displacements))
         return np.clip(rows, self._limits.lower, self._limits.upper)
 
 
-def step_to(
-    kinematics: ToolKinematics, q: Float64[np.ndarray, " nq"], wanted: Pose
+def minimum_norm_step(
+    kinematics: ToolKinematics, q: Float64[np.ndarray, " nq"], desired: Pose
 ) -> Float64[np.ndarray, " nv"]:
     """Return the minimum-norm tangent at q that moves the tool to a pose X_WT, to first order."""
     R_WT, p = (part[0] for part in kinematics.poses(q[None]))
-    back = rotation.conjugate(rotation.from_matrix(R_WT))
-    turn = rotation.log(rotation.multiply(wanted.quaternion, back))
-    twist = np.concatenate([turn, wanted.position - p])
+    inverse = rotation.conjugate(rotation.from_matrix(R_WT))
+    turn = rotation.log(rotation.multiply(desired.quaternion, inverse))
+    twist = np.concatenate([turn, desired.position - p])
     jacobian = kinematics.jacobians(q[None])[0]
     return np.asarray(np.linalg.lstsq(jacobian, twist, rcond=_RCOND)[0])

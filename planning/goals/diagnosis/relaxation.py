@@ -23,10 +23,13 @@ def sufficient_tolerance(
 
     None if the pose's approach and retreat are free only with the goal's axes turned along with it.
     """
-    lines = approach_feasibility(world, query, [target], deadline)
-    if lines is not None and not lines.are_free_from(nearest.positions[None], 0)[0]:
+    approach_check = approach_feasibility(world, query, [target], deadline)
+    if (
+        approach_check is not None
+        and not approach_check.are_free_in_place(nearest.positions[None], 0)[0]
+    ):
         return None
-    position, turn = target.widened(nearest.pose)
+    position, turn = target.widened_tolerances(nearest.pose)
     return {
         "pose_index": nearest.pose_index,
         "position": position.tolist(),
@@ -62,28 +65,28 @@ def sufficient_single_relaxation(
         )
     )
     goal = target.closest(nearest.pose)
-    tries = PoseAttempts(world, query, [target], rng, deadline)
-    tries.hints = nearest.positions[None]
-    found: dict[str, Any] = {"cut_short": nearest.bounds is None}
+    attempts = PoseAttempts(world, query, [target], rng, deadline)
+    attempts.hints = nearest.positions[None]
+    evidence: dict[str, Any] = {"cut_short": nearest.active_constraints is None}
     for freedom, weight in (
         (Freedom.POSITION, metric.translation),
         (Freedom.ROTATION, metric.rotation),
     ):
-        if freedom is Freedom.ROTATION and tries.lines is not None:
-            found["rotation"] = None
+        if freedom is Freedom.ROTATION and attempts.approach_check is not None:
+            evidence["rotation"] = None
             continue
-        brief = deadline.share(0.5)
-        alone = PartialPoseSearch(tries, goal, freedom).run(cost / weight, rng, brief)
-        found["cut_short"] |= brief.is_over
-        found[freedom.name.lower()] = alone and {
-            "error": alone.error,
+        part_deadline = deadline.at_fraction(0.5)
+        result = PartialPoseSearch(attempts, goal, freedom).run(cost / weight, rng, part_deadline)
+        evidence["cut_short"] |= part_deadline.is_over
+        evidence[freedom.name.lower()] = result and {
+            "error": result.error,
             "pose_index": nearest.pose_index,
-            "positions": alone.q.tolist(),
+            "positions": result.q.tolist(),
         }
-    return found
+    return evidence
 
 
-def least_deep(
+def shallowest_collision(
     world: World, query: GoalQuery, rows: Float64[np.ndarray, "n nq"]
 ) -> tuple[Float64[np.ndarray, " nq"], tuple[BodyPair, ...]]:
     """Return the row with the smallest maximum margin violation, with its violating pairs.
@@ -91,7 +94,9 @@ def least_deep(
     With these pairs allowed to collide, or apart by their depth, the row would be a solution.
     """
     margins = query.margins
-    hits = [world.violations(query.group, q, margins) for q in rows]
-    depths = [max((margins.of(*p.bodies) - p.distance for p in pairs), default=0) for pairs in hits]
+    violations = [world.violations(query.group, q, margins) for q in rows]
+    depths = [
+        max((margins.of(*p.bodies) - p.distance for p in pairs), default=0) for pairs in violations
+    ]
     best = int(np.argmin(depths))
-    return rows[best], hits[best]
+    return rows[best], violations[best]

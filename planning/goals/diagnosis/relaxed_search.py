@@ -21,7 +21,7 @@ _NUM_BODIES = 4
 # Largest number of solutions for which the violation of a constraint is measured.
 _NUM_MEASURED = 32
 # Reserve added to the measured violation [m or rad].
-_SPARE = 1e-5
+_RESERVE = 1e-5
 
 
 def sufficient_removal(
@@ -41,12 +41,12 @@ def sufficient_removal(
         deadline: Time limit of the searches.
     """
     options = replace(query.options, max_configurations=1)
-    for body in _in_the_way(world, query, search)[:_NUM_BODIES]:
-        margins = query.margins.without(body, world.drake.all_bodies)
+    for body in _blocking_bodies(world, query, search)[:_NUM_BODIES]:
+        margins = query.margins.ignoring(body, world.drake.all_bodies)
         relaxed = replace(query, margins=margins, options=options)
-        found = _solutions(world, relaxed, rng, deadline)
-        if found:
-            ((q, index, _),) = found
+        solutions = _solutions(world, relaxed, rng, deadline)
+        if solutions:
+            ((q, index, _),) = solutions
             return {"body": body, "pose_index": index, "positions": q.tolist()}
     return None
 
@@ -65,15 +65,24 @@ def sufficient_constraint_relaxations(
         rng: Random generator of the seeds.
         deadline: Time limit of the searches.
     """
-    rules = query.rules
+    constraints = query.constraints
     entries: list[dict[str, Any]] = []
-    for k, rule in enumerate(rules.rules if rules else ()):
-        assert rules is not None  # noqa: S101  (there is one)
-        others = rules.without(k)
-        tight = world.limited(query.group, others.fixing(world.limits(query.group)))
-        found = _solutions(tight, replace(query, rules=others), rng, deadline)
-        if found:
-            entries.append(min((_given_way(rule, *one) for one in found), key=_lack))
+    for k, constraint in enumerate(constraints.constraints if constraints else ()):
+        assert constraints is not None  # noqa: S101  (there is one)
+        remaining = constraints.without(k)
+        constrained_world = world.with_limits(
+            query.group, remaining.limits_with_locks(world.limits(query.group))
+        )
+        solutions = _solutions(
+            constrained_world, replace(query, constraints=remaining), rng, deadline
+        )
+        if solutions:
+            entries.append(
+                min(
+                    (_constraint_relaxation(constraint, *one) for one in solutions),
+                    key=_bound_change,
+                )
+            )
     return sorted(entries, key=lambda entry: entry["constraint"])
 
 
@@ -88,27 +97,29 @@ def _solutions(
         _, search = solve_tool_goal(world, query, rng, deadline)
     except DeadlineExceeded:
         return []
-    rows, indices = search.found.rows[:_NUM_MEASURED], search.found.targets[:_NUM_MEASURED]
-    judge = search.judge
-    if judge is None:
+    rows, indices = search.solutions.rows[:_NUM_MEASURED], search.solutions.targets[:_NUM_MEASURED]
+    checker = search.checker
+    if checker is None:
         return [(q, int(i), q[None]) for q, i in zip(rows, indices, strict=True)]
-    legs = judge.legs_of(rows, rows)
+    moves = checker.moves_of(rows, rows)
     return [
-        (rows[k], int(indices[k]), np.concatenate([leg.positions for leg in legs[k].all]))
-        for k in np.flatnonzero(judge.keep_rules(rows))
+        (rows[k], int(indices[k]), np.concatenate([move.positions for move in moves[k].all]))
+        for k in np.flatnonzero(checker.moves_satisfy_constraints(rows))
     ]
 
 
-def _given_way(rule: CompiledConstraint, q: Array, index: int, waypoints: Array) -> dict[str, Any]:
+def _constraint_relaxation(
+    constraint: CompiledConstraint, q: Array, index: int, waypoints: Array
+) -> dict[str, Any]:
     """Return the relaxation of a path constraint that a solution and its lines need."""
     rows = np.concatenate([q[None], waypoints])
-    readings = [rule.reading(row) for row in rows[~rule.are_kept(rows)]]
-    worst = max(readings, key=lambda one: abs(one.value - one.bound))
-    value = worst.value + float(np.copysign(_SPARE, worst.value - worst.bound))
-    is_one = len({one.bound for one in readings}) == 1
+    values = [constraint.value(row) for row in rows[~constraint.are_satisfied(rows)]]
+    worst = max(values, key=lambda one: abs(one.value - one.bound))
+    value = worst.value + float(np.copysign(_RESERVE, worst.value - worst.bound))
+    is_single_bound = len({one.bound for one in values}) == 1
     return {
-        "constraint": rule.label,
-        "value": value if is_one else None,
+        "constraint": constraint.label,
+        "value": value if is_single_bound else None,
         "bound": worst.bound,
         "unit": worst.unit,
         **({"joint": worst.joint} if worst.joint else {}),
@@ -117,13 +128,18 @@ def _given_way(rule: CompiledConstraint, q: Array, index: int, waypoints: Array)
     }
 
 
-def _lack(entry: dict[str, Any]) -> float:
+def _bound_change(entry: dict[str, Any]) -> float:
     return np.inf if entry["value"] is None else abs(entry["value"] - entry["bound"])
 
 
-def _in_the_way(world: World, query: GoalQuery, search: PoseSearch) -> list[str]:
+def _blocking_bodies(world: World, query: GoalQuery, search: PoseSearch) -> list[str]:
     """Return the bodies not moved by the group that block lines, most frequent first."""
     moved = moved_bodies(world.drake, query.group)
-    pairs = [] if search.judge is None else search.judge.blocking_pairs
-    still = [[body for body in pair if body not in moved] for pair in pairs]
-    return [body for body, _ in Counter(own[0] for own in still if len(own) == 1).most_common()]
+    pairs = [] if search.checker is None else search.checker.blocking_pairs
+    static_bodies = [[body for body in pair if body not in moved] for pair in pairs]
+    return [
+        body
+        for body, _ in Counter(
+            bodies[0] for bodies in static_bodies if len(bodies) == 1
+        ).most_common()
+    ]

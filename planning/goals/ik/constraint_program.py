@@ -13,33 +13,33 @@ from planning.world.world import World
 _SLACK = 1e-5
 
 
-def add_constraints(program: GroupProgram, world: World, rules: PathConstraints) -> None:
+def add_constraints(program: GroupProgram, world: World, constraints: PathConstraints) -> None:
     """Add the path constraints of kinds "inside a box" and "cone" to a program.
 
     Of the other kinds, limits and locked joints are already in the world's limits; constraints to
     stay outside a box, distance bands and predicates have no equivalent in Drake: the caller has
     to check the solution.
     """
-    for rule in rules.rules:
-        match rule:
+    for constraint in constraints.constraints:
+        match constraint:
             case BoxConstraint(is_inside=True):
-                half = np.maximum(rule.half - _SLACK, 0.0)
+                half_widths = np.maximum(constraint.half - _SLACK, 0.0)
                 program.ik.AddPositionConstraint(
-                    world.drake.frame(rule.motion.frame),
+                    world.drake.frame(constraint.kinematics.frame),
                     np.zeros(3),
                     world.drake.plant.world_frame(),
-                    RigidTransform(rule.pose.matrix),
-                    -half,
-                    half,
+                    RigidTransform(constraint.pose.matrix),
+                    -half_widths,
+                    half_widths,
                 )
             case ConeConstraint():
                 program.ik.AddAngleBetweenVectorsConstraint(
                     world.drake.plant.world_frame(),
-                    rule.direction,
-                    world.drake.frame(rule.motion.frame),
-                    rule.axis,
+                    constraint.direction,
+                    world.drake.frame(constraint.kinematics.frame),
+                    constraint.axis,
                     0.0,
-                    max(rule.tolerance - _SLACK, 0.0),
+                    max(constraint.tolerance - _SLACK, 0.0),
                 )
             case _:
                 pass

@@ -11,11 +11,11 @@ from pydrake.solvers import SnoptSolver, SolverOptions
 
 from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
-from planning.world.collision.near_static import MOST_SHOWN, NearStatic
+from planning.world.collision.near_static import MAX_REGISTERED, NearStatic
 from planning.world.drake_model import Coupling
 from planning.world.world import World
 
-type Ids = tuple[GeometryId, GeometryId]
+type GeometryPair = tuple[GeometryId, GeometryId]
 
 
 class GroupProgram:
@@ -35,24 +35,24 @@ class GroupProgram:
         self.context = drake.plant.GetMyMutableContextFromRoot(self._diagram_context)
         drake.plant.SetPositions(self.context, world.state)
         self.q_indices = drake.position_indices(group)
-        followers = drake.following(group)
+        followers = drake.followers_of(group)
         moving = {*self.q_indices.tolist(), *(c.follower_position for c in followers)}
         for index in drake.joint_indices.values():
             joint: Any = drake.plant.get_joint(index)
             if joint.position_start() not in moving:
                 joint.Lock(self.context)
         self.ik = InverseKinematics(drake.plant, self.context, with_joint_limits=True)
-        self._bound(group)
-        self._couple(followers)
+        self._add_joint_limits(group)
+        self._add_mimic_constraints(followers)
         self._solver, self._options = SnoptSolver(), SolverOptions()
         self._options.SetOption(SnoptSolver.id(), "Major iterations limit", max_iterations)
 
     def solve(self, seed: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, " nq"]:
         """Return the final iterate of the solver (SNOPT), which need not be a solution."""
-        result = self._solver.Solve(self.ik.prog(), self.full(seed), self._options)
+        result = self._solver.Solve(self.ik.prog(), self.embed(seed), self._options)
         return np.array(result.GetSolution(self.ik.q())[self.q_indices])
 
-    def show(self, pairs: Iterable[Ids]) -> Callable[[Ids], bool]:
+    def register_geometries(self, pairs: Iterable[GeometryPair]) -> Callable[[GeometryPair], bool]:
         """Register the geometries of some pairs in Drake's scene graph for this program.
 
         Args:
@@ -64,17 +64,17 @@ class GroupProgram:
         """
         near = NearStatic(self._world.drake, self._diagram_context)
         rows = sorted({row for pair in pairs for i in pair if (row := near.row(i)) is not None})
-        shown = set(rows[:MOST_SHOWN])
-        near.show(sorted(shown))
-        return lambda pair: all((row := near.row(i)) is None or row in shown for i in pair)
+        registered = set(rows[:MAX_REGISTERED])
+        near.register(sorted(registered))
+        return lambda pair: all((row := near.row(i)) is None or row in registered for i in pair)
 
-    def full(self, q: Float64[np.ndarray, " nq"]) -> Array:
+    def embed(self, q: Float64[np.ndarray, " nq"]) -> Array:
         """Return the plant's configuration with the group at q."""
         full = np.array(self._world.state)
         full[self.q_indices] = q
-        return self._world.drake.follow(full)
+        return self._world.drake.apply_couplings(full)
 
-    def _bound(self, group: JointGroup) -> None:
+    def _add_joint_limits(self, group: JointGroup) -> None:
         """Add the group's bounds: the plant has none for planar and floating joints."""
         limits = self._world.limits(group)
         bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
@@ -83,7 +83,7 @@ class GroupProgram:
                 limits.lower[bounded], limits.upper[bounded], self.ik.q()[self.q_indices][bounded]
             )
 
-    def _couple(self, followers: tuple[Coupling, ...]) -> None:
+    def _add_mimic_constraints(self, followers: tuple[Coupling, ...]) -> None:
         q = self.ik.q()
         for c in followers:
             pair = q[[c.follower_position, c.leader_position]]

@@ -12,29 +12,31 @@ from planning.world.collision.half_space_heights import HalfSpaceHeights
 from planning.world.drake_model import DrakeModel
 
 
-def keep_above(program: GroupProgram, model: DrakeModel, least: Mapping[int, float]) -> None:
+def add_height_constraints(
+    program: GroupProgram, model: DrakeModel, min_heights: Mapping[int, float]
+) -> None:
     """Add a constraint that keeps geometries above half spaces by at least given heights.
 
     Args:
         program: Program to add the constraint to.
         model: Drake model of the scene.
-        least: Least heights [m], by rows of `HalfSpacePairs`.
+        min_heights: Least heights [m], by rows of `HalfSpacePairs`.
     """
-    heights, rows = HalfSpaceHeights(model), sorted(least)
+    heights, row_order = HalfSpaceHeights(model), sorted(min_heights)
 
-    def measured(full: Array) -> tuple[Array, Array]:
-        found, values, slopes = heights.at(full, np.inf)
-        order = {int(row): i for i, row in enumerate(found)}
-        chosen = [order[row] for row in rows if row in order]
-        return values[chosen], slopes[chosen]
+    def evaluate_heights(full: Array) -> tuple[Array, Array]:
+        measured_rows, values, gradients = heights.heights_within(full, np.inf)
+        order = {int(row): i for i, row in enumerate(measured_rows)}
+        chosen = [order[row] for row in row_order if row in order]
+        return values[chosen], gradients[chosen]
 
     def evaluate(q: Any) -> Any:
-        values, slopes = measured(ExtractValue(q).ravel() if q.dtype == object else q)
+        values, gradients = evaluate_heights(ExtractValue(q).ravel() if q.dtype == object else q)
         if q.dtype != object:
             return values
-        return InitializeAutoDiff(values, slopes @ ExtractGradient(q)).ravel()
+        return InitializeAutoDiff(values, gradients @ ExtractGradient(q)).ravel()
 
-    bounds = np.array([least[row] for row in rows])
+    bounds = np.array([min_heights[row] for row in row_order])
     program.ik.get_mutable_prog().AddConstraint(
-        evaluate, lb=bounds, ub=np.full(len(rows), np.inf), vars=program.ik.q()
+        evaluate, lb=bounds, ub=np.full(len(row_order), np.inf), vars=program.ik.q()
     )

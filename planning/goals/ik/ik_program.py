@@ -14,8 +14,8 @@ from planning.goals.targets.tool_target import FreedomKind, ToolTarget
 from planning.world.world import World, pose_of
 
 _MAJOR_ITERATIONS = 100
-_POLISH_STEPS = 8
-_POLISHED = 1e-10
+_MAX_NEWTON_STEPS = 8
+_NEWTON_TOLERANCE = 1e-10
 _RCOND = 1e-7
 
 
@@ -31,38 +31,38 @@ class IkProgram:
         self._frame = world.drake.frame(target.frame)
         self._program = GroupProgram(world, group, _MAJOR_ITERATIONS)
         self._v_indices = world.drake.velocity_indices(group)
-        self._constrain()
+        self._add_constraints()
 
     def solve(self, seed: Float64[np.ndarray, " nq"]) -> Array | None:
         """Return a configuration of the group that meets the target, shape (nq,).
 
         None if the solver ends elsewhere: one trial of many, not a failure of the stage.
         """
-        q = self._polish(self._manifold.normalized(self._program.solve(seed)))
-        return q if self._target.is_met_by(self.reached(q)) else None
+        q = self._refine(self._manifold.normalized(self._program.solve(seed)))
+        return q if self._target.is_met_by(self.tool_pose(q)) else None
 
-    def reached(self, q: Float64[np.ndarray, " nq"]) -> Pose:
+    def tool_pose(self, q: Float64[np.ndarray, " nq"]) -> Pose:
         """Return the tool frame's pose X_WT with the group at q."""
         context = self._program.context
-        self._plant.SetPositions(context, self._program.full(q))
+        self._plant.SetPositions(context, self._program.embed(q))
         return pose_of(self._frame.CalcPoseInWorld(context))
 
-    def _polish(self, q: Array) -> Array:
+    def _refine(self, q: Array) -> Array:
         """Refine q by Newton steps on the pose error.
 
         Drake's orientation constraint is accurate to 1e-3 rad only: its residual is
         cos(theta) - 1, whose slope vanishes at the solution.
         """
-        for _ in range(_POLISH_STEPS):
-            reached = self.reached(q)
-            error = _twist_to(reached, self._target.closest(reached))
-            if np.abs(error).max() < _POLISHED:
+        for _ in range(_MAX_NEWTON_STEPS):
+            tool_pose = self.tool_pose(q)
+            error = _twist_to(tool_pose, self._target.closest(tool_pose))
+            if np.abs(error).max() < _NEWTON_TOLERANCE:
                 break
             jacobian = self._jacobian()
             step = np.linalg.lstsq(jacobian, error, rcond=_RCOND)[0]
             if np.linalg.norm(step) > 0.5:
                 break
-            q = self._step(q, step)
+            q = self._integrate(q, step)
         return q
 
     def _jacobian(self) -> Array:
@@ -79,7 +79,7 @@ class IkProgram:
             full[:, leader] += multiplier * full[:, follower]
         return full[:, self._v_indices]
 
-    def _step(self, q: Array, v: Array) -> Array:
+    def _integrate(self, q: Array, v: Array) -> Array:
         """Return q integrated by Drake's v for one second, to first order.
 
         Drake's v and this package's tangents agree except on SO(3).
@@ -91,27 +91,27 @@ class IkProgram:
         qdot = self._plant.MapVelocityToQDot(self._program.context, full_v)
         return self._manifold.normalized(q + qdot[self._program.q_indices])
 
-    def _constrain(self) -> None:
+    def _add_constraints(self) -> None:
         target = self._target
         world = self._plant.world_frame()
         x_wg = RigidTransform(target.pose.matrix)
         box = target.position_tolerance
         self._program.ik.AddPositionConstraint(self._frame, np.zeros(3), world, x_wg, -box, box)
-        rest = target.rotation_freedom
-        if rest.kind is FreedomKind.CONE:
-            axis = np.eye(3)[rest.axis]
+        freedom = target.rotation_freedom
+        if freedom.kind is FreedomKind.CONE:
+            axis = np.eye(3)[freedom.axis]
             n_w = x_wg.rotation().multiply(axis)
-            bounds = 0.0, rest.bound
+            bounds = 0.0, freedom.bound
             self._program.ik.AddAngleBetweenVectorsConstraint(
                 world, n_w, self._frame, axis, *bounds
             )
-        elif rest.kind is FreedomKind.BALL:
+        elif freedom.kind is FreedomKind.BALL:
             self._program.ik.AddOrientationConstraint(
-                world, x_wg.rotation(), self._frame, RotationMatrix(), rest.bound
+                world, x_wg.rotation(), self._frame, RotationMatrix(), freedom.bound
             )
 
 
-def _twist_to(reached: Pose, wanted: Pose) -> Array:
+def _twist_to(tool_pose: Pose, desired: Pose) -> Array:
     """Return the spatial displacement [rotation; translation] from one pose to another, in W."""
-    turn = RotationMatrix(wanted.matrix[:3, :3] @ reached.matrix[:3, :3].T).ToAngleAxis()
-    return np.concatenate([turn.angle() * turn.axis(), wanted.position - reached.position])
+    turn = RotationMatrix(desired.matrix[:3, :3] @ tool_pose.matrix[:3, :3].T).ToAngleAxis()
+    return np.concatenate([turn.angle() * turn.axis(), desired.position - tool_pose.position])

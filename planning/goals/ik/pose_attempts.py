@@ -20,10 +20,10 @@ from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.world import World
 
 # Largest number of feasible configurations returned.
-_NUM_KEPT = 4
+_MAX_RESULTS = 4
 # Number of configurations whose lines are traced at once.
-_NUM_LINED = 12
-_NUM_BY_DRAKE = 24
+_NUM_TRACED = 12
+_MAX_DRAKE_ATTEMPTS = 24
 
 
 class PoseAttempts:
@@ -32,7 +32,7 @@ class PoseAttempts:
     Attributes:
         frame: Full name of the tool frame.
         hints: Configurations that seed half of the attempts, shape (n, nq).
-        lines: Check of the goal's approach and retreat; None if it has neither.
+        approach_check: Check of the goal's approach and retreat; None if it has neither.
     """
 
     def __init__(
@@ -48,17 +48,17 @@ class PoseAttempts:
         self.frame = targets[0].frame
         self._deadline = deadline
         self._feasibility = Feasibility(world, query)
-        self.lines = approach_feasibility(world, query, targets, deadline)
+        self.approach_check = approach_feasibility(world, query, targets, deadline)
         self._seeds = Seeds(query.group, world.limits(query.group), query.start, rng)
         self.hints: Array = np.zeros((0, query.group.num_positions))
 
     @property
-    def are_fast(self) -> bool:
+    def uses_kernel(self) -> bool:
         """Whether the native kernel solves the IK: hundreds of attempts in the time of a few."""
         chain = kernel_chain(self._world.drake, self._query.group, self._world.state, self.frame)
         return chain is not None
 
-    def random(self, count: int) -> Float64[np.ndarray, "count nq"]:
+    def next_seeds(self, count: int) -> Float64[np.ndarray, "count nq"]:
         """Return the next seeds within limits: the start, samples near it, then uniform ones."""
         return self._seeds.take(count)
 
@@ -67,40 +67,45 @@ class PoseAttempts:
 
         The goal's approach and retreat are not checked.
         """
-        return self._feasibility.are_met(rows)
+        return self._feasibility.are_feasible(rows)
 
-    def lined(
+    def with_free_approach(
         self, rows: Float64[np.ndarray, "n nq"], indices: Int64[np.ndarray, " n"]
     ) -> Int64[np.ndarray, " m"]:
         """Return the indices of feasible rows that have the goal's approach and retreat.
 
         Not promised: all such rows. Tracing is slow, so of the rows that pass a quick check only
-        the first `_NUM_LINED` are traced, and if none of these has the lines, `_NUM_LINED` spread
+        the first `_NUM_TRACED` are traced, and if none of these has the lines, `_NUM_TRACED` spread
         over all.
 
         Args:
             rows: Feasible configurations, best first.
             indices: Index of the target that each is near.
         """
-        if self.lines is None or not len(rows):
+        if self.approach_check is None or not len(rows):
             return np.arange(len(rows))
-        likely = np.flatnonzero(self.lines.may_be_free(rows, indices))
-        spread = np.linspace(0, len(likely) - 1, _NUM_LINED).astype(np.int64)
-        for asked in (likely[:_NUM_LINED], np.unique(likely[spread]) if len(likely) else likely):
-            found = asked[self.lines.are_free(rows[asked], indices[asked])]
-            if len(found):
-                return found
+        likely = np.flatnonzero(self.approach_check.may_be_free(rows, indices))
+        spread = np.linspace(0, len(likely) - 1, _NUM_TRACED).astype(np.int64)
+        for candidates in (
+            likely[:_NUM_TRACED],
+            np.unique(likely[spread]) if len(likely) else likely,
+        ):
+            free_indices = candidates[
+                self.approach_check.are_free(rows[candidates], indices[candidates])
+            ]
+            if len(free_indices):
+                return free_indices
         return np.zeros(0, dtype=np.int64)
 
     def pose_at(self, q: Float64[np.ndarray, " nq"]) -> Pose:
         """Return the tool frame's pose X_WT with the group at q."""
         return self._world.frame_pose(self.frame, self._world.embed(self._query.group, q))
 
-    def reach(
+    def solve_displaced(
         self,
         base: Pose,
-        moves: Float64[np.ndarray, "n 6"],
-        near: Float64[np.ndarray, " nq"] | None,
+        displacements: Float64[np.ndarray, "n 6"],
+        seed: Float64[np.ndarray, " nq"] | None,
         index: int = 0,
     ) -> Float64[np.ndarray, "m nq"]:
         """Return a few feasible configurations at displaced poses, smallest displacements first.
@@ -109,38 +114,43 @@ class PoseAttempts:
 
         Args:
             base: X_WB, the pose that is displaced.
-            moves: Displacements in B: translation [m] and rotation vector [rad], of any norm.
-            near: Configuration that seeds a quarter of the attempts; None for none.
+            displacements: Displacements in B: translation [m] and rotation vector [rad], of any
+                norm.
+            seed: Configuration that seeds a quarter of the attempts; None for none.
             index: Index of the target that is near.
         """
         metric = self._query.options.pose_metric
-        group, poses = self._query.group, _moved(base, moves)
-        solver = exact_kernel_solver(self._world, group, self.frame, poses) or self._by_drake(poses)
-        count = len(moves) if self.are_fast else min(len(moves), _NUM_BY_DRAKE)
+        group, poses = self._query.group, _displaced_poses(base, displacements)
+        solver = exact_kernel_solver(self._world, group, self.frame, poses) or self._drake_solver(
+            poses
+        )
+        count = (
+            len(displacements) if self.uses_kernel else min(len(displacements), _MAX_DRAKE_ATTEMPTS)
+        )
         seeds = self._seeds.take(count).copy()
-        if near is not None:
-            seeds[::4] = near
+        if seed is not None:
+            seeds[::4] = seed
         if len(self.hints):
             seeds[1::2] = np.resize(self.hints, seeds[1::2].shape)
         converged, rows = solver.solve(seeds, np.arange(len(seeds)), len(seeds))
         converged = converged[: len(rows)]
-        weighted = moves * np.repeat([metric.translation, metric.rotation], 3)
+        weighted = displacements * np.repeat([metric.translation, metric.rotation], 3)
         costs = np.linalg.norm(weighted[: len(rows)], axis=1)[converged]
         rows = rows[converged][np.argsort(costs, kind="stable")]
         rows = rows[self.are_feasible(rows)]
-        return rows[self.lined(rows, np.full(len(rows), index))][:_NUM_KEPT]
+        return rows[self.with_free_approach(rows, np.full(len(rows), index))][:_MAX_RESULTS]
 
-    def _by_drake(self, poses: tuple[Array, Array]) -> DrakePoseSolver:
+    def _drake_solver(self, poses: tuple[Array, Array]) -> DrakePoseSolver:
         targets = [
             ToolTarget(self.frame, Pose(p, a), np.zeros(3), np.zeros(3))
-            for p, a in zip(poses[0][:_NUM_BY_DRAKE], poses[1], strict=False)
+            for p, a in zip(poses[0][:_MAX_DRAKE_ATTEMPTS], poses[1], strict=False)
         ]
         return DrakePoseSolver(self._world, self._query.group, self._deadline, targets)
 
 
-def _moved(base: Pose, moves: Array) -> tuple[Array, Array]:
+def _displaced_poses(base: Pose, displacements: Array) -> tuple[Array, Array]:
     """Return poses displaced in the base's axes, rotations limited to pi: p_WT and quaternions."""
-    shifts, turns = moves[:, :3], np.array(moves[:, 3:])
+    shifts, turns = displacements[:, :3], np.array(displacements[:, 3:])
     turns *= np.minimum(1.0, np.pi / np.maximum(np.linalg.norm(turns, axis=1), 1e-12))[:, None]
     positions = base.position + rotation.rotate(base.quaternion, shifts)
     return positions, rotation.multiply(base.quaternion, rotation.exp(turns))

@@ -26,8 +26,8 @@ class PoseSearch:
     The results do not depend on how many seeds the solver takes at once.
 
     Attributes:
-        judge: Check of approach and retreat; None if the goal has neither.
-        found: Distinct feasible solutions so far.
+        checker: Check of approach and retreat; None if the goal has neither.
+        solutions: Distinct feasible solutions so far.
         blocked: Distinct free solutions without a free approach or retreat.
         colliding: Solutions within limits that violate the margin of a body pair.
     """
@@ -38,7 +38,7 @@ class PoseSearch:
         query: GoalQuery,
         rng: np.random.Generator,
         deadline: Deadline,
-        judge: ApproachChecker | None = None,
+        checker: ApproachChecker | None = None,
     ) -> None:
         """Prepare to search; with a judge only solutions with approach and retreat are kept."""
         self._query = query
@@ -46,33 +46,35 @@ class PoseSearch:
         self._limits = world.limits(query.group)
         self._oracle = world.collision_oracle(query.group, query.margins)
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
-        self._drawn = self._seeds.take(0)
-        self._tried = self._converged = self._within = self._free = self._repeats = 0
-        self._approached = self._breaking = 0
-        self._wanted = query.options.max_configurations
-        self.judge = judge
+        self._drawn_seeds = self._seeds.take(0)
+        self._num_tried = self._num_converged = self._num_within_limits = self._num_free = (
+            self._num_repeats
+        ) = 0
+        self._num_approachable = self._num_violating = 0
+        self._num_wanted = query.options.max_configurations
+        self.checker = checker
         self._manifold = Manifold(query.group.joints)
-        self.found = UniqueSolutions(query.group, self._manifold)
+        self.solutions = UniqueSolutions(query.group, self._manifold)
         self.blocked = UniqueSolutions(query.group, self._manifold)
         self.colliding: list[Array] = []
 
-    def run(self, aims: TargetSamples, solver: PoseSolver, max_trials: int) -> None:
+    def run(self, samples: TargetSamples, solver: PoseSolver, max_trials: int) -> None:
         """Try seeds until `is_done`, or the target samples are used up.
 
         Args:
-            aims: Target samples of the trials.
+            samples: Target samples of the trials.
             solver: IK solver for the targets of these.
             max_trials: Largest number of trials, counted over all runs.
         """
-        end = aims.end_within(max_trials)
-        while self._tried < end and not self.is_done(max_trials):
-            count = min(solver.num_at_once, end - self._tried)
-            seeds, targets = aims.trials(self._tried, count)
+        end = samples.end_within(max_trials)
+        while self._num_tried < end and not self.is_done(max_trials):
+            count = min(solver.batch_size, end - self._num_tried)
+            seeds, targets = samples.trials(self._num_tried, count)
             # Twice as many, since some collide and some are duplicates.
-            enough = 2 * (self._wanted - len(self.found))
-            converged, q = solver.solve(self._rows(seeds), targets, enough)
+            num_required = 2 * (self._num_wanted - len(self.solutions))
+            converged, q = solver.solve(self._seed_rows(seeds), targets, num_required)
             try:
-                self._admit(converged, q, aims.poses[targets[: len(q)]])
+                self._add_batch(converged, q, samples.pose_indices[targets[: len(q)]])
             except DeadlineExceeded:
                 # Trials that were not checked in time do not count.
                 return
@@ -84,81 +86,85 @@ class PoseSearch:
             rejected_by: Tally of the body pairs of colliding solutions.
         """
         return Funnel(
-            self._tried,
-            self._converged,
-            self._within,
-            self._free,
-            len(self.found),
+            self._num_tried,
+            self._num_converged,
+            self._num_within_limits,
+            self._num_free,
+            len(self.solutions),
             rejected_by,
-            breaking=self._breaking,
-            approach_ok=self._approached,
-            blocked_by=self.judge.blocked_by if self.judge else (),
+            num_samples_violating=self._num_violating,
+            num_with_linear_moves=self._num_approachable,
+            blocked_by=self.checker.blocked_by if self.checker else (),
         )
 
     def is_done(self, max_trials: int) -> bool:
         """Return whether solutions suffice, trials or time are used up, or only duplicates come."""
         return (
-            self._tried >= max_trials
-            or len(self.found) >= self._wanted
-            or self._repeats >= _PATIENCE
+            self._num_tried >= max_trials
+            or len(self.solutions) >= self._num_wanted
+            or self._num_repeats >= _PATIENCE
             or self._deadline.is_over
         )
 
-    def _rows(self, seeds: Indices) -> Array:
+    def _seed_rows(self, seeds: Indices) -> Array:
         """Return the seeds of ascending numbers, drawing more as needed."""
-        missing = int(seeds[-1]) + 1 - len(self._drawn)
+        missing = int(seeds[-1]) + 1 - len(self._drawn_seeds)
         if missing > 0:
-            self._drawn = np.concatenate([self._drawn, self._seeds.take(missing)])
-        return self._drawn[seeds]
+            self._drawn_seeds = np.concatenate([self._drawn_seeds, self._seeds.take(missing)])
+        return self._drawn_seeds[seeds]
 
-    def _admit(self, converged: Flags, q: Array, poses: Indices) -> None:
+    def _add_batch(self, converged: Flags, q: Array, poses: Indices) -> None:
         """Count the results of a batch and add the new solutions, in the order of the seeds."""
         q = clip_rounding(self._limits, self._manifold, q)
-        within = converged & within_limits(self._limits, q)
-        free, is_new = np.zeros_like(within), np.zeros_like(within)
-        free[within] = self._oracle.are_free(q[within])
-        kept = self._kept(q, free)
-        is_new[kept] = self.found.are_new(q[kept], poses[kept])
-        good = kept if self.judge is None else self._approachable(q, poses, kept, is_new)
-        end = self._end(good, is_new)
-        self._tried += end
-        self._converged += int(converged[:end].sum())
-        self._within += int(within[:end].sum())
-        self._free += int(free[:end].sum())
-        self._breaking += int((free & ~kept)[:end].sum())
-        self._approached += int(good[:end].sum())
-        self.colliding += list(q[:end][(within & ~free)[:end]])
-        is_added = is_new[:end]
-        self.found.add(q[:end][is_added], poses[:end][is_added])
+        is_within_limits = converged & within_limits(self._limits, q)
+        is_free, is_new = np.zeros_like(is_within_limits), np.zeros_like(is_within_limits)
+        is_free[is_within_limits] = self._oracle.are_free(q[is_within_limits])
+        is_satisfied = self._satisfy_constraints(q, is_free)
+        is_new[is_satisfied] = self.solutions.are_new(q[is_satisfied], poses[is_satisfied])
+        is_approachable = (
+            is_satisfied
+            if self.checker is None
+            else self._approachable(q, poses, is_satisfied, is_new)
+        )
+        num_counted = self._num_rows_counted(is_approachable, is_new)
+        self._num_tried += num_counted
+        self._num_converged += int(converged[:num_counted].sum())
+        self._num_within_limits += int(is_within_limits[:num_counted].sum())
+        self._num_free += int(is_free[:num_counted].sum())
+        self._num_violating += int((is_free & ~is_satisfied)[:num_counted].sum())
+        self._num_approachable += int(is_approachable[:num_counted].sum())
+        self.colliding += list(q[:num_counted][(is_within_limits & ~is_free)[:num_counted]])
+        is_added = is_new[:num_counted]
+        self.solutions.add(q[:num_counted][is_added], poses[:num_counted][is_added])
 
-    def _kept(self, q: Array, free: Flags) -> Flags:
+    def _satisfy_constraints(self, q: Array, is_free: Flags) -> Flags:
         """Return which of the free rows satisfy the query's path constraints."""
-        kept = np.array(free)
-        if self._query.rules is not None:
-            kept[free] = self._query.rules.are_kept(q[free])
-        return kept
+        is_satisfied = np.array(is_free)
+        if self._query.constraints is not None:
+            is_satisfied[is_free] = self._query.constraints.are_satisfied(q[is_free])
+        return is_satisfied
 
-    def _approachable(self, q: Array, targets: Indices, free: Flags, is_new: Flags) -> Flags:
+    def _approachable(self, q: Array, targets: Indices, is_free: Flags, is_new: Flags) -> Flags:
         """Return which of the free rows have approach and retreat; clear `is_new` of the others."""
-        good = np.array(free)
-        is_new[free] &= ~self.blocked.contains(q[free], targets[free])
-        asked = np.flatnonzero(is_new)
-        if self.judge is not None and len(asked):
-            bad = asked[~self.judge.admit(q[asked], targets[asked])]
-            self.blocked.add(q[bad], targets[bad])
-            is_new[bad] = False
-        good[free] = ~self.blocked.contains(q[free], targets[free])
-        return good
+        is_approachable = np.array(is_free)
+        is_new[is_free] &= ~self.blocked.contains(q[is_free], targets[is_free])
+        new_indices = np.flatnonzero(is_new)
+        if self.checker is not None and len(new_indices):
+            blocked_indices = new_indices[~self.checker.check(q[new_indices], targets[new_indices])]
+            self.blocked.add(q[blocked_indices], targets[blocked_indices])
+            is_new[blocked_indices] = False
+        is_approachable[is_free] = ~self.blocked.contains(q[is_free], targets[is_free])
+        return is_approachable
 
-    def _end(self, free: Flags, is_new: Flags) -> int:
+    def _num_rows_counted(self, is_free: Flags, is_new: Flags) -> int:
         """Return the number of rows that count: up to the one that ends the search."""
-        found = len(self.found)
-        for i in np.flatnonzero(free):
+        num_found = len(self.solutions)
+        for i in np.flatnonzero(is_free):
             if is_new[i]:
-                found += 1
-                self._repeats = 0
+                num_found += 1
+                self._num_repeats = 0
             else:
-                self._repeats += 1
-            if found >= self._wanted or self._repeats >= _PATIENCE:
+                self._num_repeats += 1
+            if num_found >= self._num_wanted or self._num_repeats >= _PATIENCE:
                 return int(i) + 1
-        return len(free)
+        return len(is_free)

@@ -23,23 +23,23 @@ class PoseSolver(Protocol):
     """Interface of an IK solver for some targets of one tool frame, referred to by index.
 
     Attributes:
-        num_at_once: Efficient number of seeds per call.
+        batch_size: Efficient number of seeds per call.
     """
 
-    num_at_once: int
+    batch_size: int
 
     def solve(
         self,
         seeds: Float64[np.ndarray, "n nq"],
         targets: Int64[np.ndarray, " n"],
-        enough: int,
+        num_required: int,
     ) -> tuple[Bool[np.ndarray, " m"], Float64[np.ndarray, "m nq"]]:
-        """Solve from seed after seed until `enough` have converged; m <= n are tried.
+        """Solve from seed after seed until `num_required` have converged; m <= n are tried.
 
         Args:
             seeds: Initial guesses.
             targets: Index of the target of each seed.
-            enough: Number of converged seeds after which the solver may stop.
+            num_required: Number of converged seeds after which the solver may stop.
 
         Returns:
             Whether each tried seed converged to its target within tolerance, and the result.
@@ -50,7 +50,7 @@ class PoseSolver(Protocol):
 class DrakePoseSolver:
     """IK solver by Drake's InverseKinematics, one seed at a time."""
 
-    num_at_once = 1
+    batch_size = 1
 
     def __init__(
         self, world: World, group: JointGroup, deadline: Deadline, targets: list[ToolTarget]
@@ -65,18 +65,20 @@ class DrakePoseSolver:
         self,
         seeds: Float64[np.ndarray, "n nq"],
         targets: Int64[np.ndarray, " n"],
-        enough: int,
+        num_required: int,
     ) -> tuple[Flags, Array]:
         """Solve as specified by `PoseSolver.solve`."""
-        found: list[Array | None] = []
+        results: list[Array | None] = []
         for seed, target in zip(seeds, targets, strict=True):
-            if enough <= sum(q is not None for q in found) or self._deadline.is_over:
+            if num_required <= sum(q is not None for q in results) or self._deadline.is_over:
                 break
-            found.append(self._program(int(target)).solve(seed))
-        tried = len(found)
-        q = np.array([s if q is None else q for s, q in zip(seeds[:tried], found, strict=True)])
-        converged = np.array([q is not None for q in found], dtype=bool)
-        return converged, q.reshape(tried, seeds.shape[1])
+            results.append(self._program(int(target)).solve(seed))
+        num_tried = len(results)
+        q = np.array([
+            s if q is None else q for s, q in zip(seeds[:num_tried], results, strict=True)
+        ])
+        converged = np.array([q is not None for q in results], dtype=bool)
+        return converged, q.reshape(num_tried, seeds.shape[1])
 
     def _program(self, index: int) -> IkProgram:
         if index not in self._programs:
@@ -87,7 +89,7 @@ class DrakePoseSolver:
 class KernelPoseSolver:
     """IK solver by the native kernel: Levenberg-Marquardt, several seeds per SIMD register."""
 
-    num_at_once = 320
+    batch_size = 320
 
     def __init__(
         self,
@@ -100,15 +102,15 @@ class KernelPoseSolver:
         """Prepare for target poses X_WG, as p_WG [m] and quaternions, of the chain's end frame."""
         self._chain, self._tolerance = chain, tolerance
         limits = world.limits(group)
-        self._bounds = limits.lower, limits.upper
-        turns = rotation.matrix(poses[1]).reshape(-1, 9)
-        self._targets = np.concatenate([turns, poses[0]], axis=1)
+        self._limits = limits.lower, limits.upper
+        rotations = rotation.matrix(poses[1]).reshape(-1, 9)
+        self._targets = np.concatenate([rotations, poses[0]], axis=1)
 
     def solve(
         self,
         seeds: Float64[np.ndarray, "n nq"],
         targets: Int64[np.ndarray, " n"],
-        enough: int,
+        num_required: int,
     ) -> tuple[Flags, Array]:
         """Solve as specified by `PoseSolver.solve`."""
         if not len(seeds):
@@ -117,9 +119,9 @@ class KernelPoseSolver:
             np.ascontiguousarray(seeds),
             targets,
             self._targets,
-            *self._bounds,
+            *self._limits,
             self._tolerance,
-            enough,
+            num_required,
             _MAX_ITERATIONS,
         )
         return converged.astype(bool), q
@@ -133,8 +135,10 @@ def kernel_pose_solver(
     if chain is None:
         return None
     module: Any = native()
-    rest = targets[0].rotation_freedom
-    tolerance = module.IkTolerance(targets[0].position_tolerance, rest.kind, rest.axis, rest.bound)
+    freedom = targets[0].rotation_freedom
+    tolerance = module.IkTolerance(
+        targets[0].position_tolerance, freedom.kind, freedom.axis, freedom.bound
+    )
     positions = np.stack([target.pose.position for target in targets])
     quaternions = np.stack([target.pose.quaternion for target in targets])
     return KernelPoseSolver(world, group, chain, (positions, quaternions), tolerance)

@@ -10,9 +10,9 @@ from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.manifold import Manifold
 
 _NUM_NEAR = 8
-_NEAR = 0.4
-_REACH = 2.0
-_AT_ONCE = 256
+_NEAR_DEVIATION = 0.4
+_UNBOUNDED_RANGE = 2.0
+_BATCH_SIZE = 256
 
 
 class Seeds:
@@ -31,40 +31,52 @@ class Seeds:
         """
         self._rng = rng
         self._manifold = Manifold(group.joints)
-        delta = rng.normal(0.0, _NEAR, (_NUM_NEAR, self._manifold.num_velocities))
+        delta = rng.normal(0.0, _NEAR_DEVIATION, (_NUM_NEAR, self._manifold.num_velocities))
         near = np.clip(self._manifold.plus(start[None], delta), limits.lower, limits.upper)
-        self._waiting = np.concatenate([start[None], near])
-        reach = np.concatenate([_spread(joint.type) for joint in group.joints])
-        self._lower = np.where(np.isfinite(limits.lower), limits.lower, start - reach)
-        self._upper = np.where(np.isfinite(limits.upper), limits.upper, start + reach)
-        self._turned = np.concatenate([_is_quaternion(joint.type) for joint in group.joints])
+        self._pending = np.concatenate([start[None], near])
+        half_range = np.concatenate([_default_range(joint.type) for joint in group.joints])
+        self._lower = np.where(np.isfinite(limits.lower), limits.lower, start - half_range)
+        self._upper = np.where(np.isfinite(limits.upper), limits.upper, start + half_range)
+        self._quaternion_mask = np.concatenate([
+            _is_quaternion(joint.type) for joint in group.joints
+        ])
 
     def take(self, count: int) -> Float64[np.ndarray, "count nq"]:
         """Return the next `count` seeds."""
-        if len(self._waiting) < count:
-            drawn = self._drawn(_AT_ONCE * -(-(count - len(self._waiting)) // _AT_ONCE))
-            self._waiting = np.concatenate([self._waiting, drawn])
-        taken, self._waiting = self._waiting[:count], self._waiting[count:]
+        if len(self._pending) < count:
+            new_seeds = self._draw(_BATCH_SIZE * -(-(count - len(self._pending)) // _BATCH_SIZE))
+            self._pending = np.concatenate([self._pending, new_seeds])
+        taken, self._pending = self._pending[:count], self._pending[count:]
         return taken
 
-    def _drawn(self, count: int) -> Array:
+    def _draw(self, count: int) -> Array:
         """Return `count` uniform seeds, drawn in blocks of a fixed size for reproducibility."""
-        portions: list[Array] = []
-        for _ in range(count // _AT_ONCE):
-            q = self._rng.uniform(self._lower, self._upper, (_AT_ONCE, len(self._lower)))
-            q[:, self._turned] = self._rng.normal(size=(_AT_ONCE, int(self._turned.sum())))
-            portions.append(q)
-        return self._manifold.normalized(np.concatenate(portions))
+        blocks: list[Array] = []
+        for _ in range(count // _BATCH_SIZE):
+            q = self._rng.uniform(self._lower, self._upper, (_BATCH_SIZE, len(self._lower)))
+            q[:, self._quaternion_mask] = self._rng.normal(
+                size=(_BATCH_SIZE, int(self._quaternion_mask.sum()))
+            )
+            blocks.append(q)
+        return self._manifold.normalized(np.concatenate(blocks))
 
 
-def _spread(kind: JointType) -> Array:
+def _default_range(kind: JointType) -> Array:
     match kind:
         case JointType.PLANAR:
-            return np.array([_REACH, _REACH, np.pi])
+            return np.array([_UNBOUNDED_RANGE, _UNBOUNDED_RANGE, np.pi])
         case JointType.FLOATING:
-            return np.array([1.0, 1.0, 1.0, 1.0, _REACH, _REACH, _REACH])
+            return np.array([
+                1.0,
+                1.0,
+                1.0,
+                1.0,
+                _UNBOUNDED_RANGE,
+                _UNBOUNDED_RANGE,
+                _UNBOUNDED_RANGE,
+            ])
         case JointType.PRISMATIC:
-            return np.array([_REACH])
+            return np.array([_UNBOUNDED_RANGE])
         case _:
             return np.array([np.pi])
 

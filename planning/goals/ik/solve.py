@@ -37,70 +37,76 @@ def solve_tool_goal(
         The target selection of the goal, and the finished search with its solutions.
     """
     group = query.group
-    aiming = select_targets(world, query, rng)
+    selection = select_targets(world, query, rng)
     state = rng.bit_generator.state
-    kernel = partial(_by_kernel, world, group)
-    search = _followed(world, query, aiming, kernel, rng, deadline)
-    if search is not None and not _are_met(world, group, aiming, search.found):
+    make_kernel_solver = partial(_kernel_solver, world, group)
+    search = _run_search(world, query, selection, make_kernel_solver, rng, deadline)
+    if search is not None and not _are_confirmed_by_drake(
+        world, group, selection, search.solutions
+    ):
         _LOG.error("Drake refutes the kernel's inverse kinematics of %s", group.name)
         search = None
     if search is None:
         rng.bit_generator.state = state
-        drake = partial(_by_drake, world, group, deadline)
-        search = _followed(world, query, aiming, drake, rng, deadline)
+        make_drake_solver = partial(_drake_solver, world, group, deadline)
+        search = _run_search(world, query, selection, make_drake_solver, rng, deadline)
     assert search is not None  # noqa: S101  (Drake always has a solver)
-    return aiming, search
+    return selection, search
 
 
-def _followed(
+def _run_search(
     world: World,
     query: GoalQuery,
-    aiming: TargetSelection,
-    solver_of: Callable[[TargetSamples], PoseSolver | None],
+    selection: TargetSelection,
+    make_solver: Callable[[TargetSamples], PoseSolver | None],
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> PoseSearch | None:
-    """Return the finished search over a target selection; None if `solver_of` has no solver."""
-    trials = query.options.max_trials
-    first = int(np.ceil(aiming.share * trials))
-    judge = approach_checker(world, query, aiming.accepted, deadline)
-    search = PoseSearch(world, query, rng, deadline, judge)
-    for aims in aiming.first:
-        solver = solver_of(aims)
+    """Return the finished search over a target selection; None if `make_solver` has no solver."""
+    max_trials = query.options.max_trials
+    num_first_trials = int(np.ceil(selection.first_phase_fraction * max_trials))
+    checker = approach_checker(world, query, selection.accepted, deadline)
+    search = PoseSearch(world, query, rng, deadline, checker)
+    for samples in selection.first_phase:
+        solver = make_solver(samples)
         if solver is None:
             return None
-        search.run(aims, solver, first)
-        if aiming.then is not None and not len(search.found) and search.is_done(first):
-            search.run(aiming.then, solver_of(aiming.then) or solver, trials)
-        search.run(aims, solver, trials)
-        if search.is_done(trials):
+        search.run(samples, solver, num_first_trials)
+        if (
+            selection.fallback is not None
+            and not len(search.solutions)
+            and search.is_done(num_first_trials)
+        ):
+            search.run(selection.fallback, make_solver(selection.fallback) or solver, max_trials)
+        search.run(samples, solver, max_trials)
+        if search.is_done(max_trials):
             break
     return search
 
 
-def _by_kernel(world: World, group: JointGroup, aims: TargetSamples) -> PoseSolver | None:
-    targets = aims.targets
+def _kernel_solver(world: World, group: JointGroup, samples: TargetSamples) -> PoseSolver | None:
+    targets = samples.targets
     if isinstance(targets, ExactPoses):
         poses = targets.positions, targets.quaternions
         return exact_kernel_solver(world, group, targets.frame, poses)
     return kernel_pose_solver(world, group, targets)
 
 
-def _by_drake(
-    world: World, group: JointGroup, deadline: Deadline, aims: TargetSamples
+def _drake_solver(
+    world: World, group: JointGroup, deadline: Deadline, samples: TargetSamples
 ) -> PoseSolver:
-    targets = aims.targets
-    each = targets.each if isinstance(targets, ExactPoses) else targets
+    targets = samples.targets
+    each = targets.tool_targets if isinstance(targets, ExactPoses) else targets
     return DrakePoseSolver(world, group, deadline, each)
 
 
-def _are_met(
-    world: World, group: JointGroup, aiming: TargetSelection, found: UniqueSolutions
+def _are_confirmed_by_drake(
+    world: World, group: JointGroup, selection: TargetSelection, solutions: UniqueSolutions
 ) -> bool:
     """Return whether every solution reaches its target by Drake's forward kinematics."""
-    frame = aiming.accepted[0].frame
-    reached = world.frame_poses(frame, world.embed(group, found.rows))
+    frame = selection.accepted[0].frame
+    tool_poses = world.frame_poses(frame, world.embed(group, solutions.rows))
     return all(
-        bool(target.are_met_by(reached[found.targets == i]).all())
-        for i, target in enumerate(aiming.accepted)
+        bool(target.are_met_by(tool_poses[solutions.targets == i]).all())
+        for i, target in enumerate(selection.accepted)
     )

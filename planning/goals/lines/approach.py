@@ -13,7 +13,7 @@ from planning.domain.arrays import Array, Flags, Indices
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.funnel import Funnel, LinearMoveTally
-from planning.domain.goals.goal import Goal, LinedGoal, PoseGoal, RegionGoal
+from planning.domain.goals.goal import Goal, GoalWithLinearMoves, PoseGoal, RegionGoal
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.goals.line_trace import LinearMoveStop, LineStop, LineTrace
 from planning.domain.goals.linear_moves import GoalMoves, LinearMove, ToolLine
@@ -22,7 +22,7 @@ from planning.domain.robot.joints import JointLimits
 from planning.goals.diagnosis.nearest_program import Target
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
-from planning.goals.lines.line_stop import traced
+from planning.goals.lines.line_stop import make_line_trace
 from planning.goals.lines.line_tracer import LineTracer, TraceResolution
 from planning.goals.lines.trace_state import TraceState
 from planning.goals.ranking import nearest_first
@@ -30,7 +30,7 @@ from planning.goals.start import ROUNDING
 from planning.world.world import World
 
 # Largest number of blocked lines analyzed for the report.
-_LOOKED_AT = 64
+_MAX_ANALYZED = 64
 
 
 class ApproachChecker:
@@ -38,17 +38,18 @@ class ApproachChecker:
 
     Attributes:
         targets: Targets of the goal, in world.
-        ended: Blocked lines: name ("approach" or "retreat"), index of the target, trace state.
+        blocked_lines: Blocked lines: name ("approach" or "retreat"), index of the target, trace
+            state.
     """
 
     def __init__(
         self,
         world: World,
         query: GoalQuery,
-        goal: LinedGoal,
+        goal: GoalWithLinearMoves,
         targets: Sequence[Target],
         deadline: Deadline,
-        fineness: TraceResolution | None = None,
+        resolution: TraceResolution | None = None,
     ) -> None:
         """Prepare for a goal.
 
@@ -58,20 +59,20 @@ class ApproachChecker:
             goal: Goal with an approach or a retreat.
             targets: Targets of the goal, in world.
             deadline: Time limit of the traces.
-            fineness: Resolution of the traces; None for the default.
+            resolution: Resolution of the traces; None for the default.
         """
         self._world, self._query, self._deadline = world, query, deadline
         self.targets = targets
         self._axes = np.array([target.pose.quaternion for target in targets])
-        self._ways = {"approach": goal.approach, "retreat": goal.retreat}
+        self._vectors = {"approach": goal.approach, "retreat": goal.retreat}
         self._frame = targets[0].frame
-        fine = fineness or TraceResolution()
-        self._tracer = LineTracer(world, query.group, self._frame, query.margins, fine)
-        self._legs: dict[bytes, GoalMoves] = {}
+        trace_resolution = resolution or TraceResolution()
+        self._tracer = LineTracer(world, query.group, self._frame, query.margins, trace_resolution)
+        self._moves: dict[bytes, GoalMoves] = {}
         self._traces: list[tuple[str, LineTrace]] = []
-        self.ended: list[tuple[str, int, TraceState]] = []
+        self.blocked_lines: list[tuple[str, int, TraceState]] = []
 
-    def admit(
+    def check(
         self, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
         """Return whether each configuration has all requested lines; store their linear moves.
@@ -84,42 +85,46 @@ class ApproachChecker:
             DeadlineExceeded: Time ran out.
             Canceled: Cancellation was requested.
         """
-        good = np.ones(len(rows), dtype=bool)
-        found: dict[str, dict[int, LinearMove]] = {}
-        for name, way in self._ways.items():
-            if way is not None:
-                found[name] = self._reaching(name, rows, targets, good)
-                good[[i for i in range(len(rows)) if i not in found[name]]] = False
-        for i in np.flatnonzero(good).tolist():
-            approach = found["approach"][i].reverse if "approach" in found else None
-            retreat = found["retreat"][i] if "retreat" in found else None
-            self._legs[rows[i].tobytes()] = GoalMoves(approach, retreat)
-        return good
+        is_free = np.ones(len(rows), dtype=bool)
+        moves_by_name: dict[str, dict[int, LinearMove]] = {}
+        for name, vector in self._vectors.items():
+            if vector is not None:
+                moves_by_name[name] = self._free_moves(name, rows, targets, is_free)
+                is_free[[i for i in range(len(rows)) if i not in moves_by_name[name]]] = False
+        for i in np.flatnonzero(is_free).tolist():
+            approach = moves_by_name["approach"][i].reverse if "approach" in moves_by_name else None
+            retreat = moves_by_name["retreat"][i] if "retreat" in moves_by_name else None
+            self._moves[rows[i].tobytes()] = GoalMoves(approach, retreat)
+        return is_free
 
-    def legs_of(
-        self, admitted: Float64[np.ndarray, "n nq"], rows: Float64[np.ndarray, "n nq"]
+    def moves_of(
+        self, checked: Float64[np.ndarray, "n nq"], rows: Float64[np.ndarray, "n nq"]
     ) -> list[GoalMoves]:
         """Return the linear moves of rows that equal admitted ones up to full turns of joints."""
         return [
-            _shifted(self._legs[q.tobytes()], row - q)
-            for q, row in zip(admitted, rows, strict=True)
+            _shifted(self._moves[q.tobytes()], row - q)
+            for q, row in zip(checked, rows, strict=True)
         ]
 
-    def keep_rules(self, rows: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
+    def moves_satisfy_constraints(
+        self, rows: Float64[np.ndarray, "n nq"]
+    ) -> Bool[np.ndarray, " n"]:
         """Return whether all lines of each admitted row satisfy the query's path constraints."""
-        rules = self._query.rules
-        kept = np.ones(len(rows), dtype=bool)
-        if rules is not None:
-            for i, legs in enumerate(self.legs_of(rows, rows)):
-                kept[i] = all(rules.are_kept(leg.positions).all() for leg in legs.all)
-        return kept
+        constraints = self._query.constraints
+        is_satisfied = np.ones(len(rows), dtype=bool)
+        if constraints is not None:
+            for i, moves in enumerate(self.moves_of(rows, rows)):
+                is_satisfied[i] = all(
+                    constraints.are_satisfied(move.positions).all() for move in moves.all
+                )
+        return is_satisfied
 
     def stop_of(self, q: Float64[np.ndarray, " nq"], target: int) -> LinearMoveStop | None:
         """Return the stop of the first blocked line of a configuration; None if none is blocked."""
-        for name, way in self._ways.items():
-            if way is not None:
-                (course,) = self.reach(name, q[None], np.array([target]))
-                stop = self._traced(course).stop
+        for name, vector in self._vectors.items():
+            if vector is not None:
+                (trace_state,) = self.trace(name, q[None], np.array([target]))
+                stop = self._line_trace(trace_state).stop
                 if stop is not None:
                     return LinearMoveStop(name, stop)
         return None
@@ -127,58 +132,58 @@ class ApproachChecker:
     @property
     def blocking_pairs(self) -> list[tuple[str, str]]:
         """Pair of colliding bodies of each line that a collision stopped."""
-        stops = [trace.stop for _, trace in self._looked_at()]
+        stops = [trace.stop for _, trace in self._analyzed_lines()]
         return [stop.pair.bodies for stop in stops if stop is not None and stop.pair is not None]
 
     @property
     def blocked_by(self) -> tuple[LinearMoveTally, ...]:
         """Tally of the stops of the analyzed lines by reason and place, most frequent first."""
         fractions: dict[tuple[str, str, str], list[float]] = defaultdict(list)
-        for name, trace in self._looked_at():
+        for name, trace in self._analyzed_lines():
             if trace.stop is not None:
-                key = name, trace.stop.reason, _where(trace.stop)
+                key = name, trace.stop.reason, _stop_location(trace.stop)
                 fractions[key].append(trace.fraction)
         tallies = [
             LinearMoveTally(*key, len(found), max(found)) for key, found in fractions.items()
         ]
-        return tuple(sorted(tallies, key=lambda t: (-t.count, t.leg, t.reason, t.where)))
+        return tuple(sorted(tallies, key=lambda t: (-t.count, t.move, t.reason, t.where)))
 
-    def reach(
+    def trace(
         self, name: str, rows: Float64[np.ndarray, "n nq"], targets: Int64[np.ndarray, " n"]
     ) -> list[TraceState]:
         """Return the trace of each configuration along its "approach" or "retreat" line."""
-        at = self._tracer.kinematics.poses(rows)
-        outwards = rotation.rotate(self._axes[targets], np.asarray(self._ways[name])[None])
+        tool_poses = self._tracer.kinematics.poses(rows)
+        displacements = rotation.rotate(self._axes[targets], np.asarray(self._vectors[name])[None])
         lines = [
             ToolLine(self._frame, Pose(p, a), Pose(p + out, a))
-            for R_WT, p, out in zip(*at, outwards, strict=True)
+            for R_WT, p, out in zip(*tool_poses, displacements, strict=True)
             for a in [rotation.from_matrix(R_WT)]
         ]
         return self._tracer.trace(lines, rows, self._deadline)
 
-    def _looked_at(self) -> list[tuple[str, LineTrace]]:
+    def _analyzed_lines(self) -> list[tuple[str, LineTrace]]:
         """Return the traces of the first blocked lines; each is analyzed once and cached."""
-        for name, _, course in self.ended[len(self._traces) : _LOOKED_AT]:
-            self._traces.append((name, self._traced(course)))
+        for name, _, trace_state in self.blocked_lines[len(self._traces) : _MAX_ANALYZED]:
+            self._traces.append((name, self._line_trace(trace_state)))
         return self._traces
 
-    def _traced(self, course: TraceState) -> LineTrace:
+    def _line_trace(self, trace_state: TraceState) -> LineTrace:
         group, margins = self._query.group, self._query.margins
-        return traced(self._world, group, margins, self._tracer.kinematics, course)
+        return make_line_trace(self._world, group, margins, self._tracer.kinematics, trace_state)
 
-    def _reaching(
-        self, name: str, rows: Array, targets: Indices, good: Flags
+    def _free_moves(
+        self, name: str, rows: Array, targets: Indices, is_free: Flags
     ) -> dict[int, LinearMove]:
         """Return the outward linear moves of the good rows whose line is free, by row."""
-        asked = np.flatnonzero(good)
-        courses = self.reach(name, rows[asked], targets[asked])
-        for target, course in zip(targets[asked], courses, strict=True):
-            if course.halt:
-                self.ended.append((name, int(target), course))
+        indices = np.flatnonzero(is_free)
+        trace_states = self.trace(name, rows[indices], targets[indices])
+        for target, trace_state in zip(targets[indices], trace_states, strict=True):
+            if trace_state.stop:
+                self.blocked_lines.append((name, int(target), trace_state))
         return {
             int(i): LinearMove(course.line, np.array(course.fractions), np.stack(course.waypoints))
-            for i, course in zip(asked, courses, strict=True)
-            if not course.halt
+            for i, course in zip(indices, trace_states, strict=True)
+            if not course.stop
         }
 
 
@@ -186,11 +191,11 @@ def approach_checker(
     world: World, query: GoalQuery, targets: Sequence[Target], deadline: Deadline
 ) -> ApproachChecker | None:
     """Return the approach checker of a goal; None if it has neither approach nor retreat."""
-    goal = filter_by_approach(query.goal)
+    goal = goal_with_approach(query.goal)
     return None if goal is None else ApproachChecker(world, query, goal, targets, deadline)
 
 
-def filter_by_approach(goal: Goal) -> LinedGoal | None:
+def goal_with_approach(goal: Goal) -> GoalWithLinearMoves | None:
     """Return the goal if it has an approach or a retreat, else None."""
     if not isinstance(goal, PoseGoal | RegionGoal):
         return None
@@ -200,7 +205,7 @@ def filter_by_approach(goal: Goal) -> LinedGoal | None:
 def with_moves(
     query: GoalQuery,
     limits: JointLimits,
-    found: tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"], list[GoalMoves]],
+    solutions: tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"], list[GoalMoves]],
     funnel: Funnel,
 ) -> GoalConfigurations:
     """Return the configurations whose linear moves are within limits, nearest entry first.
@@ -210,42 +215,42 @@ def with_moves(
     Args:
         query: Goal query.
         limits: Joint limits of the group; full turns may have moved a line beyond them.
-        found: Configurations, the indices of their targets, and their linear moves.
+        solutions: Configurations, the indices of their targets, and their linear moves.
         funnel: Funnel of the search, for the report.
     """
-    rows, targets, legs = found
-    inside = [i for i in range(len(rows)) if _is_inside(limits, legs[i])]
-    every = GoalConfigurations(
+    rows, targets, moves = solutions
+    inside = [i for i in range(len(rows)) if _is_within_limits(limits, moves[i])]
+    all_configurations = GoalConfigurations(
         rows[inside],
         tuple(int(i) for i in targets[inside]),
         funnel,
-        tuple(legs[i] for i in inside),
+        tuple(moves[i] for i in inside),
     )
     count, index = query.options.max_configurations, np.arange(len(inside))
     metric = JointMetric.from_names(query.group, query.options.joint_weights)
-    _, order = nearest_first(metric, query.start, every.entries, index, count)
+    _, order = nearest_first(metric, query.start, all_configurations.entries, index, count)
     return GoalConfigurations(
-        every.positions[list(order)],
-        tuple(every.target_indices[i] for i in order),
+        all_configurations.positions[list(order)],
+        tuple(all_configurations.target_indices[i] for i in order),
         funnel,
-        tuple(every.legs[i] for i in order),
+        tuple(all_configurations.moves[i] for i in order),
     )
 
 
-def _is_inside(limits: JointLimits, legs: GoalMoves) -> bool:
+def _is_within_limits(limits: JointLimits, moves: GoalMoves) -> bool:
     return all(
-        bool((leg.positions >= limits.lower - ROUNDING).all())
-        and bool((leg.positions <= limits.upper + ROUNDING).all())
-        for leg in legs.all
+        bool((move.positions >= limits.lower - ROUNDING).all())
+        and bool((move.positions <= limits.upper + ROUNDING).all())
+        for move in moves.all
     )
 
 
-def _shifted(legs: GoalMoves, shift: Array) -> GoalMoves:
+def _shifted(moves: GoalMoves, shift: Array) -> GoalMoves:
     if not shift.any():
-        return legs
-    approach = None if legs.approach is None else legs.approach.shifted(shift)
-    return GoalMoves(approach, None if legs.retreat is None else legs.retreat.shifted(shift))
+        return moves
+    approach = None if moves.approach is None else moves.approach.shifted(shift)
+    return GoalMoves(approach, None if moves.retreat is None else moves.retreat.shifted(shift))
 
 
-def _where(stop: LineStop) -> str:
+def _stop_location(stop: LineStop) -> str:
     return stop.joint if stop.pair is None else "-".join(stop.pair.bodies)

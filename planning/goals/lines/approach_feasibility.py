@@ -9,26 +9,26 @@ from jaxtyping import Bool, Float64, Int64
 from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.goal import LinedGoal
-from planning.domain.goals.goal_configurations import Bounds
+from planning.domain.goals.goal import GoalWithLinearMoves
+from planning.domain.goals.goal_configurations import ActiveConstraints
 from planning.domain.request.deadline import Deadline
 from planning.errors import DeadlineExceeded
-from planning.goals.diagnosis.nearest_program import Target, moved_along
+from planning.goals.diagnosis.nearest_program import Target, displaced_target_pose
 from planning.goals.feasibility import Feasibility
 from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_solvers import exact_kernel_solver
-from planning.goals.lines.approach import ApproachChecker, filter_by_approach
+from planning.goals.lines.approach import ApproachChecker, goal_with_approach
 from planning.goals.lines.line_tracer import TraceResolution
 from planning.goals.targets.tool_target import ToolTarget
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 # Resolution without bisection: whether a line reaches its end matters, not where it is blocked.
-_VERDICTS = TraceResolution(end=1.0)
+_COARSE_RESOLUTION = TraceResolution(bisection_tolerance=1.0)
 # Quick check of a line: least and most sample points, and their spacing [m]; and the largest joint
 # motion between two of them [rad or m]: lines with larger ones are hardly ever free.
-_LEAST, _MOST, _OFTEN = 4, 16, 0.05
-_JUMP = 1.0
+_MIN_SAMPLES, _MAX_SAMPLES, _SAMPLE_SPACING = 4, 16, 0.05
+_MAX_JOINT_MOTION = 1.0
 
 
 class ApproachFeasibility:
@@ -36,14 +36,14 @@ class ApproachFeasibility:
 
     The lines are traced as in plans and have the requested lengths. Either the goal moves to the
     reached pose together with its axes (`are_free`), or it stays in place with a larger tolerance
-    (`are_free_from`).
+    (`are_free_in_place`).
     """
 
     def __init__(
         self,
         world: World,
         query: GoalQuery,
-        goal: LinedGoal,
+        goal: GoalWithLinearMoves,
         targets: Sequence[Target],
         deadline: Deadline,
     ) -> None:
@@ -63,7 +63,7 @@ class ApproachFeasibility:
             rows: Configurations that are feasible themselves.
             indices: Index of the target that is moved to each.
         """
-        return self._judged(rows, self._moved(self._reached(rows), indices))
+        return self._check(rows, self._moved_targets(self._tool_poses(rows), indices))
 
     def may_be_free(
         self, rows: Float64[np.ndarray, "n nq"], indices: Int64[np.ndarray, " n"]
@@ -72,90 +72,105 @@ class ApproachFeasibility:
 
         A heuristic to discard rows; it neither proves nor refutes a line.
         """
-        good = np.ones(len(rows), dtype=bool)
+        is_candidate = np.ones(len(rows), dtype=bool)
         if not len(rows):
-            return good
-        reached = self._reached(rows)
-        axes = np.array([pose.quaternion for pose in self._moved(reached, indices)])
-        at = np.array([pose.position for pose in reached])
-        turns = np.array([pose.quaternion for pose in reached])
-        for way in (self._goal.approach, self._goal.retreat):
-            if way is not None:
-                outwards = rotation.rotate(axes, np.asarray(way)[None])
-                good[good] = self._glanced(rows[good], (at[good], turns[good]), outwards[good])
-        return good
+            return is_candidate
+        tool_poses = self._tool_poses(rows)
+        axes = np.array([pose.quaternion for pose in self._moved_targets(tool_poses, indices)])
+        positions = np.array([pose.position for pose in tool_poses])
+        quaternions = np.array([pose.quaternion for pose in tool_poses])
+        for vector in (self._goal.approach, self._goal.retreat):
+            if vector is not None:
+                displacements = rotation.rotate(axes, np.asarray(vector)[None])
+                is_candidate[is_candidate] = self._may_follow(
+                    rows[is_candidate],
+                    (positions[is_candidate], quaternions[is_candidate]),
+                    displacements[is_candidate],
+                )
+        return is_candidate
 
-    def _glanced(self, rows: Array, reached: tuple[Array, Array], outwards: Array) -> Any:
+    def _may_follow(
+        self, rows: Array, tool_poses: tuple[Array, Array], displacements: Array
+    ) -> Any:
         """Return whether each row can follow a line through sampled poses, feasible at each."""
-        good, q = np.ones(len(rows), dtype=bool), np.array(rows)
+        is_candidate, q = np.ones(len(rows), dtype=bool), np.array(rows)
         if not len(rows):
-            return good
-        length = float(np.linalg.norm(outwards, axis=1).max())
-        count = int(np.clip(np.ceil(length / _OFTEN), _LEAST, _MOST))
-        for share in np.arange(1, count + 1) / count:
-            poses = reached[0] + share * outwards, reached[1]
+            return is_candidate
+        length = float(np.linalg.norm(displacements, axis=1).max())
+        count = int(np.clip(np.ceil(length / _SAMPLE_SPACING), _MIN_SAMPLES, _MAX_SAMPLES))
+        for fraction in np.arange(1, count + 1) / count:
+            poses = tool_poses[0] + fraction * displacements, tool_poses[1]
             solver = exact_kernel_solver(self._world, self._query.group, self._frame, poses)
             if solver is None:
-                return good
-            asked = np.flatnonzero(good)
-            good[asked], found = solver.solve(q[asked], asked, len(asked) + 1)
-            good[asked] &= np.abs(found - q[asked]).max(axis=1) < _JUMP
-            q[asked] = found
-            good[good] = self._feasibility.are_met(q[good])
-        return good
+                return is_candidate
+            indices = np.flatnonzero(is_candidate)
+            is_candidate[indices], next_q = solver.solve(q[indices], indices, len(indices) + 1)
+            is_candidate[indices] &= np.abs(next_q - q[indices]).max(axis=1) < _MAX_JOINT_MOTION
+            q[indices] = next_q
+            is_candidate[is_candidate] = self._feasibility.are_feasible(q[is_candidate])
+        return is_candidate
 
-    def are_free_from(
+    def are_free_in_place(
         self, rows: Float64[np.ndarray, "n nq"], index: int
     ) -> Bool[np.ndarray, " n"]:
         """Return which rows have all lines, path constraints included, with the target in place."""
-        return self._judged(rows, [self._targets[index].pose] * len(rows))
+        return self._check(rows, [self._targets[index].pose] * len(rows))
 
-    def bounds_of(self, q: Float64[np.ndarray, " nq"], index: int) -> Bounds:
+    def active_constraints_at(self, q: Float64[np.ndarray, " nq"], index: int) -> ActiveConstraints:
         """Return the constraints that block the lines of q with the goal moved there.
 
         These are the stop of a line, or else the violated path constraints; empty if the time runs
         out.
         """
-        rules, judge = self._query.rules, self._judge(self._moved(self._reached(q[None]), [index]))
+        constraints, checker = (
+            self._query.constraints,
+            self._make_checker(self._moved_targets(self._tool_poses(q[None]), [index])),
+        )
         try:
-            stop = judge.stop_of(q, 0)
-            if stop is not None or rules is None or not judge.admit(q[None], np.array([0]))[0]:
-                return Bounds(line=stop)
+            stop = checker.stop_of(q, 0)
+            if (
+                stop is not None
+                or constraints is None
+                or not checker.check(q[None], np.array([0]))[0]
+            ):
+                return ActiveConstraints(linear_move_stop=stop)
         except DeadlineExceeded:
-            return Bounds()
-        (legs,) = judge.legs_of(q[None], q[None])
-        rows = np.concatenate([leg.positions for leg in legs.all])
-        broken = [entry["constraint"] for row in rows for entry in rules.violations(row)]
-        return Bounds(constraints=tuple(dict.fromkeys(broken)))
+            return ActiveConstraints()
+        (moves,) = checker.moves_of(q[None], q[None])
+        rows = np.concatenate([move.positions for move in moves.all])
+        violated = [entry["constraint"] for row in rows for entry in constraints.violations(row)]
+        return ActiveConstraints(constraints=tuple(dict.fromkeys(violated)))
 
-    def _reached(self, rows: Array) -> list[Pose]:
+    def _tool_poses(self, rows: Array) -> list[Pose]:
         return [
             Pose(p_WT, rotation.from_matrix(R_WT))
             for R_WT, p_WT in zip(*self._kinematics.poses(rows), strict=True)
         ]
 
-    def _moved(self, reached: list[Pose], indices: Any) -> list[Pose]:
+    def _moved_targets(self, tool_poses: list[Pose], indices: Any) -> list[Pose]:
         return [
-            moved_along(self._targets[int(i)], pose)
-            for i, pose in zip(indices, reached, strict=True)
+            displaced_target_pose(self._targets[int(i)], pose)
+            for i, pose in zip(indices, tool_poses, strict=True)
         ]
 
-    def _judged(self, rows: Array, poses: list[Pose]) -> Any:
+    def _check(self, rows: Array, poses: list[Pose]) -> Any:
         if not poses:
             return np.zeros(0, dtype=bool)
-        judge = self._judge(poses, _VERDICTS)
+        checker = self._make_checker(poses, _COARSE_RESOLUTION)
         try:
-            good = judge.admit(rows, np.arange(len(rows)))
+            is_free = checker.check(rows, np.arange(len(rows)))
         except DeadlineExceeded:
             return np.zeros(len(rows), dtype=bool)
-        good[good] = judge.keep_rules(rows[good])
-        return good
+        is_free[is_free] = checker.moves_satisfy_constraints(rows[is_free])
+        return is_free
 
-    def _judge(self, poses: list[Pose], fineness: TraceResolution | None = None) -> ApproachChecker:
+    def _make_checker(
+        self, poses: list[Pose], resolution: TraceResolution | None = None
+    ) -> ApproachChecker:
         exact = np.zeros(3)
         targets = [ToolTarget(self._frame, pose, exact, exact) for pose in poses]
         return ApproachChecker(
-            self._world, self._query, self._goal, targets, self._deadline, fineness
+            self._world, self._query, self._goal, targets, self._deadline, resolution
         )
 
 
@@ -163,5 +178,5 @@ def approach_feasibility(
     world: World, query: GoalQuery, targets: Sequence[Target], deadline: Deadline
 ) -> ApproachFeasibility | None:
     """Return the approach feasibility check of a goal; None if it has no approach or retreat."""
-    goal = filter_by_approach(query.goal)
+    goal = goal_with_approach(query.goal)
     return None if goal is None else ApproachFeasibility(world, query, goal, targets, deadline)

@@ -5,7 +5,7 @@ from planning.domain.goals.linear_moves import LinearMove, ToolLine
 from planning.domain.request.deadline import Deadline
 from planning.errors import LineBlocked
 from planning.goals.goal_query import GoalQuery
-from planning.goals.lines.line_stop import describe_stop, stop_evidence, traced
+from planning.goals.lines.line_stop import describe_stop, make_line_trace, stop_evidence
 from planning.goals.lines.line_tracer import LineTracer, TraceResolution
 from planning.goals.targets.tool_target import line_end
 from planning.world.world import World
@@ -23,15 +23,15 @@ def follow_lines(
         Canceled: Cancellation was requested.
     """
     tool = goal.frame or query.group.tool_frames[0]
-    fineness = TraceResolution(goal.max_shift, goal.max_turn)
-    tracer = LineTracer(world, query.group, tool, query.margins, fineness)
+    resolution = TraceResolution(goal.max_position_deviation, goal.max_rotation_deviation)
+    tracer = LineTracer(world, query.group, tool, query.margins, resolution)
     q, full = query.start, world.embed(query.group, query.start)
-    at = world.frame_pose(tool, full)
-    legs: list[LinearMove] = []
+    tool_pose = world.frame_pose(tool, full)
+    moves: list[LinearMove] = []
     for i, target in enumerate(goal.targets):
-        line = ToolLine(tool, at, line_end(world, full, at, target))
-        course = tracer.trace([line], q[None], deadline)[0]
-        trace = traced(world, query.group, query.margins, tracer.kinematics, course)
+        line = ToolLine(tool, tool_pose, line_end(world, full, tool_pose, target))
+        trace_state = tracer.trace([line], q[None], deadline)[0]
+        trace = make_line_trace(world, query.group, query.margins, tracer.kinematics, trace_state)
         if trace.stop is not None:
             evidence = {
                 "line": i,
@@ -41,6 +41,6 @@ def follow_lines(
             }
             message = f"line {i + 1} of {len(goal.targets)} is blocked: {describe_stop(trace.stop)}"
             raise LineBlocked(message, evidence)
-        legs.append(trace.leg)
-        q, at = trace.positions[-1], line.end
-    return tuple(legs)
+        moves.append(trace.linear_move)
+        q, tool_pose = trace.positions[-1], line.end
+    return tuple(moves)

@@ -19,13 +19,13 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 _DAMPING = 1e-10
 _ITERATIONS = 10
 # Pose error that counts as zero [m and rad].
-_EXACT = 1e-9
+_POSE_TOLERANCE = 1e-9
 # Largest correction as a share of its step: a larger one may lead to another IK branch.
-_CORRECTION = 0.5
+_MAX_CORRECTION_RATIO = 0.5
 # Largest joint motion in one step [rad or m].
-_LARGEST = 0.2
+_MAX_JOINT_STEP = 0.2
 # Cap on the sum of joint motions in the exponent of the deviation bound, against overflow.
-_FARTHEST = 50.0
+_MAX_EXPONENT = 50.0
 
 
 class LineSteps:
@@ -39,11 +39,11 @@ class LineSteps:
         self._manifold = manifold
         self._origins = np.array([line.begin.position for line in lines])
         self._quaternions = np.array([line.begin.quaternion for line in lines])
-        self._shifts = np.array([line.shift for line in lines])
-        self._turns = np.array([line.turn for line in lines])
-        turned = rotation.rotate(self._quaternions, self._turns)
-        self._twists = np.concatenate([turned, self._shifts], axis=1)
-        self.turn_sizes = np.linalg.norm(self._turns, axis=1)
+        self._shifts = np.array([line.translation for line in lines])
+        self._turns = np.array([line.rotation_vector for line in lines])
+        world_turns = rotation.rotate(self._quaternions, self._turns)
+        self._twists = np.concatenate([world_turns, self._shifts], axis=1)
+        self.turn_angles = np.linalg.norm(self._turns, axis=1)
 
     def step(
         self,
@@ -54,7 +54,8 @@ class LineSteps:
     ) -> tuple[Float64[np.ndarray, "m nq"], Bool[np.ndarray, " m"]]:
         """Return configurations at the far ends of spans of lines, and whether they converged.
 
-        Converged means: no pose error, a small correction and joint motions of at most `_LARGEST`.
+        Converged means: no pose error, a small correction and joint motions of at most
+        `_MAX_JOINT_STEP`.
 
         Args:
             rows: Rows of the lines.
@@ -64,30 +65,34 @@ class LineSteps:
         """
         near, far = spans
         twist = self._twists[rows] * (far - near)[:, None]
-        predicted = self._manifold.plus(q, self._moved(q, twist, locked))
-        ahead = np.linalg.norm(self._manifold.minus(predicted, q), axis=1)
-        found = np.array(predicted)
-        error = self._errors(rows, found, far)
+        predicted = self._manifold.plus(q, self._joint_displacements(q, twist, locked))
+        predicted_length = np.linalg.norm(self._manifold.minus(predicted, q), axis=1)
+        corrected = np.array(predicted)
+        error = self._pose_errors(rows, corrected, far)
         for _ in range(_ITERATIONS):
-            if np.abs(error).max(initial=0.0) <= _EXACT:
+            if np.abs(error).max(initial=0.0) <= _POSE_TOLERANCE:
                 break
-            move = self._moved(found, error, locked)
-            size = np.abs(move).max(axis=1, keepdims=True)
-            found = self._manifold.plus(
-                found, move * np.minimum(1.0, _LARGEST / np.maximum(size, 1e-12))
+            correction = self._joint_displacements(corrected, error, locked)
+            size = np.abs(correction).max(axis=1, keepdims=True)
+            corrected = self._manifold.plus(
+                corrected, correction * np.minimum(1.0, _MAX_JOINT_STEP / np.maximum(size, 1e-12))
             )
-            error = self._errors(rows, found, far)
-        right = np.abs(error).max(axis=1, initial=0.0) <= _EXACT
-        aside = np.linalg.norm(self._manifold.minus(found, predicted), axis=1)
-        right &= aside <= _CORRECTION * ahead + _EXACT
-        right &= np.abs(self._manifold.minus(found, q)).max(axis=1, initial=0.0) <= _LARGEST
-        return found, right
+            error = self._pose_errors(rows, corrected, far)
+        is_converged = np.abs(error).max(axis=1, initial=0.0) <= _POSE_TOLERANCE
+        correction_length = np.linalg.norm(self._manifold.minus(corrected, predicted), axis=1)
+        is_converged &= (
+            correction_length <= _MAX_CORRECTION_RATIO * predicted_length + _POSE_TOLERANCE
+        )
+        is_converged &= (
+            np.abs(self._manifold.minus(corrected, q)).max(axis=1, initial=0.0) <= _MAX_JOINT_STEP
+        )
+        return corrected, is_converged
 
-    def strays(
+    def deviation_bounds(
         self,
         rows: Int64[np.ndarray, " m"],
         q: Float64[np.ndarray, "m nq"],
-        moves: Float64[np.ndarray, "m nv"],
+        displacements: Float64[np.ndarray, "m nv"],
         width: Float64[np.ndarray, " m"],
     ) -> tuple[Float64[np.ndarray, " m"], Float64[np.ndarray, " m"]]:
         """Bound the tool's deviation from its line [m, rad] on joint geodesics between two points.
@@ -101,24 +106,28 @@ class LineSteps:
         Args:
             rows: Rows of the lines.
             q: Configurations at the beginning of the geodesics.
-            moves: Tangent displacements of the geodesics.
+            displacements: Tangent displacements of the geodesics.
             width: Share of the line that each geodesic covers.
         """
-        columns = self._kinematics.columns(q)
+        columns = self._kinematics.jacobians_with_followers(q)
         leaders, multipliers = self._kinematics.followers
-        moves = np.concatenate([moves, moves[:, leaders] * multipliers], axis=1)
-        rates = np.abs(moves)
-        turning = np.linalg.norm(columns[:, :3], axis=1)
-        arms = np.linalg.norm(columns[:, 3:], axis=1)
-        arms += arms.max(axis=1, keepdims=True) * np.expm1(
-            np.minimum(rates.sum(axis=1, keepdims=True), _FARTHEST)
+        displacements = np.concatenate(
+            [displacements, displacements[:, leaders] * multipliers], axis=1
         )
-        pairs = turning[:, :, None] * arms[:, None, :]
+        rates = np.abs(displacements)
+        angular_norms = np.linalg.norm(columns[:, :3], axis=1)
+        linear_norms = np.linalg.norm(columns[:, 3:], axis=1)
+        linear_norms += linear_norms.max(axis=1, keepdims=True) * np.expm1(
+            np.minimum(rates.sum(axis=1, keepdims=True), _MAX_EXPONENT)
+        )
+        pairs = angular_norms[:, :, None] * linear_norms[:, None, :]
         pairs = np.maximum(pairs, pairs.transpose(0, 2, 1))
         shift = np.einsum("mi,mij,mj->m", rates, pairs, rates) / 8
-        bending = np.square((turning * rates).sum(axis=1)) / 2
-        speed = np.linalg.norm(np.einsum("mij,mj->mi", columns[:, :3], moves), axis=1) + bending
-        steady = (self.turn_sizes[rows] * width) ** 2
+        bending = np.square((angular_norms * rates).sum(axis=1)) / 2
+        speed = (
+            np.linalg.norm(np.einsum("mij,mj->mi", columns[:, :3], displacements), axis=1) + bending
+        )
+        steady = (self.turn_angles[rows] * width) ** 2
         chord = (bending + speed**2 + steady) / 8
         return shift, 2 * np.arcsin(np.minimum(chord / 2, 1.0))
 
@@ -126,23 +135,23 @@ class LineSteps:
         """Return the twist of a whole line [rotation; translation] in W [rad, m], shape (6,)."""
         return self._twists[row]
 
-    def _moved(self, q: Array, twists: Array, locked: Flags) -> Array:
+    def _joint_displacements(self, q: Array, twists: Array, locked: Flags) -> Array:
         """Return the joint displacements of tool twists, by damped least squares."""
         jacobian = np.where(locked[:, None, :], 0.0, self._kinematics.jacobians(q))
         square = jacobian @ jacobian.transpose(0, 2, 1) + _DAMPING * np.eye(6)
         return np.einsum("mij,mi->mj", jacobian, np.linalg.solve(square, twists[..., None])[..., 0])
 
-    def _errors(self, rows: Indices, q: Array, fractions: Array) -> Array:
+    def _pose_errors(self, rows: Indices, q: Array, fractions: Array) -> Array:
         """Return the pose errors to the lines at some fractions, as twists in W."""
-        actual, at = self._kinematics.poses(q)
+        actual, positions = self._kinematics.poses(q)
         turned = rotation.exp(fractions[:, None] * self._turns[rows])
-        wanted = rotation.matrix(rotation.multiply(self._quaternions[rows], turned))
-        missing = wanted @ actual.transpose(0, 2, 1)
-        skew = missing - missing.transpose(0, 2, 1)
+        desired = rotation.matrix(rotation.multiply(self._quaternions[rows], turned))
+        error_rotation = desired @ actual.transpose(0, 2, 1)
+        skew = error_rotation - error_rotation.transpose(0, 2, 1)
         axis = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1) / 2
         sine = np.linalg.norm(axis, axis=1)
-        cosine = (np.trace(missing, axis1=1, axis2=2) - 1) / 2
+        cosine = (np.trace(error_rotation, axis1=1, axis2=2) - 1) / 2
         angle = np.arctan2(sine, cosine)
         turn = axis * (angle / np.maximum(sine, 1e-300))[:, None]
-        shift = self._origins[rows] + fractions[:, None] * self._shifts[rows] - at
+        shift = self._origins[rows] + fractions[:, None] * self._shifts[rows] - positions
         return np.concatenate([turn, shift], axis=1)

@@ -16,31 +16,31 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
 # Singular values below this count as zero: the group cannot move the tool in that direction.
-_NONE = 1e-6
+_ZERO_SINGULAR_VALUE = 1e-6
 # Singular values below this are a singularity [1 or m per rad].
-_SINGULAR = 0.02
-_RIGID = 6
+_SINGULARITY_THRESHOLD = 0.02
+_RIGID_BODY_DOFS = 6
 # A redundant joint this near to its limit is stopped there [rad or m].
 _AT_LIMIT = 1e-3
 # Distance beyond their margin up to which pairs are considered [m].
-_HAIR = 1e-3
+_INFLUENCE_DISTANCE = 1e-3
 
 
-def traced(
+def make_line_trace(
     world: World,
     group: JointGroup,
     margins: PairMargins,
     kinematics: ToolKinematics,
-    course: TraceState,
+    trace_state: TraceState,
 ) -> LineTrace:
     """Return the line trace of a trace state, with its stop; the stop is None at the line's end."""
-    stop = None if not course.halt else _stop(world, group, margins, kinematics, course)
+    stop = None if not trace_state.stop else _stop(world, group, margins, kinematics, trace_state)
     return LineTrace(
-        line=course.line,
-        fractions=np.array(course.fractions),
-        positions=np.stack(course.waypoints),
-        max_shift=course.max_shift,
-        max_turn=course.max_turn,
+        line=trace_state.line,
+        fractions=np.array(trace_state.fractions),
+        positions=np.stack(trace_state.waypoints),
+        max_position_deviation=trace_state.max_shift,
+        max_rotation_deviation=trace_state.max_turn,
         stop=stop,
     )
 
@@ -50,22 +50,34 @@ def _stop(
     group: JointGroup,
     margins: PairMargins,
     kinematics: ToolKinematics,
-    course: TraceState,
+    trace_state: TraceState,
 ) -> LineStop:
-    q = course.waypoints[-1]
+    q = trace_state.waypoints[-1]
     value, rank = _singular_value(kinematics, Manifold(group.joints), q)
     joint, pair = "", None
-    match course.halt:
+    match trace_state.stop:
         case TraceStop.LIMIT:
-            reason, joint = "limit", _joint_outside(world, group, course.beyond)
+            reason, joint = "limit", _joint_outside(world, group, trace_state.infeasible_q)
         case TraceStop.COLLISION:
-            reason, pair = "collision", _worst_pair(world, group, course.beyond, margins)
+            reason, pair = "collision", _worst_pair(world, group, trace_state.infeasible_q, margins)
         case _:
-            is_free = rank == _RIGID or 0 < value <= _SINGULAR
-            reason = "singularity" if is_free else "unreachable"
-            if is_free and value > _SINGULAR and _to_spare(world, group, q) < _AT_LIMIT:
+            is_singularity = rank == _RIGID_BODY_DOFS or 0 < value <= _SINGULARITY_THRESHOLD
+            reason = "singularity" if is_singularity else "unreachable"
+            if (
+                is_singularity
+                and value > _SINGULARITY_THRESHOLD
+                and _limit_margin(world, group, q) < _AT_LIMIT
+            ):
                 reason, joint = "limit", _joint_outside(world, group, q)
-    return LineStop(reason, course.at, course.line.pose(course.at), q, joint, pair, value)
+    return LineStop(
+        reason,
+        trace_state.fraction,
+        trace_state.line.pose(trace_state.fraction),
+        q,
+        joint,
+        pair,
+        value,
+    )
 
 
 def _singular_value(kinematics: ToolKinematics, manifold: Manifold, q: Array) -> tuple[float, int]:
@@ -73,14 +85,14 @@ def _singular_value(kinematics: ToolKinematics, manifold: Manifold, q: Array) ->
 
     The generic rank is taken at a configuration near q, where all joints differ a little.
     """
-    aside = 0.1 * np.sin(1.0 + np.arange(manifold.num_velocities))
-    both = np.stack([q, manifold.plus(q, aside)])
-    here, beside = np.linalg.svd(kinematics.jacobians(both), compute_uv=False)
-    rank = int((beside > _NONE).sum())
-    return (float(here[rank - 1]) if rank else 0.0), rank
+    perturbation = 0.1 * np.sin(1.0 + np.arange(manifold.num_velocities))
+    both = np.stack([q, manifold.plus(q, perturbation)])
+    values, perturbed_values = np.linalg.svd(kinematics.jacobians(both), compute_uv=False)
+    rank = int((perturbed_values > _ZERO_SINGULAR_VALUE).sum())
+    return (float(values[rank - 1]) if rank else 0.0), rank
 
 
-def _to_spare(world: World, group: JointGroup, q: Array) -> float:
+def _limit_margin(world: World, group: JointGroup, q: Array) -> float:
     """Return the smallest distance of a joint to its limits [rad or m]."""
     limits = world.limits(group)
     return float(np.minimum(q - limits.lower, limits.upper - q).min())
@@ -98,8 +110,8 @@ def _worst_pair(world: World, group: JointGroup, q: Array, margins: PairMargins)
     Distances are approximate where boxes nearly touch: the collision check may be slightly
     stricter.
     """
-    horizon = margins.largest + _HAIR
-    pairs = world.distance_probe(margins).pairs_within(world.embed(group, q), horizon)
+    radius = margins.largest + _INFLUENCE_DISTANCE
+    pairs = world.distance_probe(margins).pairs_within(world.embed(group, q), radius)
     return max(pairs, key=lambda pair: margins.of(*pair.bodies) - pair.distance, default=None)
 
 

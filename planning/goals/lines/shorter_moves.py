@@ -14,9 +14,9 @@ from planning.goals.lines.approach import ApproachChecker
 from planning.world.world import World
 
 # Number of configurations tried, those whose lines get farthest.
-_NUM_ASKED = 8
+_NUM_CANDIDATES = 8
 # Share of the reached length that is suggested: the rest is a reserve for the next search.
-_TOLD = 0.98
+_SUGGESTED_FRACTION = 0.98
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,49 +46,57 @@ class ShorterMoves(Value):
 
 
 def shorter_moves(
-    world: World, query: GoalQuery, judge: ApproachChecker, deadline: Deadline
+    world: World, query: GoalQuery, checker: ApproachChecker, deadline: Deadline
 ) -> ShorterMoves | None:
     """Return the longest feasible lines of one checked configuration; None if none has any.
 
     Args:
         world: Loaded scene.
         query: Goal query whose goal has an approach or a retreat.
-        judge: Checker that has traced the lines of the goal's configurations.
+        checker: Checker that has traced the lines of the goal's configurations.
         deadline: Time limit; None is returned after it.
     """
     goal = query.goal
     assert isinstance(goal, PoseGoal | RegionGoal)  # noqa: S101  (no other goal has a judge)
-    ways = {"approach": goal.approach, "retreat": goal.retreat}
-    asked = {name: way for name, way in ways.items() if way is not None}
-    for target, q, shares in _farthest(judge, asked):
+    vectors = {"approach": goal.approach, "retreat": goal.retreat}
+    requested = {name: vector for name, vector in vectors.items() if vector is not None}
+    for target, q, fractions in _longest_traces(checker, requested):
         if deadline.is_over:
             return None
-        scaled = {name: way * shares[name] for name, way in asked.items()}
-        left = {name: way if way.any() else None for name, way in scaled.items()}
-        shorter = replace(goal, **left)
-        again = ApproachChecker(
-            world, replace(query, goal=shorter), shorter, judge.targets, deadline
+        scaled = {name: way * fractions[name] for name, way in requested.items()}
+        remaining = {name: way if way.any() else None for name, way in scaled.items()}
+        shorter = replace(goal, **remaining)
+        shorter_checker = ApproachChecker(
+            world, replace(query, goal=shorter), shorter, checker.targets, deadline
         )
-        if again.admit(q[None], np.array([target]))[0] and again.keep_rules(q[None])[0]:
+        if (
+            shorter_checker.check(q[None], np.array([target]))[0]
+            and shorter_checker.moves_satisfy_constraints(q[None])[0]
+        ):
             lengths = {name: float(np.linalg.norm(way)) for name, way in scaled.items()}
             return ShorterMoves(target, lengths, q)
     return None
 
 
-def _farthest(
-    judge: ApproachChecker, asked: dict[str, Array]
+def _longest_traces(
+    checker: ApproachChecker, requested: dict[str, Array]
 ) -> list[tuple[int, Array, dict[str, float]]]:
     """Return targets, configurations and the free share of each line, longest lines first."""
-    ended = sorted(judge.ended, key=lambda entry: -entry[2].at)[:_NUM_ASKED]
-    found: list[tuple[int, Array, dict[str, float]]] = []
-    for name, target, course in ended:
-        q, reached = course.waypoints[0], {name: course.at}
-        for other in asked.keys() - reached.keys():
-            (line,) = judge.reach(other, q[None], np.array([target]))
-            reached[other] = line.at
-        shares = {leg: share if share == 1 else _TOLD * share for leg, share in reached.items()}
-        if any(shares.values()):
-            found.append((target, q, shares))
-    lengths = {name: float(np.linalg.norm(way)) for name, way in asked.items()}
-    found.sort(key=lambda entry: -sum(lengths[leg] * share for leg, share in entry[2].items()))
-    return found
+    blocked_lines = sorted(checker.blocked_lines, key=lambda entry: -entry[2].fraction)[
+        :_NUM_CANDIDATES
+    ]
+    candidates: list[tuple[int, Array, dict[str, float]]] = []
+    for name, target, trace_state in blocked_lines:
+        q, reached_fractions = trace_state.waypoints[0], {name: trace_state.fraction}
+        for other_name in requested.keys() - reached_fractions.keys():
+            (other_state,) = checker.trace(other_name, q[None], np.array([target]))
+            reached_fractions[other_name] = other_state.fraction
+        fractions = {
+            move_name: fraction if fraction == 1 else _SUGGESTED_FRACTION * fraction
+            for move_name, fraction in reached_fractions.items()
+        }
+        if any(fractions.values()):
+            candidates.append((target, q, fractions))
+    lengths = {name: float(np.linalg.norm(vector)) for name, vector in requested.items()}
+    candidates.sort(key=lambda entry: -sum(lengths[leg] * share for leg, share in entry[2].items()))
+    return candidates

@@ -29,7 +29,7 @@ class ExactPoses:
         return len(self.positions)
 
     @property
-    def each(self) -> list[ToolTarget]:
+    def tool_targets(self) -> list[ToolTarget]:
         """Tool targets without tolerance, one per pose."""
         exact = np.zeros(3)
         return [
@@ -44,28 +44,30 @@ class TargetSamples:
 
     Attributes:
         targets: Targets for the solver.
-        poses: Index of the goal's pose that each target belongs to, shape (num_targets,).
+        pose_indices: Index of the goal's pose that each target belongs to, shape (num_targets,).
         targets_per_seed: Number of successive trials that use the same seed.
-        first: Number of the trial that uses the first target.
-        end: Number of the first trial without a target; None if targets repeat cyclically.
+        first_trial: Number of the trial that uses the first target.
+        end_trial: Number of the first trial without a target; None if targets repeat cyclically.
     """
 
     targets: list[ToolTarget] | ExactPoses
-    poses: Int64[np.ndarray, " num_targets"]
+    pose_indices: Int64[np.ndarray, " num_targets"]
     targets_per_seed: int
-    first: int = 0
-    end: int | None = None
+    first_trial: int = 0
+    end_trial: int | None = None
 
     def trials(self, first: int, count: int) -> tuple[Indices, Indices]:
-        """Return the seed number and the target index of each of `count` trials from `first`."""
+        """Return the seed number and target index of each of `count` trials from `first_trial`."""
         numbers = np.arange(first, first + count)
-        return numbers // self.targets_per_seed, (numbers - self.first) % len(self.poses)
+        return numbers // self.targets_per_seed, (numbers - self.first_trial) % len(
+            self.pose_indices
+        )
 
     def end_within(self, max_trials: int) -> int:
-        """Return the trial number to end before: `end`, but at most `max_trials`."""
-        return max_trials if self.end is None else min(self.end, max_trials)
+        """Return the trial number to end before: `end_trial`, but at most `max_trials`."""
+        return max_trials if self.end_trial is None else min(self.end_trial, max_trials)
 
 
-def every_seed(targets: list[ToolTarget]) -> TargetSamples:
+def all_seed_target_pairs(targets: list[ToolTarget]) -> TargetSamples:
     """Return target samples that combine every seed with every target."""
     return TargetSamples(targets, np.arange(len(targets)), len(targets))

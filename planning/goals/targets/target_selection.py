@@ -10,13 +10,18 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.targets.ball_target import BallTarget
 from planning.goals.targets.region_samples import RegionSamples
 from planning.goals.targets.region_target import RegionTarget
-from planning.goals.targets.target_samples import TargetSamples, every_seed
-from planning.goals.targets.tool_target import ToolTarget, axes_of, relative_target, tool_targets
+from planning.goals.targets.target_samples import TargetSamples, all_seed_target_pairs
+from planning.goals.targets.tool_target import (
+    ToolTarget,
+    relative_target,
+    tool_targets,
+    weight_axes,
+)
 from planning.goals.targets.workspace_bound import workspace_bound
 from planning.world.world import World
 
 # Finite bound for the solvers, which accept no infinite box; larger than any arm [m].
-_WIDE = 1e3
+_FINITE_BOUND = 1e3
 
 
 @dataclass(frozen=True)
@@ -25,15 +30,16 @@ class TargetSelection:
 
     Attributes:
         accepted: Target that accepts a solution, for each of the goal's poses.
-        first: Target samples of the first phase, block by block.
-        then: Target samples of the fallback if the first phase finds nothing; None for no fallback.
-        share: Share of all trials before the fallback.
+        first_phase: Target samples of the first phase, block by block.
+        fallback: Target samples of the fallback if the first phase finds nothing; None for no
+            fallback.
+        first_phase_fraction: Share of all trials before the fallback.
     """
 
     accepted: list[ToolTarget] | list[RegionTarget] | list[BallTarget]
-    first: Iterable[TargetSamples]
-    then: TargetSamples | None = None
-    share: float = 1.0
+    first_phase: Iterable[TargetSamples]
+    fallback: TargetSamples | None = None
+    first_phase_fraction: float = 1.0
 
 
 def select_targets(world: World, query: GoalQuery, rng: np.random.Generator) -> TargetSelection:
@@ -51,19 +57,19 @@ def select_targets(world: World, query: GoalQuery, rng: np.random.Generator) -> 
     match goal:
         case RelativeGoal():
             targets = [relative_target(world, group, goal, start)]
-            return TargetSelection(targets, (every_seed(targets),))
+            return TargetSelection(targets, (all_seed_target_pairs(targets),))
         case RegionGoal():
-            whole = tool_targets(world, group, goal, start)
+            region_targets = tool_targets(world, group, goal, start)
             regions = [
                 RegionTarget(one.frame, one.pose, one.position_tolerance, one.rotation_tolerance)
-                for one in whole
+                for one in region_targets
             ]
-            first = _drawn(world, query, regions, rng)
+            first_phase = _region_samples(world, query, regions, rng)
             bounded = [
-                replace(one, position_tolerance=np.minimum(one.position_tolerance, _WIDE))
-                for one in whole
+                replace(one, position_tolerance=np.minimum(one.position_tolerance, _FINITE_BOUND))
+                for one in region_targets
             ]
-            return TargetSelection(regions, first, every_seed(bounded), 2 / 3)
+            return TargetSelection(regions, first_phase, all_seed_target_pairs(bounded), 2 / 3)
         case PoseGoal(ball=PoseBall() as ball):
             full = world.embed(group, start)
             balls = [
@@ -72,25 +78,27 @@ def select_targets(world: World, query: GoalQuery, rng: np.random.Generator) -> 
                     one.pose,
                     ball.weights,
                     ball.tolerance,
-                    axes_of(world, full, ball, one.pose),
+                    weight_axes(world, full, ball, one.pose),
                 )
                 for one in tool_targets(world, group, goal, start)
             ]
-            inside = every_seed([ball.inside for ball in balls])
-            return TargetSelection(balls, _drawn(world, query, balls, rng), inside, 2 / 3)
+            inscribed = all_seed_target_pairs([ball.inscribed_target for ball in balls])
+            return TargetSelection(
+                balls, _region_samples(world, query, balls, rng), inscribed, 2 / 3
+            )
         case PoseGoal():
             targets = tool_targets(world, group, goal, start)
-            return TargetSelection(targets, (every_seed(targets),))
+            return TargetSelection(targets, (all_seed_target_pairs(targets),))
         case _:
             message = f"{type(goal).__name__} is not reached by a tool frame"
             raise TypeError(message)
 
 
-def _drawn(
+def _region_samples(
     world: World,
     query: GoalQuery,
     regions: Sequence[RegionTarget | BallTarget],
     rng: np.random.Generator,
 ) -> RegionSamples:
-    reach = workspace_bound(world, query.group, regions[0].frame)
-    return RegionSamples(regions, reach, query.options.max_trials, rng)
+    workspace = workspace_bound(world, query.group, regions[0].frame)
+    return RegionSamples(regions, workspace, query.options.max_trials, rng)

@@ -60,9 +60,9 @@ class ToolTarget(Value):
     position_tolerance: Float64[np.ndarray, "3"]
     rotation_tolerance: Float64[np.ndarray, "3"]
 
-    def closest(self, reached: Pose) -> Pose:
+    def closest(self, tool_pose: Pose) -> Pose:
         """Return the pose within tolerance that is closest to X_WT, up to second order."""
-        error = self.pose.inverse @ reached
+        error = self.pose.inverse @ tool_pose
         box = self.position_tolerance
         return self.pose @ Pose(
             np.clip(error.position, -box, box), self._closest_rotation(error.quaternion)
@@ -70,65 +70,71 @@ class ToolTarget(Value):
 
     def _closest_rotation(self, error: Array) -> Array:
         """Return the rotation R_GT within tolerance that is closest to the one given."""
-        rest = self.rotation_freedom
-        if rest.kind is FreedomKind.FREE:
+        freedom = self.rotation_freedom
+        if freedom.kind is FreedomKind.FREE:
             return error
-        if rest.kind is FreedomKind.CONE:
-            axis = np.eye(3)[rest.axis]
-            leaning = rotation.rotate(error, axis)
-            swing_axis = np.cross(leaning, axis)
+        if freedom.kind is FreedomKind.CONE:
+            axis = np.eye(3)[freedom.axis]
+            tilted_axis = rotation.rotate(error, axis)
+            swing_axis = np.cross(tilted_axis, axis)
             sine = float(np.linalg.norm(swing_axis))
-            angle = float(np.arctan2(sine, leaning @ axis))
-            if angle <= rest.bound or sine < 1e-12:
+            angle = float(np.arctan2(sine, tilted_axis @ axis))
+            if angle <= freedom.bound or sine < 1e-12:
                 return error
-            return rotation.multiply(rotation.exp(swing_axis / sine * (angle - rest.bound)), error)
+            return rotation.multiply(
+                rotation.exp(swing_axis / sine * (angle - freedom.bound)), error
+            )
         turn = rotation.log(error)
         angle = float(np.linalg.norm(turn))
-        return error if angle <= rest.bound else rotation.exp(turn * (rest.bound / angle))
+        return error if angle <= freedom.bound else rotation.exp(turn * (freedom.bound / angle))
 
-    def misses(
-        self, reached: Float64[np.ndarray, "n 4 4"]
+    def pose_errors(
+        self, tool_poses: Float64[np.ndarray, "n 4 4"]
     ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
         """Return the errors of each X_WT beyond the tolerances: translation [m], rotation [rad]."""
         x_wg = self.pose.matrix
-        miss = np.abs((reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3])
-        shift = np.linalg.norm(np.maximum(miss - self.position_tolerance, 0.0), axis=1)
-        return shift, np.maximum(self._turns(reached) - self.rotation_freedom.bound, 0.0)
+        offset = np.abs((tool_poses[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3])
+        shift = np.linalg.norm(np.maximum(offset - self.position_tolerance, 0.0), axis=1)
+        return shift, np.maximum(
+            self._rotation_angles(tool_poses) - self.rotation_freedom.bound, 0.0
+        )
 
-    def _turns(self, reached: Array) -> Array:
+    def _rotation_angles(self, tool_poses: Array) -> Array:
         """Return the bounded angle of each X_WT [rad]; 0 if the rotation is free."""
-        rest = self.rotation_freedom
-        if rest.kind is FreedomKind.FREE:
-            return np.zeros(len(reached))
-        change = reached[:, :3, :3] - self.pose.matrix[:3, :3]
+        freedom = self.rotation_freedom
+        if freedom.kind is FreedomKind.FREE:
+            return np.zeros(len(tool_poses))
+        change = tool_poses[:, :3, :3] - self.pose.matrix[:3, :3]
         # |R_1 - R_2| = sqrt(8) sin(angle / 2); for one column it is the chord of the column's tilt.
         chord = (
             np.linalg.norm(change, axis=(1, 2)) / np.sqrt(2)
-            if rest.kind is FreedomKind.BALL
-            else np.linalg.norm(change[:, :, rest.axis], axis=1)
+            if freedom.kind is FreedomKind.BALL
+            else np.linalg.norm(change[:, :, freedom.axis], axis=1)
         )
         return 2 * np.arcsin(np.minimum(chord / 2, 1.0))
 
-    def is_met_by(self, reached: Pose) -> bool:
+    def is_met_by(self, tool_pose: Pose) -> bool:
         """Return whether X_WT is within tolerance of the target."""
-        return bool(self.are_met_by(reached.matrix[None])[0])
+        return bool(self.are_met_by(tool_pose.matrix[None])[0])
 
-    def are_met_by(self, reached: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
+    def are_met_by(self, tool_poses: Float64[np.ndarray, "n 4 4"]) -> Bool[np.ndarray, " n"]:
         """Return whether each homogeneous transform X_WT is within tolerance of the target."""
         x_wg = self.pose.matrix
-        miss = (reached[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3]
-        inside = (np.abs(miss) <= self.position_tolerance + POSE_TOLERANCE).all(axis=1)
-        return inside & (self._turns(reached) <= self.rotation_freedom.bound + POSE_TOLERANCE)
+        offset = (tool_poses[:, :3, 3] - x_wg[:3, 3]) @ x_wg[:3, :3]
+        inside = (np.abs(offset) <= self.position_tolerance + POSE_TOLERANCE).all(axis=1)
+        return inside & (
+            self._rotation_angles(tool_poses) <= self.rotation_freedom.bound + POSE_TOLERANCE
+        )
 
-    def widened(self, reached: Pose) -> tuple[Array, Array]:
+    def widened_tolerances(self, tool_pose: Pose) -> tuple[Array, Array]:
         """Return position [m] and rotation [rad] tolerances that also include X_WT."""
-        missed = np.abs((self.pose.inverse @ reached).position)
-        rest = self.rotation_freedom
+        offset = np.abs((self.pose.inverse @ tool_pose).position)
+        freedom = self.rotation_freedom
         turn = self.rotation_tolerance
-        if rest.kind is not FreedomKind.FREE:
-            excess = self.closest(reached).distance(reached)[1]
-            turn = np.where(turn >= np.pi, turn, rest.bound + excess)
-        return np.maximum(missed, self.position_tolerance), turn
+        if freedom.kind is not FreedomKind.FREE:
+            excess = self.closest(tool_pose).distance(tool_pose)[1]
+            turn = np.where(turn >= np.pi, turn, freedom.bound + excess)
+        return np.maximum(offset, self.position_tolerance), turn
 
     @property
     def rotation_freedom(self) -> RotationFreedom:
@@ -142,7 +148,7 @@ class ToolTarget(Value):
         return RotationFreedom(FreedomKind.BALL, 0, bound)
 
 
-def placed(world: World, full: Array, target: PoseTarget) -> Pose:
+def pose_in_world(world: World, full: Array, target: PoseTarget) -> Pose:
     """Return a target's pose in world, with moving frames evaluated at a configuration.
 
     Args:
@@ -158,25 +164,25 @@ def placed(world: World, full: Array, target: PoseTarget) -> Pose:
     return world.frame_pose(target.frame, full) @ target.pose
 
 
-def line_end(world: World, full: Array, begin: Pose, to: PoseTarget | Displacement) -> Pose:
+def line_end(world: World, full: Array, begin: Pose, target: PoseTarget | Displacement) -> Pose:
     """Return the end pose X_WT of a tool line.
 
     Args:
         world: Loaded scene.
         full: Configuration of the whole scene, for frames that move.
         begin: X_WT at the beginning of the line.
-        to: End pose, or displacement to it.
+        target: End pose, or displacement to it.
 
     Raises:
         UnknownName: A frame does not exist.
     """
-    match to:
+    match target:
         case PoseTarget():
-            return placed(world, full, to)
+            return pose_in_world(world, full, target)
         case Displacement():
-            axes = placed(world, full, PoseTarget(Pose.identity(), to.frame))
-            way = rotation.rotate(axes.quaternion, np.asarray(to.vector))
-            return Pose(begin.position + way, begin.quaternion)
+            axes = pose_in_world(world, full, PoseTarget(Pose.identity(), target.frame))
+            translation = rotation.rotate(axes.quaternion, np.asarray(target.vector))
+            return Pose(begin.position + translation, begin.quaternion)
 
 
 def tool_targets(
@@ -191,12 +197,12 @@ def tool_targets(
         UnknownName: A frame does not exist.
     """
     tool = goal.frame or group.tool_frames[0]
-    world.require_frame(tool)
+    world.validate_frame(tool)
     full = world.embed(group, start)
     return [
         ToolTarget(
             tool,
-            placed(world, full, target),
+            pose_in_world(world, full, target),
             goal.position_tolerance,
             goal.rotation_tolerance,
         )
@@ -204,7 +210,7 @@ def tool_targets(
     ]
 
 
-def axes_of(world: World, full: Array, ball: PoseBall, target: Pose) -> Array:
+def weight_axes(world: World, full: Array, ball: PoseBall, target: Pose) -> Array:
     """Return R_WA as a quaternion: the axes of the distance weights of a ball about X_WG.
 
     Raises:
@@ -212,7 +218,7 @@ def axes_of(world: World, full: Array, ball: PoseBall, target: Pose) -> Array:
     """
     if not ball.frame:
         return target.quaternion
-    return placed(world, full, PoseTarget(Pose.identity(), ball.frame)).quaternion
+    return pose_in_world(world, full, PoseTarget(Pose.identity(), ball.frame)).quaternion
 
 
 def relative_target(
@@ -226,12 +232,12 @@ def relative_target(
     tool = goal.frame or group.tool_frames[0]
     full = world.embed(group, start)
     x_wt = world.frame_pose(tool, full)
-    moved = x_wt @ goal.displacement
+    goal_pose = x_wt @ goal.displacement
     if goal.reference:
         a_wf = world.frame_pose(goal.reference, full).quaternion
         turn = rotation.multiply(
             rotation.multiply(a_wf, goal.displacement.quaternion), rotation.conjugate(a_wf)
         )
         shift = rotation.rotate(a_wf, goal.displacement.position)
-        moved = Pose.from_parts(x_wt.position + shift, rotation.multiply(turn, x_wt.quaternion))
-    return ToolTarget(tool, moved, np.zeros(3), np.zeros(3))
+        goal_pose = Pose.from_parts(x_wt.position + shift, rotation.multiply(turn, x_wt.quaternion))
+    return ToolTarget(tool, goal_pose, np.zeros(3), np.zeros(3))

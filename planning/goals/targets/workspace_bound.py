@@ -12,7 +12,7 @@ from planning.world.kernel.link_tree import WORLD, KernelLink, LinkKind, LinkTre
 from planning.world.world import World
 
 # Range of unbounded coordinates about their present value [m]; the same as in `Seeds`.
-_UNBOUNDED = 2.0
+_UNBOUNDED_RANGE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,26 +37,26 @@ def workspace_bound(world: World, group: JointGroup, frame: str) -> WorkspaceBou
     """
     drake = world.drake
     tree = link_tree(drake)
-    here = world.frame_pose(frame, world.state).position
+    position = world.frame_pose(frame, world.state).position
     if tree is None:
-        return WorkspaceBound(here, _UNBOUNDED)
+        return WorkspaceBound(position, _UNBOUNDED_RANGE)
     drake_frame = drake.frame(frame)
     link, x_lb = tree.bodies[int(drake_frame.body().index())]
     p_lt = x_lb.multiply(drake_frame.GetFixedPoseInBodyFrame()).translation()
-    moving = _moving(world, group)
+    moving = _moving_positions(world, group)
     path = _path(tree, link, moving)
     if not path:
-        return WorkspaceBound(here, 0.0)
+        return WorkspaceBound(position, 0.0)
     extents = _extents(world, group)
     radius = float(np.linalg.norm(p_lt)) + sum(_travel(one, extents) for one in path)
     radius += sum(float(np.linalg.norm(one.X_PF.translation())) for one in path[1:])
     return WorkspaceBound(_origin(world, tree, path[0]), radius)
 
 
-def _moving(world: World, group: JointGroup) -> set[int]:
+def _moving_positions(world: World, group: JointGroup) -> set[int]:
     """Return the indices of the plant's positions that move with the group, followers included."""
     moving = {int(i) for i in world.drake.position_indices(group)}
-    return moving | {c.follower_position for c in world.drake.following(group)}
+    return moving | {c.follower_position for c in world.drake.followers_of(group)}
 
 
 def _path(tree: LinkTree, link: int, moving: set[int]) -> list[KernelLink]:
@@ -76,10 +76,10 @@ def _extents(world: World, group: JointGroup) -> Array:
     limits = world.limits(group)
     indices = world.drake.position_indices(group)
     bounds = np.maximum(np.abs(limits.lower), np.abs(limits.upper))
-    extents[indices] = np.where(np.isfinite(bounds), bounds, extents[indices] + _UNBOUNDED)
+    extents[indices] = np.where(np.isfinite(bounds), bounds, extents[indices] + _UNBOUNDED_RANGE)
     for c in world.drake.couplings:
-        reach = abs(c.multiplier) * extents[c.leader_position] + abs(c.offset)
-        extents[c.follower_position] = max(extents[c.follower_position], reach)
+        extent = abs(c.multiplier) * extents[c.leader_position] + abs(c.offset)
+        extents[c.follower_position] = max(extents[c.follower_position], extent)
     return extents
 
 

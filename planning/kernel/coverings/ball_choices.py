@@ -17,10 +17,10 @@ from planning.kernel.coverings.solid import Solid
 
 # Numbers of centres, rays to the surface and points on edges: for hulls of many corners, for
 # others.
-_MANY = (600, 300, 150)
-_SOME = (200, 150, 60)
-_SIMPLE = 32  # corners
-_GOLDEN = np.pi * (1 + 5**0.5)
+_COUNTS_FOR_MANY_CORNERS = (600, 300, 150)
+_COUNTS_FOR_FEW_CORNERS = (200, 150, 60)
+_MAX_FEW_CORNERS = 32  # corners
+_GOLDEN_ANGLE = np.pi * (1 + 5**0.5)
 
 
 @dataclass(frozen=True)
@@ -47,16 +47,18 @@ class BallChoices:
     def of(cls, solid: Solid, polytope: OuterPolytope) -> "BallChoices":
         """Return the candidates in a solid; its middle is one of them in any case."""
         num_centers, num_rays, num_on_edges = (
-            _MANY if len(solid.shape.vertices) > _SIMPLE else _SOME
+            _COUNTS_FOR_MANY_CORNERS
+            if len(solid.shape.vertices) > _MAX_FEW_CORNERS
+            else _COUNTS_FOR_FEW_CORNERS
         )
         grid, spacing = _grid(solid.low, solid.high, num_centers)
         depths = solid.depth(grid)
         inside = depths >= 0
-        middle = polytope.piece.corners.mean(axis=0)[None]
+        middle = polytope.v_representation.corners.mean(axis=0)[None]
         centers = np.concatenate([grid[inside], middle[: int(not inside.any())]])
         depths = solid.depth(centers)
-        surface = _surface(solid, polytope, num_rays)
-        corners, edges = polytope.piece.corners, _along_edges(polytope, num_on_edges)
+        surface = _surface_points(solid, polytope, num_rays)
+        corners, edges = polytope.v_representation.corners, _edge_points(polytope, num_on_edges)
         points = np.concatenate([surface, corners, edges, centers[::3]])
         square = (centers**2).sum(axis=1)[:, None] + (points**2).sum(axis=1)
         square -= 2 * np.einsum("ci,pi->cp", centers, points)
@@ -64,12 +66,16 @@ class BallChoices:
         return cls(centers, depths, points, len(surface), gaps, spacing)
 
 
-def directions(count: int) -> Float64[np.ndarray, "n 3"]:
+def fibonacci_directions(count: int) -> Float64[np.ndarray, "n 3"]:
     """Return unit vectors spread evenly: Fibonacci's lattice on the sphere."""
     steps = np.arange(count) + 0.5
     z = 1 - 2 * steps / count
     r = np.sqrt(1 - z * z)
-    return np.column_stack([r * np.cos(_GOLDEN * steps), r * np.sin(_GOLDEN * steps), z])
+    return np.column_stack([
+        r * np.cos(_GOLDEN_ANGLE * steps),
+        r * np.sin(_GOLDEN_ANGLE * steps),
+        z,
+    ])
 
 
 def _grid(low: Array, high: Array, count: int) -> tuple[Array, float]:
@@ -88,23 +94,25 @@ def _grid(low: Array, high: Array, count: int) -> tuple[Array, float]:
     return grid, float((extent / counts).max())
 
 
-def _surface(solid: Solid, polytope: OuterPolytope, count: int) -> Array:
+def _surface_points(solid: Solid, polytope: OuterPolytope, count: int) -> Array:
     """Return the points where rays from the middle leave the polytope, denser where it is long."""
     middle, half = (solid.low + solid.high) / 2, (solid.high - solid.low) / 2
-    rays = directions(count) * half
+    rays = fibonacci_directions(count) * half
     slope = np.einsum("ri,fi->rf", rays, polytope.planes[:, :3])
-    room = polytope.planes[:, 3] - polytope.planes[:, :3] @ middle
-    leaves = slope > 1e-12 * half.max()
-    times = np.where(leaves, room / np.where(leaves, slope, 1.0), np.inf).min(axis=1)
-    return middle + np.maximum(times, 0.0)[:, None] * rays
+    plane_distances = polytope.planes[:, 3] - polytope.planes[:, :3] @ middle
+    is_leaving = slope > 1e-12 * half.max()
+    ray_lengths = np.where(
+        is_leaving, plane_distances / np.where(is_leaving, slope, 1.0), np.inf
+    ).min(axis=1)
+    return middle + np.maximum(ray_lengths, 0.0)[:, None] * rays
 
 
-def _along_edges(polytope: OuterPolytope, count: int) -> Array:
+def _edge_points(polytope: OuterPolytope, count: int) -> Array:
     """Return points on the polytope's edges, the ends left out."""
-    ends = polytope.piece.corners[polytope.piece.edges]
+    ends = polytope.v_representation.corners[polytope.v_representation.edges]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     counts = np.maximum(np.ceil(lengths / (lengths.sum() / count)).astype(int) - 1, 0)
     edge = np.repeat(np.arange(len(ends)), counts)
     number = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
-    share = ((number + 1) / (counts[edge] + 1))[:, None]
-    return ends[edge, 0] + share * (ends[edge, 1] - ends[edge, 0])
+    fractions = ((number + 1) / (counts[edge] + 1))[:, None]
+    return ends[edge, 0] + fractions * (ends[edge, 1] - ends[edge, 0])

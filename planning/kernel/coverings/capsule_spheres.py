@@ -5,13 +5,13 @@ from math import sqrt
 import numpy as np
 from jaxtyping import Float64
 
-_HALVINGS = 50
+_NUM_BISECTIONS = 50
 
 
 def capsule_spheres(
-    radius: float, half_length: float, aim: float, most: int
+    radius: float, half_length: float, target_reach: float, max_num_balls: int
 ) -> tuple[Float64[np.ndarray, "n 4"], float]:
-    """Return the fewest balls of reach t at most `aim`, else `most` balls, and their reach [m].
+    """Return the fewest balls of at most `target_reach`, else `max_num_balls`, and their reach [m].
 
     The balls are rows (x, y, z, r).
 
@@ -22,19 +22,19 @@ def capsule_spheres(
     Args:
         radius: Of the capsule, r [m].
         half_length: Of its cylindrical part [m].
-        aim: Reach that suffices [m].
-        most: Largest number of balls.
+        target_reach: Reach that suffices [m].
+        max_num_balls: Largest number of balls.
     """
-    count, reach = 1, half_length
-    while count < most and reach > aim:
-        count += 1
+    num_balls, reach = 1, half_length
+    while num_balls < max_num_balls and reach > target_reach:
+        num_balls += 1
         low, high = 0.0, half_length
-        for _ in range(_HALVINGS):
+        for _ in range(_NUM_BISECTIONS):
             reach = (low + high) / 2
-            is_enough = (count - 1) * sqrt(reach * (2 * radius + reach)) >= half_length - reach
+            is_enough = (num_balls - 1) * sqrt(reach * (2 * radius + reach)) >= half_length - reach
             low, high = (low, reach) if is_enough else (reach, high)
         reach = high
-    balls = np.zeros((count, 4))
-    balls[:, 2] = np.linspace(reach - half_length, half_length - reach, count)
+    balls = np.zeros((num_balls, 4))
+    balls[:, 2] = np.linspace(reach - half_length, half_length - reach, num_balls)
     balls[:, 3] = radius + reach
     return balls, reach

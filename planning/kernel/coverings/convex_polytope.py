@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 from jaxtyping import Float64, Int64
 
-_MANY = 1 << 20
+_MAX_NUM_FACES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,14 @@ class ConvexPolytope:
     def edges(self) -> Int64[np.ndarray, "e 2"]:
         """Corners at the ends of every edge."""
         a, b, c = self.faces.T
-        keys = np.concatenate([a * _MANY + b, a * _MANY + c, b * _MANY + c])
+        keys = np.concatenate([
+            a * _MAX_NUM_FACES + b,
+            a * _MAX_NUM_FACES + c,
+            b * _MAX_NUM_FACES + c,
+        ])
         return (np.argsort(keys, kind="stable") % max(len(a), 1)).reshape(-1, 2)
 
-    def below(
+    def clipped(
         self, normal: Float64[np.ndarray, " 3"], offset: float, face: int
     ) -> "ConvexPolytope":
         """Return the part where normal . x <= offset.
@@ -55,16 +59,19 @@ class ConvexPolytope:
             face: Number of the face that the cut adds, larger than all others.
         """
         heights = self.corners @ normal - offset
-        kept = heights <= 0
-        if kept.all():
+        is_below = heights <= 0
+        if is_below.all():
             return self
-        ends = self.edges[kept[self.edges[:, 0]] != kept[self.edges[:, 1]]]
+        ends = self.edges[is_below[self.edges[:, 0]] != is_below[self.edges[:, 1]]]
         begin, end = ends.T
-        share = heights[begin] / (heights[begin] - heights[end])
-        fresh = self.corners[begin] + share[:, None] * (self.corners[end] - self.corners[begin])
-        common = (self.faces[begin][:, :, None] == self.faces[end][:, None, :]).any(axis=2)
-        shared = self.faces[begin][common].reshape(-1, 2)
+        fractions = heights[begin] / (heights[begin] - heights[end])
+        new_corners = self.corners[begin] + fractions[:, None] * (
+            self.corners[end] - self.corners[begin]
+        )
+        is_shared = (self.faces[begin][:, :, None] == self.faces[end][:, None, :]).any(axis=2)
+        shared = self.faces[begin][is_shared].reshape(-1, 2)
         faces = np.column_stack([shared, np.full(len(ends), face)])
         return ConvexPolytope(
-            np.concatenate([self.corners[kept], fresh]), np.concatenate([self.faces[kept], faces])
+            np.concatenate([self.corners[is_below], new_corners]),
+            np.concatenate([self.faces[is_below], faces]),
         )

@@ -23,7 +23,7 @@ from planning.parallel.atomic_files import evict_oldest, write_atomically
 
 # Version of this computation: a stored covering of another version is not read.
 VERSION = 2
-_MOST_BYTES = 2**28
+_MAX_BYTES = 2**28
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def cover(shape: ConvexShape) -> Covering:
     polytope = OuterPolytope.of(solid)
     choices = BallChoices.of(solid, polytope)
     outer, protrusion = outer_spheres(solid, polytope, choices)
-    bound = enclosing_ball(polytope.piece.corners)
+    bound = enclosing_ball(polytope.v_representation.corners)
     return Covering(outer, inner_spheres(solid, choices), bound, protrusion)
 
 
@@ -74,7 +74,7 @@ def cached_covering(shape: ConvexShape, folder: Path | None) -> Covering:
 def stored_covering(
     shape: ConvexShape,
     folder: Path,
-    make: Callable[[ConvexShape], Covering] = cover,
+    compute: Callable[[ConvexShape], Covering] = cover,
     version: int = VERSION,
 ) -> Covering:
     """Return the covering of a shape from a folder, computed and stored there if it is missing.
@@ -85,23 +85,23 @@ def stored_covering(
     Args:
         shape: The shape.
         folder: Of files, one for a shape; made if it does not exist.
-        make: Computes a covering.
-        version: Of `make`: files of another one are not read.
+        compute: Computes a covering.
+        version: Of `compute`: files of another one are not read.
 
     Raises:
         ModelInvalid: A half space has no covering.
     """
     file = folder / f"{digest((shape, version))}.json"
-    known = _read(file)
+    covering = _read(file)
     with suppress(OSError):
         os.utime(file)
-    if known is None:
-        known = make(shape)
-        _write(file, known)
-    return known
+    if covering is None:
+        covering = compute(shape)
+        _write(file, covering)
+    return covering
 
 
-def _seal(file: Path, covering: Covering) -> str:
+def _checksum(file: Path, covering: Covering) -> str:
     """Return the checksum of a file's name, which is that of a shape, and of its covering."""
     return digest((file.stem, covering))
 
@@ -109,16 +109,16 @@ def _seal(file: Path, covering: Covering) -> str:
 def _read(file: Path) -> Covering | None:
     """Return the covering in a file; None if there is none or its content is invalid."""
     try:
-        found = json.loads(file.read_text("utf-8"))
+        document = json.loads(file.read_text("utf-8"))
         outer, inner, bound = (
-            np.array(found[name], dtype=np.float64).reshape(-1, 4)
+            np.array(document[name], dtype=np.float64).reshape(-1, 4)
             for name in ("outer", "inner", "bound")
         )
-        covering = Covering(outer, inner, bound.reshape(4), float(found["protrusion"]))
-        is_whole = found["seal"] == _seal(file, covering)
+        covering = Covering(outer, inner, bound.reshape(4), float(document["protrusion"]))
+        is_intact = document["seal"] == _checksum(file, covering)
     except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
         return None
-    return covering if is_whole else None
+    return covering if is_intact else None
 
 
 def _write(file: Path, covering: Covering) -> None:
@@ -128,7 +128,7 @@ def _write(file: Path, covering: Covering) -> None:
         "inner": covering.inner.tolist(),
         "bound": covering.bound.tolist(),
         "protrusion": covering.protrusion,
-        "seal": _seal(file, covering),
+        "seal": _checksum(file, covering),
     }
     with suppress(OSError):
         write_atomically(file, json.dumps(document))
@@ -138,4 +138,4 @@ def _write(file: Path, covering: Covering) -> None:
 @cache
 def _trim(folder: Path) -> None:
     """Remove the least recently used files if the folder is too large: once in a process."""
-    evict_oldest(folder, _MOST_BYTES)
+    evict_oldest(folder, _MAX_BYTES)

@@ -10,74 +10,82 @@ from jaxtyping import Bool, Float64
 from planning.domain.arrays import Array, Indices
 from planning.kernel.coverings.ball_choices import BallChoices
 
-_HALVINGS = 10
+_NUM_BISECTIONS = 10
 
 
 def initial_spheres(
-    choices: BallChoices, aim: float, most: int
+    choices: BallChoices, target_reach: float, max_num_balls: int
 ) -> tuple[Float64[np.ndarray, "k 3"], float]:
     """Return the centres of balls that hold every point, and the reach that they need [m].
 
     Args:
         choices: Candidate balls.
-        aim: If this reach suffices for `most` balls or fewer, the greedy cover is returned.
-        most: Largest number of balls.
+        target_reach: If this reach suffices for `max_num_balls` balls or fewer, the greedy cover is
+            returned.
+        max_num_balls: Largest number of balls.
     """
     gaps = choices.gaps
-    few = _greedy(gaps <= aim)
-    if 0 < len(few) <= most:
-        return choices.centers[few], aim
-    begun = (_halving(gaps, most), *_lattices(choices, most))
-    found = [_filled(gaps, chosen, most) for chosen in begun]
-    reaches = [float(gaps[chosen].min(axis=0).max()) for chosen in found]
+    greedy_cover = _greedy_cover(gaps <= target_reach)
+    if 0 < len(greedy_cover) <= max_num_balls:
+        return choices.centers[greedy_cover], target_reach
+    initial_covers = (
+        _bisected_cover(gaps, max_num_balls),
+        *_lattice_covers(choices, max_num_balls),
+    )
+    covers = [_with_more_balls(gaps, chosen, max_num_balls) for chosen in initial_covers]
+    reaches = [float(gaps[chosen].min(axis=0).max()) for chosen in covers]
     best = int(np.argmin(reaches))
-    return choices.centers[found[best]], reaches[best]
+    return choices.centers[covers[best]], reaches[best]
 
 
-def _greedy(held: Bool[np.ndarray, "n m"]) -> Indices:
+def _greedy_cover(contains: Bool[np.ndarray, "n m"]) -> Indices:
     """Return balls that hold every point; none if all of them do not.
 
     Greedy set cover: always the ball that holds most of the remaining points (Chvatal, "A greedy
     heuristic for the set-covering problem", 1979).
     """
-    left = held.any(axis=0)
-    gains = held.sum(axis=1)
-    taken: list[int] = []
-    if not left.all():
-        return np.array(taken, dtype=np.int64)
-    while left.any():
-        taken.append(int(np.argmax(gains)))
-        fresh = held[taken[-1]] & left
-        left &= ~fresh
-        gains -= held[:, fresh].sum(axis=1)
-    return np.array(taken, dtype=np.int64)
+    uncovered = contains.any(axis=0)
+    gains = contains.sum(axis=1)
+    chosen: list[int] = []
+    if not uncovered.all():
+        return np.array(chosen, dtype=np.int64)
+    while uncovered.any():
+        chosen.append(int(np.argmax(gains)))
+        newly_covered = contains[chosen[-1]] & uncovered
+        uncovered &= ~newly_covered
+        gains -= contains[:, newly_covered].sum(axis=1)
+    return np.array(chosen, dtype=np.int64)
 
 
-def _halving(gaps: Array, most: int) -> Indices:
+def _bisected_cover(gaps: Array, max_num_balls: int) -> Indices:
     """Return the greedy cover at the least reach, by bisection, with few enough balls."""
     farthest = gaps.max(axis=1)
     best = np.array([np.argmin(farthest)])
     low, high = float(gaps.min(axis=0).max()), float(farthest.min())
-    for _ in range(_HALVINGS):
+    for _ in range(_NUM_BISECTIONS):
         middle = (low + high) / 2
-        taken = _greedy(gaps <= middle)
-        if 0 < len(taken) <= most:
-            best, high = taken, middle
+        cover = _greedy_cover(gaps <= middle)
+        if 0 < len(cover) <= max_num_balls:
+            best, high = cover, middle
         else:
             low = middle
     return best
 
 
-def _lattices(choices: BallChoices, most: int) -> Iterator[Indices]:
+def _lattice_covers(choices: BallChoices, max_num_balls: int) -> Iterator[Indices]:
     """Yield the best ball for each cell of lattices; longer sides are divided more often."""
     low, high = choices.points.min(axis=0), choices.points.max(axis=0)
-    place = (choices.points - low) / np.maximum(high - low, 1e-300)
+    normalized_points = (choices.points - low) / np.maximum(high - low, 1e-300)
     longest = np.argsort(low - high, kind="stable")
-    for along in product(range(1, most + 1), repeat=3):
-        if along[0] < along[1] or along[1] < along[2] or not most / 2 < prod(along) <= most:
+    for divisions in product(range(1, max_num_balls + 1), repeat=3):
+        if (
+            divisions[0] < divisions[1]
+            or divisions[1] < divisions[2]
+            or not max_num_balls / 2 < prod(divisions) <= max_num_balls
+        ):
             continue
-        counts = np.array(along)[np.argsort(longest)]
-        cell = np.minimum((place * counts).astype(int), counts - 1)
+        counts = np.array(divisions)[np.argsort(longest)]
+        cell = np.minimum((normalized_points * counts).astype(int), counts - 1)
         number = (cell[:, 0] * counts[1] + cell[:, 1]) * counts[2] + cell[:, 2]
         order = np.argsort(number, kind="stable")
         starts = np.flatnonzero(np.diff(number[order], prepend=-1))
@@ -85,15 +93,15 @@ def _lattices(choices: BallChoices, most: int) -> Iterator[Indices]:
         yield np.unique(np.argmin(farthest, axis=0))
 
 
-def _filled(gaps: Array, chosen: Indices, most: int) -> Indices:
+def _with_more_balls(gaps: Array, chosen: Indices, max_num_balls: int) -> Indices:
     """Return the choice with more balls, each the one that lowers the farthest reaches most.
 
     Fourth powers approximate the farthest reach: in symmetric shapes no ball alone lowers that.
     """
-    left = gaps[chosen].min(axis=0)
-    more = list(chosen)
-    while len(more) < most:
-        lower = np.maximum(np.minimum(gaps, left), 0.0)
-        more.append(int(np.argmin(((lower * lower) ** 2).sum(axis=1))))
-        left = np.minimum(left, gaps[more[-1]])
-    return np.unique(np.array(more))
+    min_gaps = gaps[chosen].min(axis=0)
+    indices = list(chosen)
+    while len(indices) < max_num_balls:
+        lowered = np.maximum(np.minimum(gaps, min_gaps), 0.0)
+        indices.append(int(np.argmin(((lowered * lowered) ** 2).sum(axis=1))))
+        min_gaps = np.minimum(min_gaps, gaps[indices[-1]])
+    return np.unique(np.array(indices))

@@ -9,10 +9,10 @@ from planning.kernel.coverings.convex_polytope import ConvexPolytope
 from planning.kernel.coverings.solid import Solid
 
 # Largest distance of its corners from the shape: a share of its width, and at least this [m].
-_SHARE, _LEAST = 0.008, 3e-4
+_RELATIVE_TOLERANCE, _MIN_TOLERANCE = 0.008, 3e-4
 # Largest number of faces: around a hull, and around shapes without flat faces.
-_MOST_FACES, _FEW_FACES = 100, 48
-_CUTS_PER_LOOK = 12
+_MAX_HULL_FACES, _MAX_SMOOTH_FACES = 100, 48
+_CUTS_PER_ROUND = 12
 
 
 @dataclass(frozen=True)
@@ -20,12 +20,12 @@ class OuterPolytope:
     """Polytope that contains a shape.
 
     Attributes:
-        piece: Its corners.
+        v_representation: Its corners.
         planes: Its faces as rows (n, d): unit outward normal n, and n . x <= d inside, shape
             (f, 4).
     """
 
-    piece: ConvexPolytope
+    v_representation: ConvexPolytope
     planes: Float64[np.ndarray, "f 4"]
 
     @classmethod
@@ -35,24 +35,24 @@ class OuterPolytope:
         All planes are moved outwards by a rounding margin: corners that lie on a plane but for
         rounding, as many do in symmetric shapes, are then below it.
         """
-        low, high = solid.low - solid.dust, solid.high + solid.dust
-        piece = ConvexPolytope.box(low, high)
+        low, high = solid.low - solid.rounding_margin, solid.high + solid.rounding_margin
+        polytope = ConvexPolytope.box(low, high)
         sides = np.eye(3)
         planes = [np.append(-n, d) for n, d in zip(sides, -low, strict=True)]
         planes += [np.append(n, d) for n, d in zip(sides, high, strict=True)]
-        enough = max(_LEAST, _SHARE * solid.width)
-        most = _MOST_FACES if len(solid.shape.vertices) else _FEW_FACES
-        while len(planes) < most:
-            tangents = solid.tangents(piece.corners)
-            excess = (piece.corners * tangents[:, :3]).sum(axis=1) - tangents[:, 3]
-            worst = np.argsort(-excess, kind="stable")[:_CUTS_PER_LOOK]
-            bar = max(enough, 0.5 * float(excess[worst[0]]))
-            if excess[worst[0]] <= enough:
+        tolerance = max(_MIN_TOLERANCE, _RELATIVE_TOLERANCE * solid.width)
+        max_num_faces = _MAX_HULL_FACES if len(solid.shape.vertices) else _MAX_SMOOTH_FACES
+        while len(planes) < max_num_faces:
+            tangents = solid.tangents(polytope.corners)
+            excess = (polytope.corners * tangents[:, :3]).sum(axis=1) - tangents[:, 3]
+            worst = np.argsort(-excess, kind="stable")[:_CUTS_PER_ROUND]
+            threshold = max(tolerance, 0.5 * float(excess[worst[0]]))
+            if excess[worst[0]] <= tolerance:
                 break
-            for plane in tangents[worst[excess[worst] > bar]]:
-                if (piece.corners @ plane[:3]).max() - plane[3] <= bar:
+            for plane in tangents[worst[excess[worst] > threshold]]:
+                if (polytope.corners @ plane[:3]).max() - plane[3] <= threshold:
                     continue
-                offset = float(plane[3]) + solid.dust
+                offset = float(plane[3]) + solid.rounding_margin
                 planes.append(np.append(plane[:3], offset))
-                piece = piece.below(plane[:3], offset, len(planes))
-        return cls(piece, np.array(planes))
+                polytope = polytope.clipped(plane[:3], offset, len(planes))
+        return cls(polytope, np.array(planes))

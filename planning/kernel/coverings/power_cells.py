@@ -16,27 +16,27 @@ _FIRST_FACE = 10_000
 
 
 def power_cells(
-    piece: ConvexPolytope, balls: Float64[np.ndarray, "n 4"], dust: float
+    polytope: ConvexPolytope, balls: Float64[np.ndarray, "n 4"], rounding_margin: float
 ) -> list[Array]:
     """Return the corners of every ball's cell; none if its cell is empty.
 
     Args:
-        piece: The polytope.
-        balls: As rows (x, y, z, r); their centres differ by far more than `dust`.
-        dust: Rounding margin by which each cell reaches into its neighbours [m].
+        polytope: The polytope.
+        balls: As rows (x, y, z, r); their centres differ by far more than `rounding_margin`.
+        rounding_margin: Rounding margin by which each cell reaches into its neighbours [m].
     """
-    middle = piece.corners.mean(axis=0)
+    middle = polytope.corners.mean(axis=0)
     centers = balls[:, :3] - middle
     powers = (centers**2).sum(axis=1) - balls[:, 3] ** 2
     normals = 2 * (centers[None] - centers[:, None])
     lengths = np.linalg.norm(normals, axis=2) + np.eye(len(balls))
     normals /= lengths[:, :, None]
-    offsets = (powers[None] - powers[:, None]) / lengths + normals @ middle + dust
+    offsets = (powers[None] - powers[:, None]) / lengths + normals @ middle + rounding_margin
     cells: list[Array] = []
     for i, order in enumerate(np.argsort(lengths, axis=1, kind="stable")):
-        cell = piece
+        cell = polytope
         for face, j in enumerate(order[order != i], _FIRST_FACE):
-            cell = cell.below(normals[i, j], float(offsets[i, j]), face)
+            cell = cell.clipped(normals[i, j], float(offsets[i, j]), face)
             if not len(cell.corners):
                 break
         cells.append(cell.corners)

@@ -10,7 +10,7 @@ from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.kernel.shape import ConvexShape, ShapeKind
 
-_HALVINGS = 20
+_NUM_BISECTIONS = 20
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class Solid:
     @cached_property
     def low(self) -> Float64[np.ndarray, " 3"]:
         """Least coordinates [m], shape (3,)."""
-        return self.shape.vertices.min(axis=0) if self._is_hull else -self._half
+        return self.shape.vertices.min(axis=0) if self._is_hull else -self._half_extents
 
     @cached_property
     def high(self) -> Float64[np.ndarray, " 3"]:
         """Greatest coordinates [m], shape (3,)."""
-        return self.shape.vertices.max(axis=0) if self._is_hull else self._half
+        return self.shape.vertices.max(axis=0) if self._is_hull else self._half_extents
 
     @property
     def width(self) -> float:
@@ -47,7 +47,7 @@ class Solid:
         return float((self.high - self.low).min())
 
     @property
-    def dust(self) -> float:
+    def rounding_margin(self) -> float:
         """Rounding margin [m]: larger than rounding errors of lengths computed from the shape's."""
         return 1e-9 * float(np.abs([self.low, self.high]).max())
 
@@ -58,13 +58,13 @@ class Solid:
             case ShapeKind.BOX:
                 return (size - np.abs(points)).min(axis=1)
             case ShapeKind.CYLINDER:
-                sideways = size[0] - np.hypot(points[:, 0], points[:, 1])
-                return np.minimum(sideways, size[1] - np.abs(points[:, 2]))
+                radial_depth = size[0] - np.hypot(points[:, 0], points[:, 1])
+                return np.minimum(radial_depth, size[1] - np.abs(points[:, 2]))
             case ShapeKind.ELLIPSOID:
                 return _depth_in_ellipsoid(points, size)
             case ShapeKind.HULL:
                 planes = self.shape.planes
-                return (planes[:, 3] - _heights(points, planes)).min(axis=1)
+                return (planes[:, 3] - _heights_along_normals(points, planes)).min(axis=1)
             case _:
                 return size[0] - np.linalg.norm(points - self._on_axis(points), axis=1)
 
@@ -77,7 +77,9 @@ class Solid:
         match self.shape.kind:
             case ShapeKind.HULL:
                 planes = self.shape.planes
-                return planes[np.argmax(_heights(points, planes) - planes[:, 3], axis=1)]
+                return planes[
+                    np.argmax(_heights_along_normals(points, planes) - planes[:, 3], axis=1)
+                ]
             case ShapeKind.BOX:
                 normals = np.eye(3)[np.argmax(np.abs(points) - size, axis=1)] * np.sign(points)
                 return np.column_stack([normals, np.abs(normals) @ size])
@@ -97,7 +99,7 @@ class Solid:
         return self.shape.kind is ShapeKind.HULL
 
     @property
-    def _half(self) -> Array:
+    def _half_extents(self) -> Array:
         a, b, c = self.shape.size
         match self.shape.kind:
             case ShapeKind.BOX | ShapeKind.ELLIPSOID:
@@ -114,7 +116,7 @@ class Solid:
         return feet
 
 
-def _heights(points: Array, planes: Array) -> Array:
+def _heights_along_normals(points: Array, planes: Array) -> Array:
     # Not by a matrix product: threads of BLAS cost more here than they save.
     return np.einsum("ni,fi->nf", points, planes[:, :3])
 
@@ -133,11 +135,11 @@ def _depth_in_ellipsoid(points: Array, axes: Array) -> Array:
     """
     squares, p = axes**2, points**2
     low, high = np.zeros(len(points)), np.full(len(points), squares.min() * (1 - 1e-12))
-    for _ in range(_HALVINGS):
+    for _ in range(_NUM_BISECTIONS):
         m = (low + high) / 2
-        rises = (p * squares / (squares - m[:, None]) ** 2).sum(axis=1) < 1
-        low, high = np.where(rises, m, low), np.where(rises, high, m)
+        is_increasing = (p * squares / (squares - m[:, None]) ** 2).sum(axis=1) < 1
+        low, high = np.where(is_increasing, m, low), np.where(is_increasing, high, m)
     bound = low * (1 - (p / (squares - low[:, None])).sum(axis=1))
-    stretched = np.linalg.norm(points / axes, axis=1)
-    outside = (1 - stretched) * axes.min()
-    return np.where(stretched < 1, np.sqrt(np.maximum(bound, 0.0)), outside)
+    scaled_norm = np.linalg.norm(points / axes, axis=1)
+    outside = (1 - scaled_norm) * axes.min()
+    return np.where(scaled_norm < 1, np.sqrt(np.maximum(bound, 0.0)), outside)

@@ -1,7 +1,7 @@
 """ArcSegments: the arcs and lines of one car path, as the variables of its optimisation.
 
-A segment is a signed length (`ways`) [m], negative for backwards, and a curvature (`bends`) [1/m],
-positive to the left, both of the car's origin. Whatever their values, the car does not slip, and
+A segment is a signed length (`signed_lengths`) [m], negative for backwards, and a curvature
+(`curvatures`) [1/m], positive to the left, both of the car's origin. Whatever their values, the car does not slip, and
 bounds on curvature bound the turning radius: the only equality constraint left is that the path
 ends at the goal. The other joints of the group move in straight lines along each segment, so their
 positions between segments determine them.
@@ -24,8 +24,8 @@ from jaxtyping import Float64, Int64
 from planning.domain.arrays import Array
 
 # Angles below which divisions by the angle are replaced by series [rad].
-_SMALL = 1e-4
-_LEAST = 1e-12
+_SMALL_ANGLE = 1e-4
+_MIN_LENGTH = 1e-12
 
 
 @dataclass(frozen=True)
@@ -33,68 +33,84 @@ class ArcSegments:
     """Car path of n arc segments.
 
     Attributes:
-        ways: Signed lengths of the segments [m], shape (n,).
-        bends: Curvatures [1/m], shape (n,).
-        others: Positions of the other joints before, between and after them, shape (n + 1, k).
+        signed_lengths: Signed lengths of the segments [m], shape (n,).
+        curvatures: Curvatures [1/m], shape (n,).
+        other_positions: Positions of the other joints before, between and after them, shape (n + 1,
+            k).
     """
 
-    ways: Float64[np.ndarray, " n"]
-    bends: Float64[np.ndarray, " n"]
-    others: Float64[np.ndarray, "m k"]
+    signed_lengths: Float64[np.ndarray, " n"]
+    curvatures: Float64[np.ndarray, " n"]
+    other_positions: Float64[np.ndarray, "m k"]
 
     def __len__(self) -> int:
         """Return the number of segments."""
-        return len(self.ways)
+        return len(self.signed_lengths)
 
     @property
-    def turns(self) -> Float64[np.ndarray, " n"]:
+    def turning_angles(self) -> Float64[np.ndarray, " n"]:
         """Turning angle of each segment [rad]."""
-        return self.ways * self.bends
+        return self.signed_lengths * self.curvatures
 
     @property
     def lengths(self) -> Float64[np.ndarray, " n"]:
         """Joint-space lengths of the segments (radians and metres weigh the same)."""
-        return np.linalg.norm(np.column_stack([self.ways, self.turns, self.moves]), axis=1)
+        return np.linalg.norm(
+            np.column_stack([self.signed_lengths, self.turning_angles, self.other_displacements]),
+            axis=1,
+        )
 
-    def spots_at(self, s: Float64[np.ndarray, " m"]) -> "PathSamples":
+    def samples_at(self, s: Float64[np.ndarray, " m"]) -> "PathSamples":
         """Return samples at fractions of the total length."""
-        ends = np.cumsum(self.lengths)
-        owners = np.minimum(np.searchsorted(ends, s * ends[-1]), len(self) - 1)
-        begun = s * ends[-1] - (ends - self.lengths)[owners]
+        end_lengths = np.cumsum(self.lengths)
+        segments = np.minimum(np.searchsorted(end_lengths, s * end_lengths[-1]), len(self) - 1)
+        lengths_before = s * end_lengths[-1] - (end_lengths - self.lengths)[segments]
         return PathSamples(
-            owners, np.clip(begun / np.maximum(self.lengths[owners], _LEAST), 0.0, 1.0)
+            segments,
+            np.clip(lengths_before / np.maximum(self.lengths[segments], _MIN_LENGTH), 0.0, 1.0),
         )
 
     @property
-    def moves(self) -> Float64[np.ndarray, "n k"]:
+    def other_displacements(self) -> Float64[np.ndarray, "n k"]:
         """Displacements of the other joints along each segment."""
-        return np.diff(self.others, axis=0)
+        return np.diff(self.other_positions, axis=0)
 
     @property
     def variables(self) -> Float64[np.ndarray, " v"]:
         """Optimisation variables: all lengths and curvatures, and other joints between segments."""
-        return np.concatenate([self.ways, self.bends, self.others[1:-1].ravel()])
+        return np.concatenate([
+            self.signed_lengths,
+            self.curvatures,
+            self.other_positions[1:-1].ravel(),
+        ])
 
     def with_variables(self, values: Float64[np.ndarray, " v"]) -> "ArcSegments":
         """Return segments with other variables, or with other lengths and curvatures alone."""
         n = len(self)
-        others = self.others
+        other_positions = self.other_positions
         if len(values) > 2 * n:
-            others = others.copy()
-            others[1:-1] = values[2 * n :].reshape(others[1:-1].shape)
-        return ArcSegments(values[:n], values[n : 2 * n], others)
+            other_positions = other_positions.copy()
+            other_positions[1:-1] = values[2 * n :].reshape(other_positions[1:-1].shape)
+        return ArcSegments(values[:n], values[n : 2 * n], other_positions)
 
     def without(self, i: int) -> "ArcSegments":
         """Return the segments without segment i, of two or more; its ends are joined."""
-        others = np.delete(self.others, min(i + 1, len(self) - 1), axis=0)
-        return ArcSegments(np.delete(self.ways, i), np.delete(self.bends, i), others)
+        other_positions = np.delete(self.other_positions, min(i + 1, len(self) - 1), axis=0)
+        return ArcSegments(
+            np.delete(self.signed_lengths, i), np.delete(self.curvatures, i), other_positions
+        )
 
-    def with_one_of(self, i: int) -> "ArcSegments":
+    def merged(self, i: int) -> "ArcSegments":
         """Return the path with segments i and i + 1 merged, of equal total length and turning."""
-        ways, bends = np.delete(self.ways, i), np.delete(self.bends, i)
-        ways[i] = self.ways[i] + self.ways[i + 1]
-        bends[i] = self.turns[i : i + 2].sum() / ways[i]
-        return ArcSegments(ways, bends, np.delete(self.others, i + 1, axis=0))
+        signed_lengths, curvatures = (
+            np.delete(self.signed_lengths, i),
+            np.delete(self.curvatures, i),
+        )
+        signed_lengths[i] = self.signed_lengths[i] + self.signed_lengths[i + 1]
+        curvatures[i] = self.turning_angles[i : i + 2].sum() / signed_lengths[i]
+        return ArcSegments(
+            signed_lengths, curvatures, np.delete(self.other_positions, i + 1, axis=0)
+        )
 
 
 @dataclass(frozen=True)
@@ -102,20 +118,20 @@ class PathSamples:
     """Sample points of a car path.
 
     Attributes:
-        owners: Index of the segment of each sample, shape (m,).
+        segments: Index of the segment of each sample, shape (m,).
         fractions: Fraction of the segment before the sample, shape (m,).
     """
 
-    owners: Int64[np.ndarray, " m"]
+    segments: Int64[np.ndarray, " m"]
     fractions: Float64[np.ndarray, " m"]
 
-    def and_then(self, more: "PathSamples") -> "PathSamples":
+    def followed_by(self, more: "PathSamples") -> "PathSamples":
         """Return these samples followed by others."""
-        owners = np.concatenate([self.owners, more.owners])
-        return PathSamples(owners, np.concatenate([self.fractions, more.fractions]))
+        segments = np.concatenate([self.segments, more.segments])
+        return PathSamples(segments, np.concatenate([self.fractions, more.fractions]))
 
 
-NOWHERE = PathSamples(np.zeros(0, dtype=np.int64), np.zeros(0))
+NO_SAMPLES = PathSamples(np.zeros(0, dtype=np.int64), np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -124,71 +140,88 @@ class SegmentPoses:
 
     Attributes:
         poses: x, y, yaw, shape (m, 3).
-        slopes: Derivatives with respect to lengths and curvatures, shape (m, 3, 2 n).
+        jacobians: Derivatives with respect to lengths and curvatures, shape (m, 3, 2 n).
     """
 
     poses: Array
-    slopes: Array
+    jacobians: Array
 
 
-def knots_of(
-    start: Float64[np.ndarray, "3"], letters: ArcSegments
+def knot_poses(
+    start: Float64[np.ndarray, "3"], segments: ArcSegments
 ) -> tuple[Any, Float64[np.ndarray, " m"]]:
     """Return x + i y and yaw before, between and after n segments, shapes (n + 1,)."""
-    turns = letters.turns
-    yaws = start[2] + np.concatenate([[0.0], np.cumsum(turns)])
-    steps = letters.ways * _chords(turns) * np.exp(1j * yaws[:-1])
+    turning_angles = segments.turning_angles
+    yaws = start[2] + np.concatenate([[0.0], np.cumsum(turning_angles)])
+    steps = segments.signed_lengths * _chord_ratios(turning_angles) * np.exp(1j * yaws[:-1])
     return np.concatenate([[0.0], np.cumsum(steps)]) + complex(start[0], start[1]), yaws
 
 
-def end_of(start: Float64[np.ndarray, "3"], letters: ArcSegments) -> SegmentPoses:
+def end_pose(start: Float64[np.ndarray, "3"], segments: ArcSegments) -> SegmentPoses:
     """Return the pose at the end of a path, as a single sample."""
-    knots, yaws = knots_of(start, letters)
-    shifts, turned = _all_before(letters, (knots, yaws), knots[-1:])
+    knots, yaws = knot_poses(start, segments)
+    displacements, rotations = _later_point_derivatives(segments, (knots, yaws), knots[-1:])
     pose = np.array([[knots[-1].real, knots[-1].imag, yaws[-1]]])
-    slopes = np.stack([shifts.real, shifts.imag, turned[None]], axis=1)
-    return SegmentPoses(pose, slopes.reshape(1, 3, 2 * len(letters)))
+    jacobians = np.stack([displacements.real, displacements.imag, rotations[None]], axis=1)
+    return SegmentPoses(pose, jacobians.reshape(1, 3, 2 * len(segments)))
 
 
-def places_on(
-    start: Float64[np.ndarray, "3"], letters: ArcSegments, spots: PathSamples
+def sample_poses(
+    start: Float64[np.ndarray, "3"], segments: ArcSegments, samples: PathSamples
 ) -> SegmentPoses:
     """Return the poses of the car at samples of a path."""
-    owners, fractions = spots.owners, spots.fractions
-    knots, yaws = knots_of(start, letters)
-    ways, turns = fractions * letters.ways[owners], fractions * letters.turns[owners]
-    headings = np.exp(1j * yaws[owners])
-    at = knots[owners] + ways * _chords(turns) * headings
-    shifts, turned = _all_before(letters, (knots, yaws), at)
-    is_past = (np.arange(len(letters)) < owners[:, None])[:, None]
-    shifts, turned = shifts * is_past, turned * is_past
-    rows, own = np.arange(len(owners)), _slopes(ways, turns) * headings
-    shifts[rows, 0, owners], shifts[rows, 1, owners] = own[0] * fractions, own[1]
-    turned[rows, 0, owners] = letters.bends[owners] * fractions
-    turned[rows, 1, owners] = ways
-    slopes = np.stack([shifts.real, shifts.imag, turned], axis=1)
-    poses = np.stack([at.real, at.imag, yaws[owners] + turns], axis=1)
-    return SegmentPoses(poses, slopes.reshape(len(owners), 3, 2 * len(letters)))
+    owning_segments, fractions = samples.segments, samples.fractions
+    knots, yaws = knot_poses(start, segments)
+    signed_lengths, turning_angles = (
+        fractions * segments.signed_lengths[owning_segments],
+        fractions * segments.turning_angles[owning_segments],
+    )
+    headings = np.exp(1j * yaws[owning_segments])
+    points = knots[owning_segments] + signed_lengths * _chord_ratios(turning_angles) * headings
+    displacements, rotations = _later_point_derivatives(segments, (knots, yaws), points)
+    is_past = (np.arange(len(segments)) < owning_segments[:, None])[:, None]
+    displacements, rotations = displacements * is_past, rotations * is_past
+    rows, own_derivatives = (
+        np.arange(len(owning_segments)),
+        _end_derivatives(signed_lengths, turning_angles) * headings,
+    )
+    displacements[rows, 0, owning_segments], displacements[rows, 1, owning_segments] = (
+        own_derivatives[0] * fractions,
+        own_derivatives[1],
+    )
+    rotations[rows, 0, owning_segments] = segments.curvatures[owning_segments] * fractions
+    rotations[rows, 1, owning_segments] = signed_lengths
+    jacobians = np.stack([displacements.real, displacements.imag, rotations], axis=1)
+    poses = np.stack([points.real, points.imag, yaws[owning_segments] + turning_angles], axis=1)
+    return SegmentPoses(poses, jacobians.reshape(len(owning_segments), 3, 2 * len(segments)))
 
 
-def _all_before(letters: ArcSegments, knots: tuple[Any, Array], at: Any) -> tuple[Any, Array]:
+def _later_point_derivatives(
+    segments: ArcSegments, knots: tuple[Any, Array], points: Any
+) -> tuple[Any, Array]:
     """Return displacements and rotations of later points by each segment's variables, (m, 2, n)."""
-    spots, yaws = knots
-    ends = _slopes(letters.ways, letters.turns) * np.exp(1j * yaws[:-1])
-    turned = np.stack([letters.bends, letters.ways])
-    return ends + 1j * turned * (at[:, None] - spots[1:])[:, None], turned
+    knot_points, yaws = knots
+    end_derivatives = _end_derivatives(segments.signed_lengths, segments.turning_angles) * np.exp(
+        1j * yaws[:-1]
+    )
+    rotations = np.stack([segments.curvatures, segments.signed_lengths])
+    return end_derivatives + 1j * rotations * (points[:, None] - knot_points[1:])[
+        :, None
+    ], rotations
 
 
-def _chords(turns: Array) -> Any:
+def _chord_ratios(turning_angles: Array) -> Any:
     """Return f, chord over length."""
-    safe = np.where(turns == 0.0, 1.0, turns)
-    return np.where(turns == 0.0, 1.0, np.expm1(1j * safe) / (1j * safe))
+    divisors = np.where(turning_angles == 0.0, 1.0, turning_angles)
+    return np.where(turning_angles == 0.0, 1.0, np.expm1(1j * divisors) / (1j * divisors))
 
 
-def _slopes(ways: Array, turns: Array) -> Any:
+def _end_derivatives(signed_lengths: Array, turning_angles: Array) -> Any:
     """Return the derivatives of ends by length and by curvature, shape (2, m)."""
-    ahead = np.exp(1j * turns)
-    is_small = np.abs(turns) < _SMALL
-    safe = np.where(is_small, 1.0, turns)
-    bent = np.where(is_small, 0.5j - turns / 3, (ahead - _chords(turns)) / safe)
-    return np.stack([ahead, ways * ways * bent])
+    headings = np.exp(1j * turning_angles)
+    is_small = np.abs(turning_angles) < _SMALL_ANGLE
+    divisors = np.where(is_small, 1.0, turning_angles)
+    by_curvature = np.where(
+        is_small, 0.5j - turning_angles / 3, (headings - _chord_ratios(turning_angles)) / divisors
+    )
+    return np.stack([headings, signed_lengths * signed_lengths * by_curvature])

@@ -9,7 +9,7 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.refine.cars.arc_segments import ArcSegments, PathSamples, SegmentPoses
 from planning.refine.constraints.distance_query import DistanceRows
-from planning.refine.curves.curve_evaluation import DISTANCE_PRICE
+from planning.refine.curves.curve_evaluation import DISTANCE_PENALTY
 
 
 @dataclass(frozen=True)
@@ -17,47 +17,53 @@ class DriveEvaluation:
     """Cost terms and linearization data of one car path that ends at the goal.
 
     Attributes:
-        letters: Arc segments of the path.
-        spots: Samples of the path; the last one is the end.
-        places: Poses at the samples.
-        near: Distances of near pairs, at all samples but the end.
-        wished: Distances of pairs within reach of the clearance objective, or None.
+        segments: Arc segments of the path.
+        samples: Samples of the path; the last one is the end.
+        segment_poses: Poses at the samples.
+        distances: Distances of near pairs, at all samples but the end.
+        clearances: Distances of pairs within reach of the clearance objective, or None.
         duration: Of the path [s].
-        worth: Duration plus cost of the clearance objective [s].
-        outside: Violation of the limits of x and y, summed over the samples [m].
+        objective: Duration plus cost of the clearance objective [s].
+        limit_violation: Violation of the limits of x and y, summed over the samples [m].
     """
 
-    letters: ArcSegments
-    spots: PathSamples
-    places: SegmentPoses
-    near: DistanceRows
-    wished: DistanceRows | None
+    segments: ArcSegments
+    samples: PathSamples
+    segment_poses: SegmentPoses
+    distances: DistanceRows
+    clearances: DistanceRows | None
     duration: float
-    worth: float
-    outside: float
+    objective: float
+    limit_violation: float
 
     @cached_property
-    def cost(self) -> float:
-        """Merit: `worth` plus the penalty of distances that are too short and of `outside` [s]."""
-        lacking = float(np.maximum(-self.near.spare, 0.0).sum()) + self.outside
-        return self.worth + DISTANCE_PRICE * lacking
+    def merit(self) -> float:
+        """Merit: `objective` plus the penalties of short distances and of `limit_violation` [s]."""
+        violation = (
+            float(np.maximum(-self.distances.signed_margins, 0.0).sum()) + self.limit_violation
+        )
+        return self.objective + DISTANCE_PENALTY * violation
 
-    def carried(self, at: Any, gradient: Array, car: int, others: list[int]) -> Array:
+    def derivatives_by_variables(
+        self, sample_indices: Any, gradient: Array, car: int, other_indices: list[int]
+    ) -> Array:
         """Return derivatives by all variables from gradients by v (chain rule), shape (m, v).
 
         Args:
-            at: Indices of the samples.
+            sample_indices: Indices of the samples.
             gradient: Gradients by v at these samples, shape (m, nv).
             car: Index of the car's first coordinate in v.
-            others: Indices of the other joints' coordinates in v.
+            other_indices: Indices of the other joints' coordinates in v.
         """
-        n, k = len(self.letters), len(others)
-        by_car = np.einsum("mi,mij->mj", gradient[:, car : car + 3], self.places.slopes[at])
+        n, k = len(self.segments), len(other_indices)
+        by_car = np.einsum(
+            "mi,mij->mj", gradient[:, car : car + 3], self.segment_poses.jacobians[sample_indices]
+        )
         if not k or n == 1:
             return by_car
-        by_other = np.zeros((len(at), n + 1, k))
-        rows, owners = np.arange(len(at)), self.spots.owners[at]
-        share = self.spots.fractions[at][:, None]
-        by_other[rows, owners] = (1 - share) * gradient[:, others]
-        by_other[rows, owners + 1] += share * gradient[:, others]
-        return np.concatenate([by_car, by_other[:, 1:-1].reshape(len(at), -1)], axis=1)
+        by_other = np.zeros((len(sample_indices), n + 1, k))
+        rows, segments = np.arange(len(sample_indices)), self.samples.segments[sample_indices]
+        fractions = self.samples.fractions[sample_indices][:, None]
+        by_other[rows, segments] = (1 - fractions) * gradient[:, other_indices]
+        by_other[rows, segments + 1] += fractions * gradient[:, other_indices]
+        return np.concatenate([by_car, by_other[:, 1:-1].reshape(len(sample_indices), -1)], axis=1)

@@ -7,13 +7,13 @@ from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.refine.cars.drive_solver import DriveSolver
 from planning.refine.model.penalty_qp import solver_name
-from planning.refine.refine_problem import least_of
+from planning.refine.refine_problem import request_lower_bound
 from planning.refine.request import RefineRequest
 from planning.world.world import World
 
 
 def refine_drive(
-    world: World, request: RefineRequest, share: Deadline, report: RefineReport
+    world: World, request: RefineRequest, deadline: Deadline, report: RefineReport
 ) -> tuple[JointSpline | None, RefineReport]:
     """Return arcs and lines from the path's start to its goal that should take less time.
 
@@ -22,19 +22,19 @@ def refine_drive(
     Args:
         world: The scene, loaded.
         request: Path of a group with one car, limits, margins and constraints.
-        share: End of the refinement.
+        deadline: End of the refinement.
         report: Report to be completed.
     """
-    found = DriveSolver.of(world, request, share).run()
+    result = DriveSolver.of(world, request, deadline).run()
     report = replace(
         report,
         solver=solver_name(),
-        rounds=found.steps,
-        lower_bound=least_of(request),
-        duration_before=found.before,
+        rounds=result.num_steps,
+        lower_bound=request_lower_bound(request),
+        duration_before=result.duration_before,
     )
-    if found.path is None:
-        return None, replace(report, reason=found.reason)
-    return found.path.spline, replace(
-        report, improved=True, length_after=found.path.length, duration_after=found.after
+    if result.path is None:
+        return None, replace(report, reason=result.reason)
+    return result.path.spline, replace(
+        report, improved=True, length_after=result.path.length, duration_after=result.duration_after
     )

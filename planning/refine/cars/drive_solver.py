@@ -9,28 +9,32 @@ from dataclasses import dataclass
 from planning.domain.curves.path import JointPath
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
-from planning.refine.audit import Auditor, is_accepted, within_limits
-from planning.refine.cars.arc_segments import NOWHERE, ArcSegments
+from planning.refine.audit import Auditor, is_within_limits, satisfies_predicates
+from planning.refine.cars.arc_segments import NO_SAMPLES, ArcSegments
 from planning.refine.cars.drive_evaluation import DriveEvaluation
 from planning.refine.cars.drive_model import DriveModel
 from planning.refine.cars.drive_problem import DriveProblem
 from planning.refine.cars.drive_trust_region import DriveTrustRegion
 from planning.refine.cars.segment_times import SegmentTimes
-from planning.refine.constraints.clearance_objective import clearance_objective
-from planning.refine.constraints.constraint_distances import RuledNearness, audited, predicates
+from planning.refine.constraints.clearance_objective import make_clearance_objective
+from planning.refine.constraints.constraint_distances import (
+    ConstraintDistanceQuery,
+    audit_constraints,
+    predicate_constraints,
+)
 from planning.refine.constraints.distance_buffers import DistanceBuffers
-from planning.refine.constraints.distance_query import nearness_of
+from planning.refine.constraints.distance_query import make_distance_query
 from planning.refine.curves.chart import FlatChart
 from planning.refine.request import RefineRequest
 from planning.world.constraints.predicate_constraint import PredicateConstraint
 from planning.world.world import Array, World
 
 # Most rounds of additional samples after an audit.
-_MOST_CLOSER = 4
+_MAX_REPAIR_ROUNDS = 4
 # Most paths of one segment less that are tried from each path.
-_MOST_TRIALS = 5
+_MAX_REDUCTIONS = 5
 # Least gain for a result to count, as a share of the duration.
-_GAIN = 1e-3
+_MIN_GAIN = 1e-3
 
 
 @dataclass(frozen=True)
@@ -39,16 +43,16 @@ class DriveResult:
 
     Attributes:
         path: Arcs and lines, or None if nothing is quicker.
-        before: Duration of the given path [s].
-        after: Duration of the result [s].
-        steps: Number of trust-region steps.
+        duration_before: Duration of the given path [s].
+        duration_after: Duration of the result [s].
+        num_steps: Number of trust-region steps.
         reason: Why there is no result, or "".
     """
 
     path: JointPath | None
-    before: float
-    after: float
-    steps: int
+    duration_before: float
+    duration_after: float
+    num_steps: int
     reason: str
 
 
@@ -56,95 +60,103 @@ class DriveResult:
 class DriveSolver:
     """Optimisation of one car path: model, audit and trust region."""
 
-    course: DriveProblem
+    problem: DriveProblem
     limits: JointLimits
     model: DriveModel
     auditor: Auditor
     predicates: tuple[PredicateConstraint, ...]
-    descent: DriveTrustRegion
+    trust_region: DriveTrustRegion
 
     @classmethod
-    def of(cls, world: World, request: RefineRequest, share: Deadline) -> "DriveSolver":
+    def of(cls, world: World, request: RefineRequest, deadline: Deadline) -> "DriveSolver":
         """Build the solver for a request."""
-        path, rules = request.path, request.rules
-        group, course = path.group, DriveProblem.of(path)
-        ends = world.embed(group, course.rows[[0, -1]])
-        buffers = DistanceBuffers.between(world, request.margins, ends)
-        nearness = nearness_of(world, group, buffers)
+        path, constraints = request.path, request.constraints
+        group, problem = path.group, DriveProblem.of(path)
+        ends = world.embed(group, problem.waypoints[[0, -1]])
+        distance_buffers = DistanceBuffers.from_ends(world, request.margins, ends)
+        distance_query = make_distance_query(world, group, distance_buffers)
         limits = request.limits
-        if rules is not None:
-            nearness = RuledNearness(nearness, rules, FlatChart(path))
-            limits = rules.fixing(limits)
-        limits = course.about_start(limits, request.held)
-        times = SegmentTimes.of(limits, course.at, jerk=request.jerk)
-        wish = clearance_objective(world, group, request.margins, request.options.clearance)
-        model = DriveModel(course, nearness, limits, times, wish)
+        if constraints is not None:
+            distance_query = ConstraintDistanceQuery(distance_query, constraints, FlatChart(path))
+            limits = constraints.limits_with_locks(limits)
+        limits = problem.limits_near_start(limits, request.fixed_coordinates)
+        segment_times = SegmentTimes.of(limits, problem.car_index, jerk=request.jerk)
+        clearance_objective = make_clearance_objective(
+            world, group, request.margins, request.options.clearance
+        )
+        model = DriveModel(problem, distance_query, limits, segment_times, clearance_objective)
         return cls(
-            course,
+            problem,
             limits,
             model,
-            Auditor(world, group, buffers, rules and audited(rules)),
-            () if rules is None else predicates(rules),
-            DriveTrustRegion(model, share),
+            Auditor(world, group, distance_buffers, constraints and audit_constraints(constraints)),
+            () if constraints is None else predicate_constraints(constraints),
+            DriveTrustRegion(model, deadline),
         )
 
     def run(self) -> DriveResult:
         """Return the best path found."""
-        given = self.course.letters
-        first = self.model.look(given)
-        current, reason = self._free(self.descent.settled(given))
+        initial = self.problem.segments
+        first_evaluation = self.model.evaluate(initial)
+        current, reason = self._repaired(self.trust_region.optimize(initial))
         best = None if reason else current
-        while not self.descent.is_over:
-            better, why = self._with_fewer(current)
-            reason = reason or why
+        while not self.trust_region.is_over:
+            better, reduction_reason = self._reduced(current)
+            reason = reason or reduction_reason
             if better is None:
                 break
             current = best = better
-        steps = self.descent.num_steps
-        if best is None or best.worth > first.worth * (1 - _GAIN):
+        num_steps = self.trust_region.num_steps
+        if best is None or best.objective > first_evaluation.objective * (1 - _MIN_GAIN):
             reason = reason or "no quicker drive was found"
-            return DriveResult(None, first.duration, first.duration, steps, reason)
+            return DriveResult(
+                None, first_evaluation.duration, first_evaluation.duration, num_steps, reason
+            )
         return DriveResult(
-            self.course.path_of(best.letters), first.duration, best.duration, steps, ""
+            self.problem.to_path(best.segments),
+            first_evaluation.duration,
+            best.duration,
+            num_steps,
+            "",
         )
 
-    def _with_fewer(self, current: DriveEvaluation) -> tuple[DriveEvaluation | None, str]:
+    def _reduced(self, current: DriveEvaluation) -> tuple[DriveEvaluation | None, str]:
         """Return a free path of fewer segments and less cost; or None, with a reason if known."""
-        target, why = current.cost * (1 - _GAIN), ""
-        for letters in self.descent.fewer(current)[:_MOST_TRIALS]:
-            tried = self.descent.settled(letters, target=target)
-            if tried.cost < target:
-                tried, reason = self._free(tried)
-                if not reason and tried.cost < target:
-                    return tried, ""
-                why = why or reason
-        return None, why
+        target, first_reason = current.merit * (1 - _MIN_GAIN), ""
+        for segments in self.trust_region.reductions(current)[:_MAX_REDUCTIONS]:
+            trial = self.trust_region.optimize(segments, target=target)
+            if trial.merit < target:
+                trial, reason = self._repaired(trial)
+                if not reason and trial.merit < target:
+                    return trial, ""
+                first_reason = first_reason or reason
+        return None, first_reason
 
-    def _free(self, seen: DriveEvaluation) -> tuple[DriveEvaluation, str]:
+    def _repaired(self, evaluation: DriveEvaluation) -> tuple[DriveEvaluation, str]:
         """Return this or a nearby path that is free by the audit; or the reason without one."""
-        watched = NOWHERE
-        reason, violated = self.refused(seen.letters)
-        for _ in range(_MOST_CLOSER):
-            if not len(violated) or self.descent.is_over:
+        extra_samples = NO_SAMPLES
+        reason, violations = self.check_path(evaluation.segments)
+        for _ in range(_MAX_REPAIR_ROUNDS):
+            if not len(violations) or self.trust_region.is_over:
                 break
-            watched = watched.and_then(seen.letters.spots_at(violated))
-            closer = self.descent.settled(seen.letters, watched)
-            if len(closer.letters) != len(seen.letters):
-                watched = NOWHERE
-            seen = closer
-            reason, violated = self.refused(seen.letters)
-        return seen, reason
+            extra_samples = extra_samples.followed_by(evaluation.segments.samples_at(violations))
+            repaired = self.trust_region.optimize(evaluation.segments, extra_samples)
+            if len(repaired.segments) != len(evaluation.segments):
+                extra_samples = NO_SAMPLES
+            evaluation = repaired
+            reason, violations = self.check_path(evaluation.segments)
+        return evaluation, reason
 
-    def refused(self, letters: ArcSegments) -> tuple[str, Array]:
+    def check_path(self, segments: ArcSegments) -> tuple[str, Array]:
         """Return why a path is rejected, or "", and where it is too near to obstacles."""
-        curve = self.course.path_of(letters).spline
-        violated = self.auditor.violated(curve)
-        if len(violated):
-            where = ", ".join(f"{s:.3f}" for s in violated[:5])
+        curve = self.problem.to_path(segments).spline
+        violations = self.auditor.find_violations(curve)
+        if len(violations):
+            where = ", ".join(f"{s:.3f}" for s in violations[:5])
             what = "is too near to something or breaks a path constraint"
-            return f"the quicker drive {what} at s = {where}", violated
-        if not within_limits(curve, self.limits):
-            return "the quicker drive leaves the position limits", violated
-        if not is_accepted(curve, self.predicates):
-            return "a predicate rejects the quicker drive", violated
-        return "", violated
+            return f"the quicker drive {what} at s = {where}", violations
+        if not is_within_limits(curve, self.limits):
+            return "the quicker drive leaves the position limits", violations
+        if not satisfies_predicates(curve, self.predicates):
+            return "a predicate rejects the quicker drive", violations
+        return "", violations

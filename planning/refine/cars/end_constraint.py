@@ -4,63 +4,79 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array
-from planning.refine.cars.arc_segments import ArcSegments, end_of
+from planning.refine.cars.arc_segments import ArcSegments, end_pose
 from planning.refine.cars.drive_problem import DriveProblem
 
 # Largest miss of the goal by an end [m and rad].
-_MISS = 1e-11
+_GOAL_TOLERANCE = 1e-11
 # Largest share of the miss that a correction may leave, and most corrections.
-_LEFT, _MOST = 0.7, 10
-_AT_BOUND = 1e-12
+_MAX_REMAINING_RATIO, _MAX_CORRECTIONS = 0.7, 10
+_BOUND_TOLERANCE = 1e-12
 
 
-def variable_bounds(course: DriveProblem, letters: ArcSegments) -> tuple[Array, Array]:
+def variable_bounds(problem: DriveProblem, segments: ArcSegments) -> tuple[Array, Array]:
     """Return lower and upper bounds of lengths and curvatures, (2 n,): directions are kept."""
-    bend = np.full(len(letters), 1 / course.steering.turning_radius)
-    lower = np.where(letters.ways < 0, -np.inf, 0.0)
-    upper = np.where(letters.ways > 0, np.inf, 0.0)
-    return np.concatenate([lower, -bend]), np.concatenate([upper, bend])
+    max_curvatures = np.full(len(segments), 1 / problem.steering.turning_radius)
+    lower = np.where(segments.signed_lengths < 0, -np.inf, 0.0)
+    upper = np.where(segments.signed_lengths > 0, np.inf, 0.0)
+    return np.concatenate([lower, -max_curvatures]), np.concatenate([upper, max_curvatures])
 
 
-def sides_of(course: DriveProblem, letters: ArcSegments, size: float) -> Float64[np.ndarray, " v"]:
-    """Return changes of lengths and curvatures that each move the path by about `size` [m]."""
-    radius = course.steering.turning_radius
-    bends = size / (radius * np.maximum(np.abs(letters.ways), size))
-    return np.concatenate([np.full(len(letters), size), bends])
+def trust_region_radii(
+    problem: DriveProblem, segments: ArcSegments, radius: float
+) -> Float64[np.ndarray, " v"]:
+    """Return changes of lengths and curvatures, each for about `turning_radius` of motion [m]."""
+    turning_radius = problem.steering.turning_radius
+    curvature_radii = radius / (
+        turning_radius * np.maximum(np.abs(segments.signed_lengths), radius)
+    )
+    return np.concatenate([np.full(len(segments), radius), curvature_radii])
 
 
-def ended(course: DriveProblem, letters: ArcSegments, size: float) -> ArcSegments | None:
+def projected_to_goal(
+    problem: DriveProblem, segments: ArcSegments, radius: float
+) -> ArcSegments | None:
     """Return nearby segments that end at the goal; None if Newton's method fails.
 
-    Each correction is the least one in units of `sides_of` for the linearized end; variables at a
-    bound that they would leave stay there.
+    Each correction is the least one in units of `trust_region_radii` for the linearized end;
+    variables at a bound that they would leave stay there.
     """
-    lower, upper = variable_bounds(course, letters)
-    before = np.inf
-    for _ in range(_MOST):
-        end = end_of(course.start, letters)
-        miss = course.goal - end.poses[0]
-        size_of_miss = float(np.abs(miss).max())
-        if size_of_miss < _MISS:
-            return letters
-        if size_of_miss > _LEFT * before:
+    lower, upper = variable_bounds(problem, segments)
+    last_error = np.inf
+    for _ in range(_MAX_CORRECTIONS):
+        end = end_pose(problem.start, segments)
+        error = problem.goal - end.poses[0]
+        error_size = float(np.abs(error).max())
+        if error_size < _GOAL_TOLERANCE:
+            return segments
+        if error_size > _MAX_REMAINING_RATIO * last_error:
             return None
-        before = size_of_miss
-        values = np.concatenate([letters.ways, letters.bends])
-        sides = sides_of(course, letters, size)
-        step = _least_step(end.slopes[0] * sides, miss, (values - lower, upper - values), sides)
-        letters = letters.with_variables(np.clip(values + step, lower, upper))
+        last_error = error_size
+        values = np.concatenate([segments.signed_lengths, segments.curvatures])
+        radii = trust_region_radii(problem, segments, radius)
+        step = _min_norm_step(
+            end.jacobians[0] * radii, error, (values - lower, upper - values), radii
+        )
+        segments = segments.with_variables(np.clip(values + step, lower, upper))
     return None
 
 
-def _least_step(slopes: Array, miss: Array, room: tuple[Array, Array], sides: Array) -> Array:
+def _min_norm_step(
+    jacobian: Array, error: Array, margins: tuple[Array, Array], radii: Array
+) -> Array:
     """Return the least step that corrects a miss, with variables at their bounds fixed."""
-    down, up = room
-    free = np.ones(len(sides))
+    down, up = margins
+    is_free = np.ones(len(radii))
     while True:
-        some = slopes * free
-        step = some.T @ np.linalg.lstsq(some @ some.T, miss, rcond=1e-12)[0] * sides
-        stuck = ((step < 0) & (down <= _AT_BOUND)) | ((step > 0) & (up <= _AT_BOUND))
-        if not (stuck & (free > 0)).any():
+        free_jacobian = jacobian * is_free
+        step = (
+            free_jacobian.T
+            @ np.linalg.lstsq(free_jacobian @ free_jacobian.T, error, rcond=1e-12)[0]
+            * radii
+        )
+        is_blocked = ((step < 0) & (down <= _BOUND_TOLERANCE)) | (
+            (step > 0) & (up <= _BOUND_TOLERANCE)
+        )
+        if not (is_blocked & (is_free > 0)).any():
             return step
-        free[stuck] = 0.0
+        is_free[is_blocked] = 0.0

@@ -26,10 +26,10 @@ from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointLimits
 
 # Gauss-Legendre rule on u, u^2 = s, where the integrand is smooth except where the bounds switch.
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_QUADRATURE_NODES, _QUADRATURE_WEIGHTS = np.polynomial.legendre.leggauss(24)
 # Share of an arc's speed bounds that is used with bounded jerk. Found by measurement.
 _CIRCLE_SHARE = 0.5
-_DUST, _UNBOUNDED = 1e-12, 1e6
+_TINY, _UNBOUNDED = 1e-12, 1e6
 
 
 @dataclass(frozen=True)
@@ -37,76 +37,89 @@ class SegmentTimes:
     """Durations of arc segments under velocity, acceleration and jerk limits.
 
     Attributes:
-        car: Bounds of the car on speed, acceleration and jerk, in metres, shape (3,).
-        rates: The same for all other bounded blocks, shape (3, b).
-        blocks: Coordinates (yaw and other joints) that each of these bounds.
+        car_bounds: Bounds of the car on speed, acceleration and jerk, in metres, shape (3,).
+        other_bounds: The same for all other bounded blocks, shape (3, b).
+        other_blocks: Coordinates (yaw and other joints) that each of these bounds.
         jerk: Whether jerk is bounded.
     """
 
-    car: Array
-    rates: Array
-    blocks: tuple[list[int], ...]
+    car_bounds: Array
+    other_bounds: Array
+    other_blocks: tuple[list[int], ...]
     jerk: bool
 
     @classmethod
-    def of(cls, limits: JointLimits, car: int, *, jerk: bool) -> "SegmentTimes":
-        """Return the durations for a group whose car's coordinates begin at `car` in v."""
+    def of(cls, limits: JointLimits, car_index: int, *, jerk: bool) -> "SegmentTimes":
+        """Return the durations for a group whose car's coordinates begin at `car_bounds` in v."""
         rates = np.minimum([limits.velocity, limits.acceleration, limits.jerk], _UNBOUNDED)
         rates = np.maximum(rates, 1 / _UNBOUNDED)
         count = sum(len(block) for block in limits.blocks)
-        columns = [car + 2, *(v for v in range(count) if not car <= v < car + 3)]
-        place = limits.blocks.index((car, car + 1))
-        rest = limits.blocks[:place] + limits.blocks[place + 1 :]
-        blocks = tuple([columns.index(v) for v in block] for block in rest)
-        return cls(rates[:, place], np.delete(rates, place, axis=1), blocks, jerk)
+        columns = [car_index + 2, *(v for v in range(count) if not car_index <= v < car_index + 3)]
+        car_block = limits.blocks.index((car_index, car_index + 1))
+        remaining_blocks = limits.blocks[:car_block] + limits.blocks[car_block + 1 :]
+        blocks = tuple([columns.index(v) for v in block] for block in remaining_blocks)
+        return cls(rates[:, car_block], np.delete(rates, car_block, axis=1), blocks, jerk)
 
     def durations(
         self,
-        ways: Float64[np.ndarray, " n"],
-        turns: Float64[np.ndarray, " n"],
-        moves: Float64[np.ndarray, "n k"],
+        signed_lengths: Float64[np.ndarray, " n"],
+        turning_angles: Float64[np.ndarray, " n"],
+        displacements: Float64[np.ndarray, "n k"],
     ) -> Float64[np.ndarray, " n"]:
         """Return the duration of every segment [s].
 
         Args:
-            ways: Signed lengths [m].
-            turns: Turning angles [rad].
-            moves: Displacements of the other joints.
+            signed_lengths: Signed lengths [m].
+            turning_angles: Turning angles [rad].
+            displacements: Displacements of the other joints.
         """
-        columns = np.column_stack([turns, moves])
-        sizes = [np.linalg.norm(columns[:, block], axis=1) for block in self.blocks]
-        turns = np.abs(turns) + _DUST
-        car = self.car[:, None] / (np.abs(ways) + _DUST)
-        rest = (self.rates[:, None] / (np.stack(sizes, axis=1) + _DUST)).min(axis=2)
-        top = np.minimum(np.minimum(car[0], rest[0]) ** 2, car[1] / turns)
-        times = _of_circles(top, rest[1], car[1], turns)
+        columns = np.column_stack([turning_angles, displacements])
+        sizes = [np.linalg.norm(columns[:, block], axis=1) for block in self.other_blocks]
+        turning_angles = np.abs(turning_angles) + _TINY
+        car_bounds = self.car_bounds[:, None] / (np.abs(signed_lengths) + _TINY)
+        other_bounds = (self.other_bounds[:, None] / (np.stack(sizes, axis=1) + _TINY)).min(axis=2)
+        squared_top_speed = np.minimum(
+            np.minimum(car_bounds[0], other_bounds[0]) ** 2, car_bounds[1] / turning_angles
+        )
+        times = _arc_durations(squared_top_speed, other_bounds[1], car_bounds[1], turning_angles)
         if not self.jerk:
             return times
-        around = np.minimum(car[1] / turns, (car[2] / turns**2 / _CIRCLE_SHARE**0.5) ** (2 / 3))
-        speed = np.sqrt(np.minimum(top, _CIRCLE_SHARE * around))
-        push, swing = np.minimum(car[1:], rest[1:])
-        return np.maximum(times, _of_lines(speed, push, swing))
+        squared_arc_speed = np.minimum(
+            car_bounds[1] / turning_angles,
+            (car_bounds[2] / turning_angles**2 / _CIRCLE_SHARE**0.5) ** (2 / 3),
+        )
+        speed = np.sqrt(np.minimum(squared_top_speed, _CIRCLE_SHARE * squared_arc_speed))
+        acceleration, jerk = np.minimum(car_bounds[1:], other_bounds[1:])
+        return np.maximum(times, _line_durations(speed, acceleration, jerk))
 
 
-def _of_circles(top: Array, push: Array, circle: Array, turns: Array) -> Array:
+def _arc_durations(
+    squared_top_speed: Array, acceleration: Array, car_acceleration: Array, turning_angles: Array
+) -> Array:
     """Return durations on arcs without jerk bounds: the integral over both equal halves."""
-    u = (_NODES[:, None] + 1) * np.sqrt(0.125)
+    u = (_QUADRATURE_NODES[:, None] + 1) * np.sqrt(0.125)
     s = u * u
-    push = np.minimum(push, circle / _DUST**0.5)
-    left = np.sqrt(np.maximum(circle**2 - push**2, 0.0))
-    s_0 = left / (2 * push * turns)
-    phase = 2 * turns * (s - s_0) + np.arcsin(np.minimum(left / circle, 1.0))
-    round_ = circle / turns * np.sin(np.minimum(phase, np.pi / 2))
-    pace = np.minimum(np.where(s < s_0, 2 * push * s, round_), top)
-    return (_WEIGHTS[:, None] * np.sqrt(0.5) * 2 * u / np.sqrt(pace)).sum(axis=0)
+    acceleration = np.minimum(acceleration, car_acceleration / _TINY**0.5)
+    centripetal_reserve = np.sqrt(np.maximum(car_acceleration**2 - acceleration**2, 0.0))
+    s_0 = centripetal_reserve / (2 * acceleration * turning_angles)
+    phase = 2 * turning_angles * (s - s_0) + np.arcsin(
+        np.minimum(centripetal_reserve / car_acceleration, 1.0)
+    )
+    sine_profile = car_acceleration / turning_angles * np.sin(np.minimum(phase, np.pi / 2))
+    squared_speed = np.minimum(
+        np.where(s < s_0, 2 * acceleration * s, sine_profile), squared_top_speed
+    )
+    return (_QUADRATURE_WEIGHTS[:, None] * np.sqrt(0.5) * 2 * u / np.sqrt(squared_speed)).sum(
+        axis=0
+    )
 
 
-def _of_lines(speed: Array, push: Array, swing: Array) -> Array:
+def _line_durations(speed: Array, acceleration: Array, jerk: Array) -> Array:
     """Return durations from s = 0 to 1, rest to rest, with bounded speed, acceleration, jerk."""
-    push = np.minimum(push, np.sqrt(speed * swing))
-    ramp = push / swing
-    cruising = 1 / speed + speed / push + ramp
-    pushing = np.sqrt(ramp**2 + 4 / push) + ramp
-    swinging = (32 / swing) ** (1 / 3)
-    is_short = np.where(2 * push * ramp**2 <= 1, pushing, swinging)
-    return np.where(speed * (speed / push + ramp) <= 1, cruising, is_short)
+    acceleration = np.minimum(acceleration, np.sqrt(speed * jerk))
+    ramp = acceleration / jerk
+    with_cruise = 1 / speed + speed / acceleration + ramp
+    without_cruise = np.sqrt(ramp**2 + 4 / acceleration) + ramp
+    jerk_limited = (32 / jerk) ** (1 / 3)
+    is_short = np.where(2 * acceleration * ramp**2 <= 1, without_cruise, jerk_limited)
+    return np.where(speed * (speed / acceleration + ramp) <= 1, with_cruise, is_short)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array
-from planning.refine.constraints.band_distances import BandNearness
+from planning.refine.constraints.band_distances import BandDistanceQuery
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.curves.chart import Chart
 from planning.world.constraints.band_constraint import BandConstraint
@@ -16,63 +16,91 @@ from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.constraints.predicate_constraint import PredicateConstraint
 
 # Step of the difference quotients [rad or m].
-_STEP = 1e-6
+_DIFFERENCE_STEP = 1e-6
 # Share of a band's inner margin that the audit requires of a curve.
-_AUDITED = 1 / 2
+_AUDIT_FRACTION = 1 / 2
 
 
-class RuledNearness:
+class ConstraintDistanceQuery:
     """Distance query that adds boxes, cones and bands to the pairs of bodies.
 
     The margin of a constraint counts in its own unit, a radian like a metre. Predicates have no
     gradient and are left out.
     """
 
-    def __init__(self, inner: DistanceQuery, rules: PathConstraints, chart: Chart) -> None:
-        """Add constraints with a gradient to `inner`, in coordinates of a chart."""
-        self._inner, self._positions = inner, chart.positions
-        self._rules = [
-            rule for rule in rules.rules if isinstance(rule, BoxConstraint | ConeConstraint)
+    def __init__(
+        self, distance_query: DistanceQuery, constraints: PathConstraints, chart: Chart
+    ) -> None:
+        """Add constraints with a gradient to `distance_query`, in coordinates of a chart."""
+        self._inner, self._positions = distance_query, chart.positions
+        self._constraints = [
+            constraint
+            for constraint in constraints.constraints
+            if isinstance(constraint, BoxConstraint | ConeConstraint)
         ]
-        self._bands = [
-            BandNearness(rule, chart) for rule in rules.rules if isinstance(rule, BandConstraint)
+        self._band_queries = [
+            BandDistanceQuery(rule, chart)
+            for rule in constraints.constraints
+            if isinstance(rule, BandConstraint)
         ]
 
-    def within(self, qs: Float64[np.ndarray, "m nq"], reach: float) -> DistanceRows:
-        """Return pairs and constraints with a signed margin below `reach` [m or rad]."""
-        near = [measure.within(qs, reach) for measure in [self._inner, *self._bands]]
-        near += [self._near(rule, qs, reach) for rule in self._rules]
+    def within(self, qs: Float64[np.ndarray, "m nq"], influence_distance: float) -> DistanceRows:
+        """Return pairs and constraints of signed margin below `influence_distance` [m or rad]."""
+        parts = [
+            query.within(qs, influence_distance) for query in [self._inner, *self._band_queries]
+        ]
+        parts += [
+            self._constraint_rows(constraint, qs, influence_distance)
+            for constraint in self._constraints
+        ]
         return DistanceRows(
-            np.concatenate([part.at for part in near]),
-            np.concatenate([part.spare for part in near]),
-            np.concatenate([part.gradient for part in near]),
+            np.concatenate([part.sample_indices for part in parts]),
+            np.concatenate([part.signed_margins for part in parts]),
+            np.concatenate([part.gradients for part in parts]),
         )
 
-    def _near(self, rule: BoxConstraint | ConeConstraint, qs: Array, reach: float) -> DistanceRows:
-        spare = rule.spares(self._positions(qs)) - rule.room
-        at = np.flatnonzero(spare < reach)
-        moved = qs[at, None] + _STEP * np.eye(qs.shape[1])
-        beyond = rule.spares(self._positions(moved.reshape(-1, qs.shape[1]))) - rule.room
-        gradient = (beyond.reshape(moved.shape[:2]) - spare[at, None]) / _STEP
-        return DistanceRows(at, spare[at], gradient)
+    def _constraint_rows(
+        self, constraint: BoxConstraint | ConeConstraint, qs: Array, influence_distance: float
+    ) -> DistanceRows:
+        signed_margins = constraint.signed_margins(self._positions(qs)) - constraint.margin
+        sample_indices = np.flatnonzero(signed_margins < influence_distance)
+        shifted = qs[sample_indices, None] + _DIFFERENCE_STEP * np.eye(qs.shape[1])
+        shifted_margins = (
+            constraint.signed_margins(self._positions(shifted.reshape(-1, qs.shape[1])))
+            - constraint.margin
+        )
+        gradient = (
+            shifted_margins.reshape(shifted.shape[:2]) - signed_margins[sample_indices, None]
+        ) / _DIFFERENCE_STEP
+        return DistanceRows(sample_indices, signed_margins[sample_indices], gradient)
 
 
-def audited(rules: PathConstraints) -> PathConstraints:
+def audit_constraints(constraints: PathConstraints) -> PathConstraints:
     """Return the constraints that the audit checks at every sample, without predicates.
 
     A band's inner margin is reduced: a curve optimised onto a bound of a band meets it only to the
     tolerance of the solver.
     """
-    kept = [rule for rule in rules.rules if not isinstance(rule, PredicateConstraint)]
+    checked = [
+        constraint
+        for constraint in constraints.constraints
+        if not isinstance(constraint, PredicateConstraint)
+    ]
     return replace(
-        rules,
-        rules=tuple(
-            rule.leaving(_AUDITED * rule.room) if isinstance(rule, BandConstraint) else rule
-            for rule in kept
+        constraints,
+        constraints=tuple(
+            rule.tightened(_AUDIT_FRACTION * rule.margin)
+            if isinstance(rule, BandConstraint)
+            else rule
+            for rule in checked
         ),
     )
 
 
-def predicates(rules: PathConstraints) -> tuple[PredicateConstraint, ...]:
+def predicate_constraints(constraints: PathConstraints) -> tuple[PredicateConstraint, ...]:
     """Return the constraints without gradient."""
-    return tuple(rule for rule in rules.rules if isinstance(rule, PredicateConstraint))
+    return tuple(
+        constraint
+        for constraint in constraints.constraints
+        if isinstance(constraint, PredicateConstraint)
+    )

@@ -12,23 +12,23 @@ from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 
 # Buffer with which a curve is easily proven free between its samples [m].
-_WISH = 0.003
+_BUFFER = 0.003
 # Buffer of bodies of one robot, which are near one another by design [m].
-_WISH_WITHIN_ROBOT = 0.0005
+_BUFFER_WITHIN_ROBOT = 0.0005
 # Share of the buffer that the audit requires of the optimised curve.
-_AUDITED = 1 / 3
+_AUDIT_FRACTION = 1 / 3
 
 
 @runtime_checkable
 class PairThresholds(Protocol):
     """Required distances of pairs of bodies."""
 
-    def demanded(self, body_a: str, body_b: str) -> float:
+    def threshold(self, body_a: str, body_b: str) -> float:
         """Return the required distance between two bodies [m]."""
         ...
 
     @property
-    def exceptions(self) -> Collection[tuple[str, str]]:
+    def override_pairs(self) -> Collection[tuple[str, str]]:
         """Pairs, by full names in sorted order, that may have a required distance of their own.
 
         All other pairs of one robot share one distance, and all remaining pairs another.
@@ -45,54 +45,57 @@ class DistanceBuffers(Value):
 
     Attributes:
         margins: Required margins.
-        spare: Signed margins of the nearest pairs at the start or the goal, whichever is less [m];
-            the key is the two full names in sorted order.
+        signed_margins: Signed margins of the nearest pairs at the start or the goal, whichever is
+            less [m]; the key is the two full names in sorted order.
     """
 
     margins: PairMargins
-    spare: dict[tuple[str, str], float] = field(default_factory=dict)
+    signed_margins: dict[tuple[str, str], float] = field(default_factory=dict)
 
     @classmethod
-    def between(
+    def from_ends(
         cls, world: World, margins: PairMargins, ends: Float64[np.ndarray, "m num_positions"]
     ) -> "DistanceBuffers":
         """Return the buffers for full configurations of the start and the goal."""
         probe = world.distance_probe(margins)
-        spare: dict[tuple[str, str], float] = {}
-        for full in ends:
-            for pair in probe.pairs_within(full, margins.largest + 2 * _WISH):
-                beyond = pair.distance - margins.of(*pair.bodies)
-                spare[pair.bodies] = min(beyond, spare.get(pair.bodies, np.inf))
-        return cls(margins, spare)
+        signed_margins: dict[tuple[str, str], float] = {}
+        for configuration in ends:
+            for pair in probe.pairs_within(configuration, margins.largest + 2 * _BUFFER):
+                signed_margin = pair.distance - margins.of(*pair.bodies)
+                signed_margins[pair.bodies] = min(
+                    signed_margin, signed_margins.get(pair.bodies, np.inf)
+                )
+        return cls(margins, signed_margins)
 
     @property
-    def exceptions(self) -> Collection[tuple[str, str]]:
+    def override_pairs(self) -> Collection[tuple[str, str]]:
         """Pairs with margins of their own, and those that are near at an end."""
-        return self.spare.keys() | self.margins.by_pair.keys()
+        return self.signed_margins.keys() | self.margins.by_pair.keys()
 
-    def demanded(self, body_a: str, body_b: str) -> float:
+    def threshold(self, body_a: str, body_b: str) -> float:
         """Return the required distance between two bodies: margin plus buffer [m]."""
         low, high = sorted((body_a, body_b))
         margin = self.margins.of(low, high)
-        spare = self.spare.get((low, high), np.inf)
+        signed_margin = self.signed_margins.get((low, high), np.inf)
         if self.margins.are_of_one_robot(low, high):
             # Links that almost touch may do so in any configuration. The optimiser would fail at
             # them; the audit checks them all the same.
-            wish = _WISH_WITHIN_ROBOT
-            return margin + (wish if spare > 2 * wish else spare - 2 * wish)
-        return margin + min(_WISH, spare / 2)
+            buffer = _BUFFER_WITHIN_ROBOT
+            return margin + (buffer if signed_margin > 2 * buffer else signed_margin - 2 * buffer)
+        return margin + min(_BUFFER, signed_margin / 2)
 
     @property
-    def audited(self) -> PairMargins:
+    def audit_margins(self) -> PairMargins:
         """Margins that the audit requires at every sample of a curve."""
-        near = {
-            pair: self.margins.of(*pair) + _AUDITED * min(_WISH, spare / 2)
-            for pair, spare in self.spare.items()
+        end_pairs = {
+            pair: self.margins.of(*pair) + _AUDIT_FRACTION * min(_BUFFER, signed_margin / 2)
+            for pair, signed_margin in self.signed_margins.items()
             if not self.margins.are_of_one_robot(*pair)
         }
-        stated = {
-            pair: margin + (0.0 if self.margins.are_of_one_robot(*pair) else _AUDITED * _WISH)
+        override_margins = {
+            pair: margin
+            + (0.0 if self.margins.are_of_one_robot(*pair) else _AUDIT_FRACTION * _BUFFER)
             for pair, margin in self.margins.by_pair.items()
         }
-        default = self.margins.default + _AUDITED * _WISH
-        return PairMargins(default, {**stated, **near}, self.margins.owners)
+        default = self.margins.default + _AUDIT_FRACTION * _BUFFER
+        return PairMargins(default, {**override_margins, **end_pairs}, self.margins.owners)

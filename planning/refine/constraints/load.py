@@ -13,9 +13,9 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 
 # Largest static load ratio: above it too little of a limit is left to stop a motion.
-MOST_HELD = 0.98
+MAX_STATIC_LOAD = 0.98
 # Step of a difference quotient, relative to 1 + |x|.
-_STEP = 1e-6
+_DIFFERENCE_STEP = 1e-6
 
 
 @runtime_checkable
@@ -25,16 +25,16 @@ class Load(Protocol):
     Only for groups whose joints do not float.
 
     Attributes:
-        parts: Number of parts per interval of the path velocity's grid at whose ends it is
+        num_parts: Number of parts per interval of the path velocity's grid at whose ends it is
             evaluated.
     """
 
     @property
-    def parts(self) -> int:
+    def num_parts(self) -> int:
         """Parts per grid interval: 1 for loads that change little between grid points."""
         ...
 
-    def vectors(
+    def load_ratios(
         self,
         q: Float64[np.ndarray, "m nq"],
         v: Float64[np.ndarray, "m nq"],
@@ -43,7 +43,7 @@ class Load(Protocol):
         """Return the load ratios of a motion."""
         ...
 
-    def slopes(
+    def derivatives(
         self,
         q: Float64[np.ndarray, "m nq"],
         v: Float64[np.ndarray, "m nq"],
@@ -52,7 +52,7 @@ class Load(Protocol):
         """Return the derivatives of the ratios with respect to q, v and vdot."""
         ...
 
-    def pace_rows(
+    def path_velocity_rows(
         self,
         q: Float64[np.ndarray, "m nq"],
         rate: Float64[np.ndarray, "m nq"],
@@ -67,14 +67,15 @@ class Load(Protocol):
         """
         ...
 
-    def held(self, q: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m k"]:
+    def static_load(self, q: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m k"]:
         """Return the static load ratios, at rest; no columns if the load has none.
 
-        Their part beyond `MOST_HELD` does not depend on the path velocity: it is not in `vectors`.
+        Their part beyond `MAX_STATIC_LOAD` does not depend on the path velocity: it is not in
+        `load_ratios`.
         """
         ...
 
-    def least_duration(self, ends: Float64[np.ndarray, "2 nq"]) -> float:
+    def duration_lower_bound(self, ends: Float64[np.ndarray, "2 nq"]) -> float:
         """Return a lower bound of the duration from rest to rest [s]; 0 is always valid."""
         ...
 
@@ -89,14 +90,21 @@ def difference_quotients(
         at: Arguments at which the derivatives are taken.
     """
     m, nq = at[0].shape
-    size = len(at)
+    num_arguments = len(at)
     state = np.stack(at)
-    moved = np.broadcast_to(state[:, None, None], (size, size, nq, m, nq)).copy()
-    each, columns = np.arange(size)[:, None], np.arange(nq)
-    moved[each, each, columns, :, columns] += (_STEP * (1 + np.abs(state))).transpose(0, 2, 1)
+    shifted = np.broadcast_to(
+        state[:, None, None], (num_arguments, num_arguments, nq, m, nq)
+    ).copy()
+    arguments, columns = np.arange(num_arguments)[:, None], np.arange(nq)
+    shifted[arguments, arguments, columns, :, columns] += (
+        _DIFFERENCE_STEP * (1 + np.abs(state))
+    ).transpose(0, 2, 1)
     # The effective steps after rounding.
-    taken = moved[each, each, columns, :, columns] - state.transpose(0, 2, 1)
-    now = function(*at)
-    changes = function(*moved.reshape(size, -1, nq)).reshape(size, nq, *now.shape) - now
-    wide = taken.reshape(*taken.shape, *[1] * (now.ndim - 1))
-    return np.moveaxis(changes / wide, 1, -1)
+    steps = shifted[arguments, arguments, columns, :, columns] - state.transpose(0, 2, 1)
+    values = function(*at)
+    changes = (
+        function(*shifted.reshape(num_arguments, -1, nq)).reshape(num_arguments, nq, *values.shape)
+        - values
+    )
+    divisors = steps.reshape(*steps.shape, *[1] * (values.ndim - 1))
+    return np.moveaxis(changes / divisors, 1, -1)

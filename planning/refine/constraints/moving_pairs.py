@@ -15,7 +15,7 @@ from planning.world.drake_model import DrakeModel
 
 
 def group_checker(
-    model: DrakeModel, group: JointGroup, demands: PairThresholds
+    model: DrakeModel, group: JointGroup, thresholds: PairThresholds
 ) -> SceneGraphCollisionChecker:
     """Return a checker whose clearances are zero where a pair is at its required distance.
 
@@ -29,7 +29,7 @@ def group_checker(
         for index in model.joint_indices.values()
     }
     checker = distance_checker(model, sorted(instances, key=int))
-    carriers = _carriers(model, group)
+    last_joints = _last_moving_joints(model, group)
     padding = np.array(checker.GetPaddingMatrix())
     filters = np.array(checker.GetNominalFilteredCollisionMatrix())
     bodies = [(index, plant.get_body(index)) for index in sorted(model.body_names, key=int)]
@@ -38,9 +38,9 @@ def group_checker(
             if not (checker.IsPartOfRobot(body_a) or checker.IsPartOfRobot(body_b)):
                 continue
             row, column = int(a), int(b)
-            demand = demands.demanded(model.body_names[a], model.body_names[b])
-            padding[row, column] = padding[column, row] = demand
-            if carriers[a] == carriers[b] and filters[row, column] == 0:
+            threshold = thresholds.threshold(model.body_names[a], model.body_names[b])
+            padding[row, column] = padding[column, row] = threshold
+            if last_joints[a] == last_joints[b] and filters[row, column] == 0:
                 filters[row, column] = filters[column, row] = 1
     checker.SetPaddingMatrix(padding)
     checker.SetCollisionFilterMatrix(filters)
@@ -51,36 +51,36 @@ def moved_pairs(
     model: DrakeModel, group: JointGroup, pairs: Sequence[tuple[str, str]]
 ) -> Bool[np.ndarray, " n"]:
     """Return which pairs of bodies, by full names, the group moves relative to each other."""
-    carriers = _carriers(model, group)
-    links = [[carriers.get(model.bodies[name]) for name in pair] for pair in pairs]
-    return np.array([a != b for a, b in links], dtype=bool)
+    last_joints = _last_moving_joints(model, group)
+    last_joint_pairs = [[last_joints.get(model.bodies[name]) for name in pair] for pair in pairs]
+    return np.array([a != b for a, b in last_joint_pairs], dtype=bool)
 
 
-def _carriers(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointIndex | None]:
+def _last_moving_joints(model: DrakeModel, group: JointGroup) -> dict[BodyIndex, JointIndex | None]:
     """Return for every body the last of the group's moving joints on the chain from the world.
 
     Two bodies with the same one keep their relative pose, whatever the group does.
     """
     plant = model.plant
-    moving = _moving(model, group)
-    joint_to: dict[BodyIndex, Any] = {}
+    moving = _moving_joints(model, group)
+    joint_by_child: dict[BodyIndex, Any] = {}
     for index in plant.GetJointIndices():
         joint = plant.get_joint(index)
-        joint_to[joint.child_body().index()] = joint
-    carriers: dict[BodyIndex, JointIndex | None] = {}
+        joint_by_child[joint.child_body().index()] = joint
+    last_joints: dict[BodyIndex, JointIndex | None] = {}
     for body in model.body_names:
-        link, carrier = body, None
-        while carrier is None and link in joint_to:
-            joint = joint_to[link]
-            carrier = joint.index() if joint.index() in moving else None
+        link, last_joint = body, None
+        while last_joint is None and link in joint_by_child:
+            joint = joint_by_child[link]
+            last_joint = joint.index() if joint.index() in moving else None
             link = joint.parent_body().index()
-        carriers[body] = carrier
-    return carriers
+        last_joints[body] = last_joint
+    return last_joints
 
 
-def _moving(model: DrakeModel, group: JointGroup) -> set[JointIndex]:
+def _moving_joints(model: DrakeModel, group: JointGroup) -> set[JointIndex]:
     moving = {model.joint_indices[joint.name] for joint in group.joints}
-    followers = {c.follower_position for c in model.following(group)}
+    followers = {c.follower_position for c in model.followers_of(group)}
     for index in model.joint_indices.values():
         if model.plant.get_joint(index).position_start() in followers:
             moving.add(index)

@@ -24,15 +24,15 @@ class RateBounds:
         velocity: [rad/s or m/s].
         acceleration: The larger of the bounds of either sign [rad/s^2 or m/s^2].
         jerk: [rad/s^3 or m/s^3]; None if it is not bounded.
-        signed: Lowest and highest acceleration over `acceleration`, shape (2, nq): -1 and 1 where
-            both signs have the same bound.
+        acceleration_range: Lowest and highest acceleration over `acceleration`, shape (2, nq): -1
+            and 1 where both signs have the same bound.
         loads: Other quantities that bound the path velocity.
     """
 
     velocity: Array
     acceleration: Array
     jerk: Array | None
-    signed: Array
+    acceleration_range: Array
     loads: tuple[Load, ...] = ()
 
     @classmethod
@@ -41,7 +41,7 @@ class RateBounds:
         limits: JointLimits,
         *,
         jerk: bool,
-        signed: Float64[np.ndarray, "2 nv"] | None = None,
+        acceleration_bounds: Float64[np.ndarray, "2 nv"] | None = None,
         loads: tuple[Load, ...] = (),
     ) -> "RateBounds":
         """Return the bounds per coordinate that imply a group's limits.
@@ -49,29 +49,31 @@ class RateBounds:
         Args:
             limits: Of the group.
             jerk: Whether jerk is limited.
-            signed: Lowest and highest accelerations in addition [rad/s^2 or m/s^2], infinite where
-                there are none.
+            acceleration_bounds: Lowest and highest accelerations in addition [rad/s^2 or m/s^2],
+                infinite where there are none.
             loads: Other quantities that bound the path velocity.
         """
         velocity, acceleration, jerks = (
-            np.minimum(limits.per_coordinate(rates), most)
-            for rates, most in (
+            np.minimum(limits.per_coordinate(rates), max_rate)
+            for rates, max_rate in (
                 (limits.velocity, _UNBOUNDED_RATE),
                 (limits.acceleration, _UNBOUNDED_RATE),
                 (limits.jerk, _UNBOUNDED_JERK),
             )
         )
-        either = np.stack([acceleration, acceleration])
-        if signed is not None:
-            either = np.minimum(either, np.abs(signed))
+        by_sign = np.stack([acceleration, acceleration])
+        if acceleration_bounds is not None:
+            by_sign = np.minimum(by_sign, np.abs(acceleration_bounds))
         if jerk:
             # With jerk bounds a coordinate reaches its velocity in v / a + a / j, or 2 sqrt(v / j).
             ramp = np.where(
-                either**2 < velocity * jerks,
-                velocity / either + either / jerks,
+                by_sign**2 < velocity * jerks,
+                velocity / by_sign + by_sign / jerks,
                 2 * np.sqrt(velocity / jerks),
             )
-            either = velocity / ramp
-        larger = either.max(axis=0)
-        shares = np.array([[-1.0], [1.0]]) * (either / larger)
-        return cls(velocity, larger, _JERK_SHARE * jerks if jerk else None, shares, loads)
+            by_sign = velocity / ramp
+        larger = by_sign.max(axis=0)
+        acceleration_range = np.array([[-1.0], [1.0]]) * (by_sign / larger)
+        return cls(
+            velocity, larger, _JERK_SHARE * jerks if jerk else None, acceleration_range, loads
+        )

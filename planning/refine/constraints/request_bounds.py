@@ -24,12 +24,16 @@ def request_bounds(world: World, request: RefineRequest) -> RateBounds:
         UnknownName: A frame does not exist.
         ProblemInvalid: The group does not move the payload.
     """
-    signed = signed_accelerations(request.path.group, request.others.acceleration_bounds)
-    if signed is not None and request.jerk:
+    acceleration_bounds = signed_accelerations(
+        request.path.group, request.motion_limits.acceleration_bounds
+    )
+    if acceleration_bounds is not None and request.jerk:
         # Retimers with jerk bounds have one acceleration bound for both signs.
-        signed = np.abs(signed).min(axis=0) * np.array([[-1.0], [1.0]])
+        acceleration_bounds = np.abs(acceleration_bounds).min(axis=0) * np.array([[-1.0], [1.0]])
     loads = _loads(world, request)
-    return RateBounds.of(request.limits, jerk=request.jerk, signed=signed, loads=loads)
+    return RateBounds.of(
+        request.limits, jerk=request.jerk, acceleration_bounds=acceleration_bounds, loads=loads
+    )
 
 
 def signed_accelerations(
@@ -38,23 +42,24 @@ def signed_accelerations(
     """Return lowest and highest accelerations by coordinate, infinite if unbounded, or None."""
     if not bounds:
         return None
-    found = np.array([[-np.inf], [np.inf]]) * np.ones(group.num_velocities)
+    accelerations = np.array([[-np.inf], [np.inf]]) * np.ones(group.num_velocities)
     columns = dict(group.blocks)
     for name, pair in bounds.items():
-        found[:, columns[name][0]] = pair
-    return found
+        accelerations[:, columns[name][0]] = pair
+    return accelerations
 
 
 def _loads(world: World, request: RefineRequest) -> tuple[Load, ...]:
     """Return the loads; none for groups with a floating joint, where rates of q are not v."""
-    group, others = request.path.group, request.others
+    group, motion_limits = request.path.group, request.motion_limits
     if not Manifold(group.joints).is_flat:
         return ()
     tools = tuple(
-        ToolLoad(ToolKinematics(world, group, limit.frame), limit) for limit in others.tool_limits
+        ToolLoad(ToolKinematics(world, group, limit.frame), limit)
+        for limit in motion_limits.tool_limits
     )
-    zones = tuple(ZoneLoad.of(world, group, zone) for zone in others.speed_zones)
-    if not others.effort:
+    zones = tuple(ZoneLoad.of(world, group, zone) for zone in motion_limits.speed_zones)
+    if not motion_limits.effort:
         return *tools, *zones
-    efforts = TorqueLoad.of(GroupDynamics(world, group, others.payload), request.limits)
+    efforts = TorqueLoad.of(GroupDynamics(world, group, motion_limits.payload), request.limits)
     return efforts, *tools, *zones

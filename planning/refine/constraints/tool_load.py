@@ -12,17 +12,17 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import ToolLimit
 from planning.refine.constraints.load import difference_quotients
-from planning.refine.curves.duration_bound import rest_to_rest
+from planning.refine.curves.duration_bound import rest_to_rest_durations
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 # Step of the difference quotient for J', as a displacement of the joints [rad or m].
-_STEP = 1e-4
+_DIFFERENCE_STEP = 1e-4
 # Sides of half the polygon. Its apothem is 1 - cos(pi / 96), 0.05 %, less than the disc's radius:
 # with a larger difference the model, which has the disc, would predict a gain that no step
 # achieves.
-_SIDES = 48
-_ANGLES = (np.arange(_SIDES) + 0.5) * np.pi / _SIDES
-_APOTHEM = float(np.cos(np.pi / (2 * _SIDES)))
+_NUM_SIDES = 48
+_ANGLES = (np.arange(_NUM_SIDES) + 0.5) * np.pi / _NUM_SIDES
+_APOTHEM = float(np.cos(np.pi / (2 * _NUM_SIDES)))
 _TINY = 1e-300
 
 
@@ -39,104 +39,119 @@ class ToolLoad:
     limit: ToolLimit
 
     @property
-    def parts(self) -> int:
+    def num_parts(self) -> int:
         """One part per grid interval."""
         return 1
 
-    def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
+    def load_ratios(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return velocity and acceleration over their limits, those that are limited."""
         if self.limit.acceleration is None:
-            return (self.kinematics.velocities(q, v) / self._speed)[:, None]
-        velocity, acceleration = self._rates(q, v, vdot)
-        pushed = acceleration / self._acceleration
+            return (self.kinematics.velocities(q, v) / self._max_speed)[:, None]
+        velocity, acceleration = self._velocity_and_acceleration(q, v, vdot)
+        acceleration_ratios = acceleration / self._max_acceleration
         if self.limit.speed is None:
-            return pushed[:, None]
-        return np.stack([velocity / self._speed, pushed], axis=1)
+            return acceleration_ratios[:, None]
+        return np.stack([velocity / self._max_speed, acceleration_ratios], axis=1)
 
-    def pace_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
+    def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
         """Return one row for the speed, and the polygon's rows for the acceleration."""
         if self.limit.acceleration is None:
-            way = self.kinematics.velocities(q, rate)
-            steady = (_lengths(way) / self._speed) ** 2
-            return np.zeros_like(steady), steady
-        way, turn = self._rates(q, rate, curvature)
-        ahead, steady = _lengths(way), (_lengths(way) / self._speed) ** 2
-        unit = way / np.maximum(ahead, _TINY)
-        straight = np.sum(turn * unit, axis=1, keepdims=True)
-        across = _lengths(turn - straight * unit)
-        radius = self._acceleration * _APOTHEM
+            tangent = self.kinematics.velocities(q, rate)
+            speed_rows = (_lengths(tangent) / self._max_speed) ** 2
+            return np.zeros_like(speed_rows), speed_rows
+        tangent, second_derivative = self._velocity_and_acceleration(q, rate, curvature)
+        tangent_length, speed_rows = _lengths(tangent), (_lengths(tangent) / self._max_speed) ** 2
+        unit = tangent / np.maximum(tangent_length, _TINY)
+        along = np.sum(second_derivative * unit, axis=1, keepdims=True)
+        across = _lengths(second_derivative - along * unit)
+        radius = self._max_acceleration * _APOTHEM
         cosines, sines = np.cos(_ANGLES), np.sin(_ANGLES)
         return (
-            np.concatenate([np.zeros_like(steady), cosines * ahead / radius], axis=1),
-            np.concatenate([steady, (cosines * straight + sines * across) / radius], axis=1),
+            np.concatenate([np.zeros_like(speed_rows), cosines * tangent_length / radius], axis=1),
+            np.concatenate([speed_rows, (cosines * along + sines * across) / radius], axis=1),
         )
 
-    def slopes(self, q: Array, v: Array, vdot: Array) -> Array:
+    def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return the derivatives of the load ratios.
 
         J is the derivative of the origin's position, so that d(J' v)/dv = 2 d(J v)/dq.
         """
         # The two rows of a grid point differ in vdot alone.
         is_new = np.append(True, ((q[1:] != q[:-1]) | (v[1:] != v[:-1])).any(axis=1))[: len(q)]
-        places, own = np.flatnonzero(is_new), np.cumsum(is_new) - 1
-        swept = v[places]
-        (found,) = difference_quotients(lambda at: self._swept(at, swept), q[places])
-        by_q, jacobian = found[own, :, : q.shape[1]], self.kinematics.by_v(q)[:, 3:]
-        turned = np.einsum("mijk,mj->mik", by_q, v)
-        none = np.zeros_like(jacobian)
-        by_velocity = np.stack([turned, jacobian, none]) / self._speed
+        new_rows, row_indices = np.flatnonzero(is_new), np.cumsum(is_new) - 1
+        velocities = v[new_rows]
+        (jacobian_derivatives,) = difference_quotients(
+            lambda at: self._jacobian_and_bias(at, velocities), q[new_rows]
+        )
+        by_q, jacobian = (
+            jacobian_derivatives[row_indices, :, : q.shape[1]],
+            self.kinematics.velocity_jacobians(q)[:, 3:],
+        )
+        velocity_by_q = np.einsum("mijk,mj->mik", by_q, v)
+        zeros = np.zeros_like(jacobian)
+        by_velocity = np.stack([velocity_by_q, jacobian, zeros]) / self._max_speed
         if self.limit.acceleration is None:
             return by_velocity[:, :, None]
-        bent = np.einsum("mijk,mj->mik", by_q, vdot) + found[own, :, -1]
-        by_acceleration = np.stack([bent, 2 * turned, jacobian]) / self._acceleration
+        acceleration_by_q = (
+            np.einsum("mijk,mj->mik", by_q, vdot) + jacobian_derivatives[row_indices, :, -1]
+        )
+        by_acceleration = (
+            np.stack([acceleration_by_q, 2 * velocity_by_q, jacobian]) / self._max_acceleration
+        )
         if self.limit.speed is None:
             return by_acceleration[:, :, None]
         return np.stack([by_velocity, by_acceleration], axis=2)
 
-    def held(self, q: Array) -> Array:
+    def static_load(self, q: Array) -> Array:
         """Return no columns: a frame at rest has no load."""
         return np.zeros((len(q), 0))
 
-    def least_duration(self, ends: Array) -> float:
+    def duration_lower_bound(self, ends: Array) -> float:
         """Return the duration of the straight line in space between the end positions [s]."""
         _, p_wt = self.kinematics.poses(ends)
-        way = float(np.linalg.norm(p_wt[1] - p_wt[0]))
-        return float(rest_to_rest(np.array([way]), self._speed, self._acceleration)[0])
+        distance = float(np.linalg.norm(p_wt[1] - p_wt[0]))
+        return float(
+            rest_to_rest_durations(np.array([distance]), self._max_speed, self._max_acceleration)[0]
+        )
 
     @property
-    def _speed(self) -> float:
+    def _max_speed(self) -> float:
         return np.inf if self.limit.speed is None else self.limit.speed
 
     @property
-    def _acceleration(self) -> float:
+    def _max_acceleration(self) -> float:
         return np.inf if self.limit.acceleration is None else self.limit.acceleration
 
-    def _swept(self, q: Array, v: Array) -> Array:
+    def _jacobian_and_bias(self, q: Array, v: Array) -> Array:
         """Return J, with J' v as another column if accelerations count; rows of v repeat.
 
         Shape (m, 3, nq) or (m, 3, nq + 1).
         """
-        jacobians = self.kinematics.by_v(q)[:, 3:]
+        jacobians = self.kinematics.velocity_jacobians(q)[:, 3:]
         if self.limit.acceleration is None:
             return jacobians
-        bend = self._bend(q, repeated(v, len(q)))
-        return np.concatenate([jacobians, bend[:, :, None]], axis=2)
+        bias = self._bias_acceleration(q, tile_rows(v, len(q)))
+        return np.concatenate([jacobians, bias[:, :, None]], axis=2)
 
-    def _rates(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array]:
+    def _velocity_and_acceleration(self, q: Array, v: Array, vdot: Array) -> tuple[Array, Array]:
         """Return the origin's velocity and acceleration: J v, and J vdot + J' v."""
-        jacobians = self.kinematics.by_v(q)[:, 3:]
-        velocity, pushed = (np.einsum("mij,mj->mi", jacobians, rate) for rate in (v, vdot))
-        return velocity, pushed + self._bend(q, v)
+        jacobians = self.kinematics.velocity_jacobians(q)[:, 3:]
+        velocity, jacobian_acceleration = (
+            np.einsum("mij,mj->mi", jacobians, rate) for rate in (v, vdot)
+        )
+        return velocity, jacobian_acceleration + self._bias_acceleration(q, v)
 
-    def _bend(self, q: Array, v: Array) -> Array:
+    def _bias_acceleration(self, q: Array, v: Array) -> Array:
         """Return J' v."""
-        reach = _STEP / np.maximum(_lengths(v), _TINY)
-        ways = np.concatenate([q + reach * v, q - reach * v])
-        later, sooner = self.kinematics.velocities(ways, np.concatenate([v, v])).reshape(2, -1, 3)
-        return (later - sooner) / (2 * reach)
+        time_step = _DIFFERENCE_STEP / np.maximum(_lengths(v), _TINY)
+        configurations = np.concatenate([q + time_step * v, q - time_step * v])
+        after, before = self.kinematics.velocities(configurations, np.concatenate([v, v])).reshape(
+            2, -1, 3
+        )
+        return (after - before) / (2 * time_step)
 
 
-def repeated(rows: Array, count: int) -> Array:
+def tile_rows(rows: Array, count: int) -> Array:
     """Return rows repeated as a block, `count` in total."""
     return np.tile(rows, (count // max(len(rows), 1), 1))
 

@@ -13,7 +13,7 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
 from planning.domain.robot.joints import JointLimits
-from planning.refine.constraints.load import MOST_HELD, difference_quotients
+from planning.refine.constraints.load import MAX_STATIC_LOAD, difference_quotients
 from planning.world.mechanics.dynamics import GroupDynamics
 
 
@@ -39,46 +39,53 @@ class TorqueLoad:
         return cls(dynamics, columns, efforts[columns])
 
     @property
-    def parts(self) -> int:
+    def num_parts(self) -> int:
         """One part per grid interval."""
         return 1
 
-    def vectors(self, q: Array, v: Array, vdot: Array) -> Array:
+    def load_ratios(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return torque over limit, a vector of one component for each joint."""
-        held = self.held(q)
-        beyond = held - np.clip(held, -MOST_HELD, MOST_HELD)
-        return (self._ratios(q, v, vdot) - beyond)[:, :, None]
+        static_loads = self.static_load(q)
+        excess = static_loads - np.clip(static_loads, -MAX_STATIC_LOAD, MAX_STATIC_LOAD)
+        return (self._torque_ratios(q, v, vdot) - excess)[:, :, None]
 
-    def slopes(self, q: Array, v: Array, vdot: Array) -> Array:
+    def derivatives(self, q: Array, v: Array, vdot: Array) -> Array:
         """Return the derivatives of the load ratios by difference quotients."""
-        found = difference_quotients(self._ratios, q, v, vdot)
-        is_beyond = np.abs(self.held(q)) > MOST_HELD
-        some = np.flatnonzero(is_beyond.any(axis=1))
-        (by_q,) = difference_quotients(self.held, q[some])
-        found[0, some] -= np.where(is_beyond[some, :, None], by_q, 0.0)
-        return found[:, :, :, None]
+        by_argument = difference_quotients(self._torque_ratios, q, v, vdot)
+        is_excessive = np.abs(self.static_load(q)) > MAX_STATIC_LOAD
+        excessive_rows = np.flatnonzero(is_excessive.any(axis=1))
+        (by_q,) = difference_quotients(self.static_load, q[excessive_rows])
+        by_argument[0, excessive_rows] -= np.where(is_excessive[excessive_rows, :, None], by_q, 0.0)
+        return by_argument[:, :, :, None]
 
-    def pace_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
+    def path_velocity_rows(self, q: Array, rate: Array, curvature: Array) -> tuple[Array, Array]:
         """Return two rows for every joint, in units of what gravity leaves of the limit."""
-        found = self.dynamics.along(q, rate, curvature)
-        ahead, bend, held = (
-            part[:, self.columns] / self.efforts for part in (found.ahead, found.bend, found.held)
+        path_efforts = self.dynamics.path_efforts(q, rate, curvature)
+        by_u, by_b, static_loads = (
+            part[:, self.columns] / self.efforts
+            for part in (
+                path_efforts.by_path_acceleration,
+                path_efforts.by_squared_velocity,
+                path_efforts.static,
+            )
         )
-        more, less = (np.maximum(1 + sign * held, 1 - MOST_HELD) for sign in (-1, 1))
+        upper_reserve, lower_reserve = (
+            np.maximum(1 + sign * static_loads, 1 - MAX_STATIC_LOAD) for sign in (-1, 1)
+        )
         return (
-            np.concatenate([ahead / more, -ahead / less], axis=1),
-            np.concatenate([bend / more, -bend / less], axis=1),
+            np.concatenate([by_u / upper_reserve, -by_u / lower_reserve], axis=1),
+            np.concatenate([by_b / upper_reserve, -by_b / lower_reserve], axis=1),
         )
 
-    def held(self, q: Array) -> Array:
+    def static_load(self, q: Array) -> Array:
         """Return the static load ratios: torques of gravity over limits."""
-        still = np.zeros_like(q)
-        return self._ratios(q, still, still)
+        zeros = np.zeros_like(q)
+        return self._torque_ratios(q, zeros, zeros)
 
-    def least_duration(self, ends: Array) -> float:  # noqa: ARG002  (none is known)
+    def duration_lower_bound(self, ends: Array) -> float:  # noqa: ARG002  (none is known)
         """Return 0: no other bound is known."""
         return 0.0
 
-    def _ratios(self, q: Array, v: Array, vdot: Array) -> Array:
+    def _torque_ratios(self, q: Array, v: Array, vdot: Array) -> Array:
         efforts = self.dynamics.efforts(q, v, vdot) - self.dynamics.damping * v
         return efforts[:, self.columns] / self.efforts

@@ -22,19 +22,19 @@ from planning.domain.curves.path import JointPath
 from planning.domain.robot.joints import JointLimits
 from planning.domain.robot.manifold import Manifold
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
-from planning.refine.curves.bspline_basis import spline_of
-from planning.refine.curves.fit import unwrapped
+from planning.refine.curves.bspline_basis import make_bspline
+from planning.refine.curves.fit import unwrapped_waypoints
 from planning.refine.curves.power_basis import joint_spline
-from planning.refine.curves.unwrapped_tangents import tangents_along, turns_of
+from planning.refine.curves.unwrapped_tangents import rotation_angles, tangents_along
 
 # Longest tangent up to which the middle configuration serves as the base [rad].
-_LONG = 2.2
+_MAX_MIDDLE_TANGENT = 2.2
 # Longest tangent for a chart: beyond, rates across it are overestimated by a factor of three [rad].
-_LONGEST = 4.5
+_MAX_TANGENT = 4.5
 # Number of bases that are tried.
-_MOST_BASES = 33
+_MAX_BASES = 33
 # Step along geodesics between waypoints, which are no straight lines in a chart.
-_APART = 0.05
+_SAMPLE_SPACING = 0.05
 
 
 @runtime_checkable
@@ -51,7 +51,7 @@ class Chart(Protocol):
         ...
 
     @property
-    def winds(self) -> bool:
+    def is_winding(self) -> bool:
         """Whether the path turns so far that the shortest path between its ends is another one."""
         ...
 
@@ -59,11 +59,11 @@ class Chart(Protocol):
         """Return the configurations with given coordinates."""
         ...
 
-    def box(self, limits: JointLimits) -> JointLimits:
+    def limits_in_chart(self, limits: JointLimits) -> JointLimits:
         """Return limits with position bounds in these coordinates."""
         ...
 
-    def measured(self, nearness: DistanceQuery) -> DistanceQuery:
+    def distance_query_in_chart(self, distance_query: DistanceQuery) -> DistanceQuery:
         """Return a distance query in these coordinates, gradients included."""
         ...
 
@@ -81,10 +81,10 @@ class FlatChart:
     @property
     def waypoints(self) -> Array:
         """Waypoints of the path, without jumps by full turns."""
-        return unwrapped(self.path)
+        return unwrapped_waypoints(self.path)
 
     @property
-    def winds(self) -> bool:
+    def is_winding(self) -> bool:
         """False: angles keep the direction that the search has chosen."""
         return False
 
@@ -92,17 +92,17 @@ class FlatChart:
         """Return the coordinates themselves."""
         return deltas
 
-    def box(self, limits: JointLimits) -> JointLimits:
+    def limits_in_chart(self, limits: JointLimits) -> JointLimits:
         """Return the same limits."""
         return limits
 
-    def measured(self, nearness: DistanceQuery) -> DistanceQuery:
+    def distance_query_in_chart(self, distance_query: DistanceQuery) -> DistanceQuery:
         """Return the same distance query: v is the derivative of positions."""
-        return nearness
+        return distance_query
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
         """Return the curve with these control points."""
-        return joint_spline(self.path.group.joints, spline_of(points))
+        return joint_spline(self.path.group.joints, make_bspline(points))
 
 
 @dataclass(frozen=True)
@@ -120,15 +120,15 @@ class TangentChart:
     waypoints: Float64[np.ndarray, "n nv"]
 
     @property
-    def winds(self) -> bool:
+    def is_winding(self) -> bool:
         """Whether a joint turns farther from the base than half of any shortest path does."""
-        return bool(turns_of(self.path.group, self.waypoints).max() > _LONG)
+        return bool(rotation_angles(self.path.group, self.waypoints).max() > _MAX_MIDDLE_TANGENT)
 
     def positions(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nq"]:
         """Return base [+] delta."""
         return self._manifold.plus(self.base, deltas)
 
-    def box(self, limits: JointLimits) -> JointLimits:
+    def limits_in_chart(self, limits: JointLimits) -> JointLimits:
         """Return position limits relative to the base; rotations have none."""
         group = self.path.group
         names = group.velocity_names
@@ -140,11 +140,13 @@ class TangentChart:
         upper[in_v] = limits.upper[in_q] - self.base[in_q]
         return replace(limits, lower=lower, upper=upper)
 
-    def measured(self, nearness: DistanceQuery) -> DistanceQuery:
+    def distance_query_in_chart(self, distance_query: DistanceQuery) -> DistanceQuery:
         """Return a distance query with gradients with respect to delta."""
-        return _TangentNearness(nearness, self)
+        return _TangentDistanceQuery(distance_query, self)
 
-    def rates(self, deltas: Float64[np.ndarray, "m nv"]) -> Float64[np.ndarray, "m nv nv"]:
+    def velocity_jacobians(
+        self, deltas: Float64[np.ndarray, "m nv"]
+    ) -> Float64[np.ndarray, "m nv nv"]:
         """Return Drake's v per unit rate of each coordinate, along the last axis."""
         q = self.positions(deltas)
         units = np.eye(deltas.shape[1])
@@ -156,7 +158,7 @@ class TangentChart:
 
     def curve(self, points: Float64[np.ndarray, "k nv"]) -> JointSpline:
         """Return the curve with these control points."""
-        flat = joint_spline(self.path.group.joints, spline_of(points))
+        flat = joint_spline(self.path.group.joints, make_bspline(points))
         coefficients = flat.coefficients.copy()
         coefficients[:, 0] += flat.bases
         bases = np.broadcast_to(self.base, (flat.num_pieces, len(self.base)))
@@ -168,18 +170,22 @@ class TangentChart:
 
 
 @dataclass(frozen=True)
-class _TangentNearness:
+class _TangentDistanceQuery:
     inner: DistanceQuery
     chart: TangentChart
 
-    def within(self, qs: Float64[np.ndarray, "m nv"], reach: float) -> DistanceRows:
-        """Return the pairs with a signed margin below `reach` [m]."""
-        near = self.inner.within(self.chart.positions(qs), reach)
-        rates = self.chart.rates(qs)[near.at]
-        return DistanceRows(near.at, near.spare, np.einsum("mi,mij->mj", near.gradient, rates))
+    def within(self, qs: Float64[np.ndarray, "m nv"], influence_distance: float) -> DistanceRows:
+        """Return the pairs with a signed margin below `influence_distance` [m]."""
+        rows = self.inner.within(self.chart.positions(qs), influence_distance)
+        jacobians = self.chart.velocity_jacobians(qs)[rows.sample_indices]
+        return DistanceRows(
+            rows.sample_indices,
+            rows.signed_margins,
+            np.einsum("mi,mij->mj", rows.gradients, jacobians),
+        )
 
 
-def chart_of(path: JointPath) -> FlatChart | TangentChart:
+def make_chart(path: JointPath) -> FlatChart | TangentChart:
     """Return the chart of a path.
 
     If the path turns too far for one tangent space, it is the chart of the straight path between
@@ -188,27 +194,27 @@ def chart_of(path: JointPath) -> FlatChart | TangentChart:
     manifold = Manifold(path.group.joints)
     if manifold.is_flat:
         return FlatChart(path)
-    dense = _dense(path)
-    middle = np.array([len(dense) // 2])
-    base, deltas, longest = _charted(path, dense, middle)
-    if longest > _LONG:
-        tried = np.linspace(0, len(dense) - 1, _MOST_BASES).astype(np.intp)
-        base, deltas, longest = _charted(path, dense, tried)
-    if longest > _LONGEST:
-        return chart_of(path.straight)
+    samples = _sample_path(path)
+    middle = np.array([len(samples) // 2])
+    base, deltas, longest = _best_base(path, samples, middle)
+    if longest > _MAX_MIDDLE_TANGENT:
+        candidates = np.linspace(0, len(samples) - 1, _MAX_BASES).astype(np.intp)
+        base, deltas, longest = _best_base(path, samples, candidates)
+    if longest > _MAX_TANGENT:
+        return make_chart(path.straight)
     moves = np.linalg.norm(np.diff(deltas, axis=0), axis=1) > 1e-9
     return TangentChart(path, base, deltas[np.concatenate([[True], moves])])
 
 
-def _dense(path: JointPath) -> Array:
+def _sample_path(path: JointPath) -> Array:
     """Return configurations along a path, in small steps."""
-    count = max(2, int(path.length / _APART) + 1)
+    count = max(2, int(path.length / _SAMPLE_SPACING) + 1)
     return path.spline.positions(np.linspace(0.0, 1.0, count))
 
 
-def _charted(path: JointPath, dense: Array, anchors: Any) -> tuple[Array, Array, float]:
+def _best_base(path: JointPath, samples: Array, anchors: Any) -> tuple[Array, Array, float]:
     """Return the best of several bases, the tangents there, and their longest turn [rad]."""
-    tangents = tangents_along(path.group, dense, anchors)
-    turns = turns_of(path.group, tangents).max(axis=(0, 2))
+    tangents = tangents_along(path.group, samples, anchors)
+    turns = rotation_angles(path.group, tangents).max(axis=(0, 2))
     best = int(turns.argmin())
-    return dense[anchors[best]], tangents[:, best], float(turns[best])
+    return samples[anchors[best]], tangents[:, best], float(turns[best])

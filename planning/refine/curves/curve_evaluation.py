@@ -12,7 +12,7 @@ from planning.refine.model.load_evaluation import LoadEvaluation
 from planning.refine.model.load_linearization import LoadLinearization
 
 # Penalty of a metre less than the required distance, per instant and pair [s/m].
-DISTANCE_PRICE = 20.0
+DISTANCE_PENALTY = 20.0
 
 
 @dataclass(frozen=True)
@@ -21,33 +21,41 @@ class CurveEvaluation:
 
     Attributes:
         points: Its control points, shape (k, nq).
-        rates: Its derivatives over the rate bounds.
-        pace: Minimum-time squared path velocity b [1/s^2] at the grid, shape (n + 1,).
+        derivatives: Its derivatives over the rate bounds.
+        path_velocity: Minimum-time squared path velocity b [1/s^2] at the grid, shape (n + 1,).
         duration: At that path velocity [s].
-        near: Distances of near pairs at the instants.
-        wished: Distances of pairs within reach of the clearance objective, or None.
-        worth: Duration plus cost of the clearance objective [s].
-        felt: Load evaluation, or None without loads.
-        cost: Merit: `worth` plus the penalties of distances that are too short and of static loads
-            that are too large [s].
+        distances: Distances of near pairs at the instants.
+        clearances: Distances of pairs within reach of the clearance objective, or None.
+        objective: Duration plus cost of the clearance objective [s].
+        loads: Load evaluation, or None without loads.
+        merit: Merit: `objective` plus the penalties of distances that are too short and of static
+            loads that are too large [s].
     """
 
     points: Array
-    rates: NormalizedDerivatives
-    pace: Array
+    derivatives: NormalizedDerivatives
+    path_velocity: Array
     duration: float
-    near: DistanceRows
-    wished: DistanceRows | None
-    worth: float
-    felt: LoadEvaluation | None
+    distances: DistanceRows
+    clearances: DistanceRows | None
+    objective: float
+    loads: LoadEvaluation | None
 
     @cached_property
-    def strains(self) -> tuple[LoadLinearization, ...]:
+    def load_linearizations(self) -> tuple[LoadLinearization, ...]:
         """Load linearizations at that path velocity."""
-        return () if self.felt is None else self.felt.strains(self.pace, self.duration)
+        return (
+            ()
+            if self.loads is None
+            else self.loads.load_linearizations(self.path_velocity, self.duration)
+        )
 
     @cached_property
-    def cost(self) -> float:
+    def merit(self) -> float:
         """Merit of the curve, which the optimisation minimises [s]."""
-        held = 0.0 if self.felt is None else self.felt.cost
-        return self.worth + held + DISTANCE_PRICE * float(np.maximum(-self.near.spare, 0.0).sum())
+        static_load_penalty = 0.0 if self.loads is None else self.loads.penalty
+        return (
+            self.objective
+            + static_load_penalty
+            + DISTANCE_PENALTY * float(np.maximum(-self.distances.signed_margins, 0.0).sum())
+        )

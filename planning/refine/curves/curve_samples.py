@@ -16,8 +16,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
-from planning.refine.curves.bspline_basis import weights_at
-from planning.refine.curves.path_velocity import grid_of
+from planning.refine.curves.bspline_basis import basis_weights
+from planning.refine.curves.path_velocity import path_grid
 
 
 @dataclass(frozen=True)
@@ -25,20 +25,25 @@ class GridWeights:
     """Weights of control points for r, r' and r'' at the ends of parts of the grid's intervals.
 
     Attributes:
-        owners: Indices of the control points with nonzero weight, shape (n parts + 1, 4).
-        local: Their weights, shape (3, n parts + 1, 4).
+        control_points: Indices of the control points with nonzero weight, shape (n parts + 1, 4).
+        values: Their weights, shape (3, n parts + 1, 4).
     """
 
-    owners: Indices
-    local: Array
+    control_points: Indices
+    values: Array
 
 
 @lru_cache(maxsize=16)
-def grid_weights(count: int, parts: int = 1) -> GridWeights:
-    """Return the weights for a number of control points, at `parts` parts per grid interval."""
-    n = len(grid_of(count).owners) * parts
-    found = [weights_at(count, np.arange(n + 1) / n, order) for order in range(3)]
-    return GridWeights(found[0].owners, np.stack([weights.local for weights in found]))
+def grid_weights(num_control_points: int, num_parts: int = 1) -> GridWeights:
+    """Return the weights for a number of control points, at `num_parts` parts per grid interval."""
+    n = len(path_grid(num_control_points).control_points) * num_parts
+    weights_by_order = [
+        basis_weights(num_control_points, np.arange(n + 1) / n, order) for order in range(3)
+    ]
+    return GridWeights(
+        weights_by_order[0].control_points,
+        np.stack([weights.values for weights in weights_by_order]),
+    )
 
 
 @dataclass(frozen=True)
@@ -48,66 +53,66 @@ class CurveSamples:
     Attributes:
         step: Width of an interval.
         weights: Of control points.
-        places: Rows of these weights, shape (m,).
+        grid_indices: Rows of these weights, shape (m,).
         intervals: Index of each sample's interval, which has its u, shape (m,).
-        shares: Fraction of the interval before the sample, shape (m,).
+        fractions: Fraction of the interval before the sample, shape (m,).
         states: r, r' and r'' at the samples, shape (3, m, nq).
         b: Squared path velocity at the samples, shape (m,).
-        around: b at both ends of the interval, shape (m, 2).
+        interval_ends: b at both ends of the interval, shape (m, 2).
     """
 
     step: float
     weights: GridWeights
-    places: Indices
+    grid_indices: Indices
     intervals: Indices
-    shares: Array
+    fractions: Array
     states: Array
     b: Array
-    around: Array
+    interval_ends: Array
 
     @classmethod
     def of(
         cls,
-        count: int,
+        num_control_points: int,
         states: Float64[np.ndarray, "3 m nq"],
         b: Float64[np.ndarray, " n_plus_1"],
-        parts: int = 1,
+        num_parts: int = 1,
     ) -> "CurveSamples":
         """Return both ends of every part of every interval.
 
         Args:
-            count: Number of control points.
+            num_control_points: Number of control points.
             states: r, r' and r'' at the ends of parts, m = n parts + 1.
             b: Squared path velocity at the grid.
-            parts: Number of parts of an interval.
+            num_parts: Number of parts of an interval.
         """
         n = len(b) - 1
-        intervals = np.repeat(np.arange(n), parts + 1)
-        within = np.tile(np.arange(parts + 1), n)
-        places, shares = intervals * parts + within, within / parts
-        around = np.stack([b[intervals], b[intervals + 1]], axis=1)
+        intervals = np.repeat(np.arange(n), num_parts + 1)
+        parts = np.tile(np.arange(num_parts + 1), n)
+        grid_indices, fractions = intervals * num_parts + parts, parts / num_parts
+        interval_ends = np.stack([b[intervals], b[intervals + 1]], axis=1)
         return cls(
-            grid_of(count).step,
-            grid_weights(count, parts),
-            places,
+            path_grid(num_control_points).step,
+            grid_weights(num_control_points, num_parts),
+            grid_indices,
             intervals,
-            shares,
-            states[:, places],
-            (1 - shares) * around[:, 0] + shares * around[:, 1],
-            around,
+            fractions,
+            states[:, grid_indices],
+            (1 - fractions) * interval_ends[:, 0] + fractions * interval_ends[:, 1],
+            interval_ends,
         )
 
-    def taken(self, which: Indices) -> "CurveSamples":
+    def selected(self, which: Indices) -> "CurveSamples":
         """Return the selected samples."""
         return CurveSamples(
             self.step,
             self.weights,
-            self.places[which],
+            self.grid_indices[which],
             self.intervals[which],
-            self.shares[which],
+            self.fractions[which],
             self.states[:, which],
             self.b[which],
-            self.around[which],
+            self.interval_ends[which],
         )
 
     @property
@@ -117,7 +122,7 @@ class CurveSamples:
         b, u = self.b[:, None], self._u[:, None]
         return q, rate * np.sqrt(b), curvature * b + rate * u
 
-    def by_point(self, by_q: Array, by_v: Array, by_vdot: Array) -> Array:
+    def by_control_point(self, by_q: Array, by_v: Array, by_vdot: Array) -> Array:
         """Return derivatives by coordinates of 4 control points, shape (m, rows, 4, nq).
 
         Args:
@@ -127,25 +132,25 @@ class CurveSamples:
         """
         b, u = self.b[:, None, None], self._u[:, None, None]
         by_state = np.stack([by_q, np.sqrt(b) * by_v + u * by_vdot, b * by_vdot])
-        local = self.weights.local[:, self.places, None, :, None]
-        return (local * by_state[:, :, :, None]).sum(axis=0)
+        weights = self.weights.values[:, self.grid_indices, None, :, None]
+        return (weights * by_state[:, :, :, None]).sum(axis=0)
 
-    def by_pace(self, by_v: Array, by_vdot: Array) -> Array:
+    def by_path_velocity(self, by_v: Array, by_vdot: Array) -> Array:
         """Return derivatives by b at both ends of the interval, times b, shape (m, rows, 2)."""
         _, rate, curvature = self.states
-        own = np.einsum("mrj,mj->mr", by_v, rate * np.sqrt(self.b)[:, None] / 2)
-        own += np.einsum("mrj,mj->mr", by_vdot, curvature * self.b[:, None])
-        ahead = np.einsum("mrj,mj->mr", by_vdot, rate)
-        changes = self.around * [-1.0, 1.0] / (2 * self.step)
-        parts = self.around * np.stack([1 - self.shares, self.shares], axis=1)
-        parts /= np.where(self.b > 0, self.b, 1.0)[:, None]
-        return ahead[:, :, None] * changes[:, None] + own[:, :, None] * parts[:, None]
+        by_b = np.einsum("mrj,mj->mr", by_v, rate * np.sqrt(self.b)[:, None] / 2)
+        by_b += np.einsum("mrj,mj->mr", by_vdot, curvature * self.b[:, None])
+        by_u = np.einsum("mrj,mj->mr", by_vdot, rate)
+        changes = self.interval_ends * [-1.0, 1.0] / (2 * self.step)
+        shares = self.interval_ends * np.stack([1 - self.fractions, self.fractions], axis=1)
+        shares /= np.where(self.b > 0, self.b, 1.0)[:, None]
+        return by_u[:, :, None] * changes[:, None] + by_b[:, :, None] * shares[:, None]
 
     @property
-    def owners(self) -> Indices:
+    def control_points(self) -> Indices:
         """Indices of the control points with nonzero weight at each sample, shape (m, 4)."""
-        return self.weights.owners[self.places]
+        return self.weights.control_points[self.grid_indices]
 
     @property
     def _u(self) -> Array:
-        return (self.around[:, 1] - self.around[:, 0]) / (2 * self.step)
+        return (self.interval_ends[:, 1] - self.interval_ends[:, 0]) / (2 * self.step)

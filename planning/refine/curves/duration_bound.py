@@ -10,12 +10,12 @@ from planning.domain.robot.joints import JointLimits
 from planning.refine.constraints.rate_bounds import RateBounds
 
 
-def least_duration(
+def duration_lower_bound(
     limits: JointLimits,
-    moved: Float64[np.ndarray, " nv"],
+    displacement: Float64[np.ndarray, " nv"],
     *,
     jerk: bool,
-    signed: Float64[np.ndarray, "2 nv"] | None = None,
+    acceleration_bounds: Float64[np.ndarray, "2 nv"] | None = None,
 ) -> float:
     """Return a lower bound of the duration from rest to rest [s].
 
@@ -25,39 +25,43 @@ def least_duration(
 
     Args:
         limits: Of the group.
-        moved: Displacement from start to goal [rad or m].
+        displacement: Displacement from start to goal [rad or m].
         jerk: Whether jerk is limited.
-        signed: Lowest and highest accelerations in addition [rad/s^2 or m/s^2], infinite where
-            there are none; only for blocks of one coordinate.
+        acceleration_bounds: Lowest and highest accelerations in addition [rad/s^2 or m/s^2],
+            infinite where there are none; only for blocks of one coordinate.
     """
-    ways = np.array([np.linalg.norm(moved[list(block)]) for block in limits.blocks])
-    alone = JointLimits(
+    distances = np.array([np.linalg.norm(displacement[list(block)]) for block in limits.blocks])
+    scalar_limits = JointLimits(
         limits.lower,
         limits.upper,
         limits.velocity,
         limits.acceleration,
         limits.jerk,
         limits.effort,
-        tuple((k,) for k in range(len(ways))),
+        tuple((k,) for k in range(len(distances))),
     )
     firsts = [block[0] for block in limits.blocks]
-    bounds = RateBounds.of(alone, jerk=jerk, signed=None if signed is None else signed[:, firsts])
+    bounds = RateBounds.of(
+        scalar_limits,
+        jerk=jerk,
+        acceleration_bounds=None if acceleration_bounds is None else acceleration_bounds[:, firsts],
+    )
     v, a = bounds.velocity, bounds.acceleration
     # Speeding up and slowing down take v / up + v / down; only the sum matters, not the distance.
-    down, up = np.abs(bounds.signed)
+    down, up = np.abs(bounds.acceleration_range)
     a = np.where(down == up, a, a * 2 * up * down / (up + down))
-    return float(rest_to_rest(ways, v, a).max())
+    return float(rest_to_rest_durations(distances, v, a).max())
 
 
-def rest_to_rest(ways: Array, speed: Any, acceleration: Any) -> Array:
+def rest_to_rest_durations(distances: Array, speed: Any, acceleration: Any) -> Array:
     """Return the least durations of straight motions from rest to rest [s].
 
     Args:
-        ways: Lengths [rad or m], not negative.
+        distances: Lengths [rad or m], not negative.
         speed: Bound on speed, infinite for none.
         acceleration: Bound on acceleration, likewise; one of both is finite.
     """
     with np.errstate(invalid="ignore"):
-        is_short = ways * acceleration < speed * speed
-    ramps = 2 * np.sqrt(ways / acceleration)
-    return np.where(is_short, ramps, ways / speed + speed / acceleration)
+        is_short = distances * acceleration < speed * speed
+    triangular_durations = 2 * np.sqrt(distances / acceleration)
+    return np.where(is_short, triangular_durations, distances / speed + speed / acceleration)

@@ -21,11 +21,11 @@ def joint_spline(joints: tuple[Joint, ...], spline: BsplineTrajectory) -> JointS
     """
     knots = np.unique(np.array(spline.basis().knots()))
     begin, length = spline.start_time(), spline.end_time() - spline.start_time()
-    lefts: list[float] = knots[:-1].tolist()
-    bases = spline.vector_values(lefts).T
+    span_starts: list[float] = knots[:-1].tolist()
+    bases = spline.vector_values(span_starts).T
     terms = [np.zeros_like(bases)]
     for k in range(1, spline.basis().order()):
-        rate = spline.MakeDerivative(k).vector_values(lefts).T
+        rate = spline.MakeDerivative(k).vector_values(span_starts).T
         terms.append(rate * (length**k / factorial(k)))
     breaks = (knots - begin) / length
     breaks[0], breaks[-1] = 0.0, 1.0

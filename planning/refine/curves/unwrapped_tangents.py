@@ -10,16 +10,16 @@ from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointType, offsets_of
 from planning.domain.robot.manifold import Manifold
 
-_TURN = 2 * np.pi
+_FULL_TURN = 2 * np.pi
 _TINY = 1e-12
 
 
-def turns_of(
+def rotation_angles(
     group: JointGroup, deltas: Float64[np.ndarray, "*n nv"]
 ) -> Float64[np.ndarray, "*n k"]:
     """Return the rotation angle of each floating joint [rad]."""
-    spins = [deltas[..., i : i + 3] for i in _spins(group)]
-    return np.stack([np.linalg.norm(spin, axis=-1) for spin in spins], axis=-1)
+    rotations = [deltas[..., i : i + 3] for i in _rotation_offsets(group)]
+    return np.stack([np.linalg.norm(rotation, axis=-1) for rotation in rotations], axis=-1)
 
 
 def tangents_along(
@@ -32,30 +32,34 @@ def tangents_along(
         qs: Configurations along a path, consecutive ones near each other.
         anchors: Rows of those that are bases.
     """
-    found = Manifold(group.joints).minus(qs[:, None], qs[anchors][None])
+    tangents = Manifold(group.joints).minus(qs[:, None], qs[anchors][None])
     for i in range(1, len(qs)):
-        ahead = anchors < i
-        found[i, ahead] = _nearest(group, found[i, ahead], found[i - 1, ahead])
+        is_after = anchors < i
+        tangents[i, is_after] = _nearest_equivalent(
+            group, tangents[i, is_after], tangents[i - 1, is_after]
+        )
     for i in range(len(qs) - 2, -1, -1):
-        behind = anchors > i
-        found[i, behind] = _nearest(group, found[i, behind], found[i + 1, behind])
-    return found
+        is_before = anchors > i
+        tangents[i, is_before] = _nearest_equivalent(
+            group, tangents[i, is_before], tangents[i + 1, is_before]
+        )
+    return tangents
 
 
-def _nearest(group: JointGroup, deltas: Array, others: Array) -> Array:
+def _nearest_equivalent(group: JointGroup, deltas: Array, references: Array) -> Array:
     """Return the tangents of the same configurations that are nearest to others."""
-    near = np.array(deltas)
-    circle = list(Manifold(group.joints).wraps)
-    near[:, circle] += _TURN * np.round((others - deltas)[:, circle] / _TURN)
-    for i in _spins(group):
-        spin = deltas[:, i : i + 3]
-        length = np.linalg.norm(spin, axis=1, keepdims=True)
-        axis = spin / np.maximum(length, _TINY)
-        along = np.sum(axis * others[:, i : i + 3], axis=1, keepdims=True)
-        near[:, i : i + 3] += _TURN * np.round((along - length) / _TURN) * axis
-    return near
+    nearest = np.array(deltas)
+    wrapping = list(Manifold(group.joints).wraps)
+    nearest[:, wrapping] += _FULL_TURN * np.round((references - deltas)[:, wrapping] / _FULL_TURN)
+    for i in _rotation_offsets(group):
+        rotation = deltas[:, i : i + 3]
+        length = np.linalg.norm(rotation, axis=1, keepdims=True)
+        axis = rotation / np.maximum(length, _TINY)
+        along = np.sum(axis * references[:, i : i + 3], axis=1, keepdims=True)
+        nearest[:, i : i + 3] += _FULL_TURN * np.round((along - length) / _FULL_TURN) * axis
+    return nearest
 
 
-def _spins(group: JointGroup) -> list[int]:
+def _rotation_offsets(group: JointGroup) -> list[int]:
     """Return the index in v of the rotation of each floating joint."""
     return [iv for _, iv in offsets_of(group.joints, lambda j: j.type is JointType.FLOATING)]

@@ -6,21 +6,21 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Flags, Indices
-from planning.refine.constraints.load import MOST_HELD, Load, difference_quotients
+from planning.refine.constraints.load import MAX_STATIC_LOAD, Load, difference_quotients
 from planning.refine.curves.curve_samples import CurveSamples
 from planning.refine.model.path_velocity_rows import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyRows
 
 # Load ratios below this have no row.
-_SEEN = 0.5
+_MIN_LOAD_RATIO = 0.5
 # The same for static loads, which change with the curve alone.
-_HELD_SEEN = 0.75
+_MIN_STATIC_LOAD_RATIO = 0.75
 # Largest change of a row's sum by a step, in units of its entries: b may grow by half.
-_REACH = 1.5
+_MAX_CHANGE_FACTOR = 1.5
 # Angles between the normals of tangent planes and the vector itself [rad].
-_TILTS = (0.2, 0.5)
+_TILT_ANGLES = (0.2, 0.5)
 # A tangent plane bounds a ball on one side; a scalar is bounded on both.
-_ABOVE, _EITHER = (1.0,), (1.0, -1.0)
+_UPPER_SIGNS, _BOTH_SIGNS = (1.0,), (1.0, -1.0)
 
 
 @dataclass(frozen=True)
@@ -28,92 +28,113 @@ class LoadLinearization:
     """Large ratios of one load at samples on every interval of the grid, with derivatives.
 
     Attributes:
-        places: Indices of the samples, shape (m,).
-        owners: Indices of the control points with nonzero weight there, shape (m, 4).
+        sample_indices: Indices of the samples, shape (m,).
+        control_points: Indices of the control points with nonzero weight there, shape (m, 4).
         intervals: Index of each sample's interval, which has its u, shape (m,).
-        now: Load ratios, shape (m, rows).
-        by_point: Their derivatives by coordinates of control points, shape (m, rows, 4, nq).
-        by_pace: By b at both ends of the interval, times b, shape (m, rows, 2).
-        is_told: Mask of the rows to use, without duplicates, shape (m, rows).
-        sides: Signs with a bound: above, or above and below.
+        ratios: Load ratios, shape (m, rows).
+        by_control_point: Their derivatives by coordinates of control points, shape (m, rows, 4,
+            nq).
+        by_path_velocity: By b at both ends of the interval, times b, shape (m, rows, 2).
+        is_selected: Mask of the rows to use, without duplicates, shape (m, rows).
+        signs: Signs with a bound: above, or above and below.
         bound: Of the ratios.
-        price: Penalty of exceeding the bound by its own size, in durations.
+        penalty: Penalty of exceeding the bound by its own size, in durations.
     """
 
-    places: Indices
-    owners: Indices
+    sample_indices: Indices
+    control_points: Indices
     intervals: Indices
-    now: Array
-    by_point: Array
-    by_pace: Array
-    is_told: Flags
-    sides: tuple[float, ...]
+    ratios: Array
+    by_control_point: Array
+    by_path_velocity: Array
+    is_selected: Flags
+    signs: tuple[float, ...]
     bound: float = 1.0
-    price: float = RATE_PENALTY
+    penalty: float = RATE_PENALTY
 
     @classmethod
-    def of(cls, load: Load, moments: CurveSamples) -> "LoadLinearization":
+    def of(cls, load: Load, samples: CurveSamples) -> "LoadLinearization":
         """Linearize the load of a motion."""
-        vectors = load.vectors(*moments.motion)
-        seen = np.flatnonzero((np.linalg.norm(vectors, axis=2) > _SEEN).any(axis=1))
-        vectors, moments = vectors[seen], moments.taken(seen)
+        vectors = load.load_ratios(*samples.motion)
+        selected = np.flatnonzero((np.linalg.norm(vectors, axis=2) > _MIN_LOAD_RATIO).any(axis=1))
+        vectors, samples = vectors[selected], samples.selected(selected)
         normals = _normals(vectors)
-        rows = len(seen), normals.shape[1] * normals.shape[2]
+        rows = len(selected), normals.shape[1] * normals.shape[2]
         by_q, by_v, by_vdot = (
             np.einsum("mbrd,mbdj->mbrj", normals, part).reshape(*rows, part.shape[-1])
-            for part in load.slopes(*moments.motion)
+            for part in load.derivatives(*samples.motion)
         )
         return cls(
-            moments.places,
-            moments.owners,
-            moments.intervals,
+            samples.grid_indices,
+            samples.control_points,
+            samples.intervals,
             np.einsum("mbrd,mbd->mbr", normals, vectors).reshape(rows),
-            moments.by_point(by_q, by_v, by_vdot),
-            moments.by_pace(by_v, by_vdot),
+            samples.by_control_point(by_q, by_v, by_vdot),
+            samples.by_path_velocity(by_v, by_vdot),
             # Rows that do not depend on u are equal on both sides of a grid point.
-            by_vdot.any(axis=2) | (moments.shares < 1)[:, None],
-            _EITHER if vectors.shape[2] == 1 else _ABOVE,
+            by_vdot.any(axis=2) | (samples.fractions < 1)[:, None],
+            _BOTH_SIGNS if vectors.shape[2] == 1 else _UPPER_SIGNS,
         )
 
     @classmethod
-    def still(cls, load: Load, moments: CurveSamples, price: float) -> "LoadLinearization":
+    def of_static_load(
+        cls, load: Load, samples: CurveSamples, penalty: float
+    ) -> "LoadLinearization":
         """Linearize the static load."""
-        moments = moments.taken(np.flatnonzero(moments.shares == 1))
-        held = load.held(moments.states[0])
-        seen = np.flatnonzero((np.abs(held) > _HELD_SEEN).any(axis=1))
-        moments = moments.taken(seen)
-        (by_q,) = difference_quotients(load.held, moments.states[0])
-        none = np.zeros_like(by_q)
-        by_point, by_pace = moments.by_point(by_q, none, none), moments.by_pace(none, none)
-        ends = moments.places, moments.owners, moments.intervals
-        told = np.ones(by_q.shape[:2], dtype=bool)
-        return cls(*ends, held[seen], by_point, by_pace, told, _EITHER, MOST_HELD, price)
+        samples = samples.selected(np.flatnonzero(samples.fractions == 1))
+        static_loads = load.static_load(samples.states[0])
+        selected = np.flatnonzero((np.abs(static_loads) > _MIN_STATIC_LOAD_RATIO).any(axis=1))
+        samples = samples.selected(selected)
+        (by_q,) = difference_quotients(load.static_load, samples.states[0])
+        zeros = np.zeros_like(by_q)
+        by_control_point, by_path_velocity = (
+            samples.by_control_point(by_q, zeros, zeros),
+            samples.by_path_velocity(zeros, zeros),
+        )
+        ends = samples.grid_indices, samples.control_points, samples.intervals
+        is_selected = np.ones(by_q.shape[:2], dtype=bool)
+        return cls(
+            *ends,
+            static_loads[selected],
+            by_control_point,
+            by_path_velocity,
+            is_selected,
+            _BOTH_SIGNS,
+            MAX_STATIC_LOAD,
+            penalty,
+        )
 
-    def rows(self, points: Indices, pace: Indices, side: Array) -> PenaltyRows:
+    def rows(self, points: Indices, path_velocity: Indices, radii: Array) -> PenaltyRows:
         """Return the rows that can bind within a step.
 
         Args:
             points: Columns of the control points' coordinates, shape (k, nq).
-            pace: Columns of b, shape (n + 1,).
-            side: Half of the box's sides around control points, shape (nq,).
+            path_velocity: Columns of b, shape (n + 1,).
+            radii: Half of the box's sides around control points, shape (nq,).
         """
-        m, rows = self.now.shape
-        by_point = (self.by_point * side).reshape(m, rows, 4 * len(side))
-        values = np.concatenate([by_point, self.by_pace], axis=2)[self.is_told]
-        around = np.stack([pace[self.intervals], pace[self.intervals + 1]], axis=-1)
-        owned = points[self.owners].reshape(m, 4 * points.shape[1])
-        columns = np.repeat(
-            np.concatenate([owned, around], axis=1), self.is_told.sum(axis=1), axis=0
+        m, num_ratios = self.ratios.shape
+        by_control_point = (self.by_control_point * radii).reshape(m, num_ratios, 4 * len(radii))
+        values = np.concatenate([by_control_point, self.by_path_velocity], axis=2)[self.is_selected]
+        path_velocity_columns = np.stack(
+            [path_velocity[self.intervals], path_velocity[self.intervals + 1]], axis=-1
         )
-        now = self.now[self.is_told]
-        reach = _REACH * np.abs(values).sum(axis=1) / self.bound
-        found: list[PenaltyRows] = []
-        for sign in self.sides:
-            least = sign * now / self.bound - 1
-            near = least > -reach
-            wanted = -sign * values[near] / self.bound
-            found.append(PenaltyRows(columns[near], wanted, least[near], self.price))
-        return PenaltyRows.stacked(found)
+        control_point_columns = points[self.control_points].reshape(m, 4 * points.shape[1])
+        columns = np.repeat(
+            np.concatenate([control_point_columns, path_velocity_columns], axis=1),
+            self.is_selected.sum(axis=1),
+            axis=0,
+        )
+        ratios = self.ratios[self.is_selected]
+        max_change = _MAX_CHANGE_FACTOR * np.abs(values).sum(axis=1) / self.bound
+        parts: list[PenaltyRows] = []
+        for sign in self.signs:
+            lower_bounds = sign * ratios / self.bound - 1
+            can_bind = lower_bounds > -max_change
+            row_values = -sign * values[can_bind] / self.bound
+            parts.append(
+                PenaltyRows(columns[can_bind], row_values, lower_bounds[can_bind], self.penalty)
+            )
+        return PenaltyRows.stacked(parts)
 
 
 def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray, "m balls k dims"]:
@@ -125,11 +146,13 @@ def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray
     if vectors.shape[2] == 1:
         return np.ones((*vectors.shape, 1))
     length = np.linalg.norm(vectors, axis=2, keepdims=True)
-    ahead = np.where(length > 0, vectors, np.eye(3)[0]) / np.where(length > 0, length, 1.0)
-    least = np.eye(3)[np.abs(ahead).argmin(axis=2)]
-    side = np.cross(ahead, least)
+    direction = np.where(length > 0, vectors, np.eye(3)[0]) / np.where(length > 0, length, 1.0)
+    smallest_axis = np.eye(3)[np.abs(direction).argmin(axis=2)]
+    side = np.cross(direction, smallest_axis)
     side /= np.linalg.norm(side, axis=2, keepdims=True)
-    up = np.cross(ahead, side)
-    around = np.stack([side, up, -side, -up], axis=2)
-    tilted = [np.cos(angle) * ahead[:, :, None] + np.sin(angle) * around for angle in _TILTS]
-    return np.concatenate([ahead[:, :, None], *tilted], axis=2)
+    second_side = np.cross(direction, side)
+    tangents = np.stack([side, second_side, -side, -second_side], axis=2)
+    tilted = [
+        np.cos(angle) * direction[:, :, None] + np.sin(angle) * tangents for angle in _TILT_ANGLES
+    ]
+    return np.concatenate([direction[:, :, None], *tilted], axis=2)

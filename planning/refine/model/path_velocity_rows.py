@@ -11,7 +11,7 @@ from planning.refine.model.penalty_qp import PenaltyRows
 # Penalty of exceeding a limit by its own size, in durations.
 RATE_PENALTY = 10.0
 # Least coefficient of b in its bounds, so that b stays bounded where nothing moves [s^2].
-STANDSTILL = 1e-12
+MIN_COEFFICIENT = 1e-12
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class PathVelocityConstraints:
     def of(
         cls,
         step: float,
-        ahead: Float64[np.ndarray, "m k"],
-        bend: Float64[np.ndarray, "m k"],
-        parts: int,
+        u_coefficients: Float64[np.ndarray, "m k"],
+        b_coefficients: Float64[np.ndarray, "m k"],
+        num_parts: int,
     ) -> "PathVelocityConstraints":
         """Return ahead u + bend b <= 1 at both ends of every part of every interval.
 
@@ -40,14 +40,16 @@ class PathVelocityConstraints:
 
         Args:
             step: Width of an interval.
-            ahead: Coefficients of u at the ends of all parts, m = n parts + 1.
-            bend: Coefficients of b, likewise.
-            parts: Number of parts of an interval.
+            u_coefficients: Coefficients of u at the ends of all parts, m = n parts + 1.
+            b_coefficients: Coefficients of b, likewise.
+            num_parts: Number of parts of an interval.
         """
-        places = np.arange((len(ahead) - 1) // parts)[:, None] * parts + np.arange(parts + 1)
-        share = (np.arange(parts + 1) / parts)[:, None]
-        by_u, by_b = ahead[places] / (2 * step), bend[places]
-        low, high = (1 - share) * by_b - by_u, share * by_b + by_u
+        indices = np.arange((len(u_coefficients) - 1) // num_parts)[
+            :, None
+        ] * num_parts + np.arange(num_parts + 1)
+        fractions = (np.arange(num_parts + 1) / num_parts)[:, None]
+        by_u, by_b = u_coefficients[indices] / (2 * step), b_coefficients[indices]
+        low, high = (1 - fractions) * by_b - by_u, fractions * by_b + by_u
         return cls(low.reshape(len(low), -1), high.reshape(len(high), -1))
 
     @classmethod
@@ -56,26 +58,28 @@ class PathVelocityConstraints:
         lows, highs = [part.low for part in parts], [part.high for part in parts]
         return cls(np.concatenate(lows, axis=1), np.concatenate(highs, axis=1))
 
-    def caps(self) -> Array:
+    def path_velocity_bounds(self) -> Array:
         """Return bounds on b at every grid point but the ends, from rows in that variable alone."""
         low = np.where(self.high == 0, self.low, 0.0).max(axis=1, initial=0.0)
         high = np.where(self.low == 0, self.high, 0.0).max(axis=1, initial=0.0)
-        return 1 / np.maximum(np.maximum(low[1:], high[:-1]), STANDSTILL)
+        return 1 / np.maximum(np.maximum(low[1:], high[:-1]), MIN_COEFFICIENT)
 
-    def worst(self, b: Float64[np.ndarray, " n_plus_1"]) -> float:
+    def max_value(self, b: Float64[np.ndarray, " n_plus_1"]) -> float:
         """Return the largest value of a row."""
         values = self.low * b[:-1, None] + self.high * b[1:, None]
         return float(values.max(initial=0.0))
 
-    def rows(self, caps: Float64[np.ndarray, " n_plus_1"], columns: Indices) -> PenaltyRows:
-        """Return the rows that can bind, with b in units of `caps`.
+    def rows(self, upper_bounds: Float64[np.ndarray, " n_plus_1"], columns: Indices) -> PenaltyRows:
+        """Return the rows that can bind, with b in units of `path_velocity_bounds`.
 
         Args:
-            caps: Upper bounds of b at the grid.
+            upper_bounds: Upper bounds of b at the grid.
             columns: Of b at both ends of every interval, shape (n, 2).
         """
-        values = -np.stack([self.low * caps[:-1, None], self.high * caps[1:, None]], axis=-1)
-        matched = np.broadcast_to(columns[:, None], values.shape).reshape(-1, 2)
+        values = -np.stack(
+            [self.low * upper_bounds[:-1, None], self.high * upper_bounds[1:, None]], axis=-1
+        )
+        row_columns = np.broadcast_to(columns[:, None], values.shape).reshape(-1, 2)
         values = values.reshape(-1, 2)
-        rows = PenaltyRows(matched, values, np.full(len(values), -1.0), RATE_PENALTY)
-        return rows.taken(np.minimum(values, 0).sum(axis=1) < -1)
+        rows = PenaltyRows(row_columns, values, np.full(len(values), -1.0), RATE_PENALTY)
+        return rows.selected(np.minimum(values, 0).sum(axis=1) < -1)

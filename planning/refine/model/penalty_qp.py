@@ -18,7 +18,7 @@ from planning.kernel.native import native
 _TOLERANCE = 1e-7
 _MAX_STEPS = 40
 # Rows per block: Drake takes dense blocks, which are mostly zeros if they are large.
-_AT_ONCE = 64
+_BLOCK_SIZE = 64
 
 
 @dataclass(frozen=True)
@@ -28,56 +28,58 @@ class PenaltyRows:
     Attributes:
         columns: Of the entries; -1 for none, shape (m, entries).
         values: Shape (m, entries).
-        least: Shape (m,).
-        price: Penalty per unit of violation, for each row.
+        lower_bounds: Shape (m,).
+        penalty: Penalty per unit of violation, for each row.
     """
 
     columns: Int[np.ndarray, "m entries"]
     values: Float64[np.ndarray, "m entries"]
-    least: Float64[np.ndarray, " m"]
-    price: float
+    lower_bounds: Float64[np.ndarray, " m"]
+    penalty: float
 
     @classmethod
     def between(
         cls,
         columns: Int[np.ndarray, "*m entries"],
         values: Float64[np.ndarray, "*m entries"],
-        now: Float64[np.ndarray, " *m"],
+        current: Float64[np.ndarray, " *m"],
         bounds: Float64[np.ndarray, "2 ..."],
-        price: float,
+        penalty: float,
     ) -> "PenaltyRows":
         """Return rows that keep now + values . x between two bounds, a pair for each.
 
         The rows are in units of the bounds, the first of which is negative and the second positive;
-        the other axes of `bounds` are those of `now`, or have length 1.
+        the other axes of `bounds` are those of `current`, or have length 1.
         """
         low, high = bounds
         entries = columns.shape[-1]
         pairs = np.stack([-values / high[..., None], -values / low[..., None]], axis=-2)
-        twice = np.repeat(columns.reshape(-1, entries), 2, axis=0)
-        least = np.stack([now / high - 1, now / low - 1], axis=-1)
-        return cls(twice, pairs.reshape(-1, entries), least.ravel(), price)
+        repeated_columns = np.repeat(columns.reshape(-1, entries), 2, axis=0)
+        lower_bounds = np.stack([current / high - 1, current / low - 1], axis=-1)
+        return cls(repeated_columns, pairs.reshape(-1, entries), lower_bounds.ravel(), penalty)
 
     @classmethod
     def stacked(cls, parts: "list[PenaltyRows]") -> "PenaltyRows":
         """Return the rows of several parts of equal price."""
-        columns, values, least = (
+        columns, values, lower_bounds = (
             np.concatenate(arrays)
-            for arrays in zip(*((p.columns, p.values, p.least) for p in parts), strict=True)
+            for arrays in zip(*((p.columns, p.values, p.lower_bounds) for p in parts), strict=True)
         )
-        return cls(columns, values, least, parts[0].price)
+        return cls(columns, values, lower_bounds, parts[0].penalty)
 
-    def taken(self, which: Any) -> "PenaltyRows":
+    def selected(self, which: Any) -> "PenaltyRows":
         """Return the selected rows."""
-        return PenaltyRows(self.columns[which], self.values[which], self.least[which], self.price)
+        return PenaltyRows(
+            self.columns[which], self.values[which], self.lower_bounds[which], self.penalty
+        )
 
-    def cost(self, x: Float64[np.ndarray, " n"]) -> float:
+    def penalty_at(self, x: Float64[np.ndarray, " n"]) -> float:
         """Return the penalty at x."""
-        return self.price * float(np.maximum(self.lacks(x), 0.0).sum())
+        return self.penalty * float(np.maximum(self.violations(x), 0.0).sum())
 
-    def lacks(self, x: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " m"]:
+    def violations(self, x: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " m"]:
         """Return the violation of each row at x, negative where it is satisfied with a margin."""
-        return self.least - (self.values * np.append(x, 0.0)[self.columns]).sum(axis=1)
+        return self.lower_bounds - (self.values * np.append(x, 0.0)[self.columns]).sum(axis=1)
 
 
 @dataclass(frozen=True)
@@ -92,48 +94,52 @@ class PenaltyQp:
 
     def cost(self, x: Float64[np.ndarray, " n"]) -> float:
         """Return the objective at x."""
-        own = float(self.c @ x + self.q @ (x * x) / 2)
-        return own + sum(rows.cost(x) for rows in self.rows)
+        smooth_cost = float(self.c @ x + self.q @ (x * x) / 2)
+        return smooth_cost + sum(rows.penalty_at(x) for rows in self.rows)
 
-    def solve(self, *, natively: bool = True) -> Array:
+    def solve(self, *, use_kernel: bool = True) -> Array:
         """Return the minimiser, shape (n,)."""
-        columns = [rows.columns >= 0 for rows in self.rows]
-        counts = np.concatenate([held.sum(axis=1) for held in columns])
+        is_entry = [rows.columns >= 0 for rows in self.rows]
+        counts = np.concatenate([mask.sum(axis=1) for mask in is_entry])
         starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-        entries = np.concatenate([r.columns[h] for r, h in zip(self.rows, columns, strict=True)])
-        values = np.concatenate([r.values[h] for r, h in zip(self.rows, columns, strict=True)])
-        least = np.concatenate([rows.least for rows in self.rows])
-        price = np.concatenate([np.full(len(rows.least), rows.price) for rows in self.rows])
-        module: Any = native() if natively else None
+        entries = np.concatenate([r.columns[h] for r, h in zip(self.rows, is_entry, strict=True)])
+        values = np.concatenate([r.values[h] for r, h in zip(self.rows, is_entry, strict=True)])
+        lower_bounds = np.concatenate([rows.lower_bounds for rows in self.rows])
+        penalties = np.concatenate([
+            np.full(len(rows.lower_bounds), rows.penalty) for rows in self.rows
+        ])
+        module: Any = native() if use_kernel else None
         if module is None:
-            return self._by_clarabel(starts, entries, values, least, price)
+            return self._solve_with_clarabel(starts, entries, values, lower_bounds, penalties)
         x, _, _ = module.solve_soft_rows(
             (self.c, self.q, self.lower, self.upper),
             (starts, entries.astype(np.int64), values),
-            least,
-            price,
+            lower_bounds,
+            penalties,
             _TOLERANCE,
             _MAX_STEPS,
         )
         return x
 
-    def _by_clarabel(
-        self, starts: Any, entries: Any, values: Array, least: Array, price: Array
+    def _solve_with_clarabel(
+        self, starts: Any, entries: Any, values: Array, lower_bounds: Array, penalties: Array
     ) -> Array:
-        matrix = np.zeros((len(least), len(self.c)))
-        matrix[np.repeat(np.arange(len(least)), np.diff(starts)), entries] = values
+        matrix = np.zeros((len(lower_bounds), len(self.c)))
+        matrix[np.repeat(np.arange(len(lower_bounds)), np.diff(starts)), entries] = values
         program = MathematicalProgram()
         x: Any = program.NewContinuousVariables(len(self.c))
-        lack: Any = program.NewContinuousVariables(len(least))
+        slack: Any = program.NewContinuousVariables(len(lower_bounds))
         program.AddQuadraticCost(np.diag(self.q), self.c, x, is_convex=True)
-        program.AddLinearCost(price, 0.0, lack)
+        program.AddLinearCost(penalties, 0.0, slack)
         program.AddBoundingBoxConstraint(self.lower, self.upper, x)
-        program.AddBoundingBoxConstraint(0.0, np.inf, lack)
-        for begin in range(0, len(least), _AT_ONCE):
-            some = slice(begin, begin + _AT_ONCE)
-            both = np.hstack([matrix[some], np.eye(len(least[some]))])
-            most = np.full(len(least[some]), np.inf)
-            program.AddLinearConstraint(both, least[some], most, np.concatenate([x, lack[some]]))
+        program.AddBoundingBoxConstraint(0.0, np.inf, slack)
+        for begin in range(0, len(lower_bounds), _BLOCK_SIZE):
+            block = slice(begin, begin + _BLOCK_SIZE)
+            coefficients = np.hstack([matrix[block], np.eye(len(lower_bounds[block]))])
+            upper_bounds = np.full(len(lower_bounds[block]), np.inf)
+            program.AddLinearConstraint(
+                coefficients, lower_bounds[block], upper_bounds, np.concatenate([x, slack[block]])
+            )
         return np.array(ClarabelSolver().Solve(program).GetSolution(x))
 
 

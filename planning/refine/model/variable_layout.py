@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 
 from planning.domain.arrays import Indices
-from planning.refine.curves.bspline_basis import centres
-from planning.refine.curves.path_velocity import grid_of
+from planning.refine.curves.bspline_basis import greville_abscissae
+from planning.refine.curves.path_velocity import path_grid
 
 
 @dataclass(frozen=True)
@@ -18,31 +18,33 @@ class VariableLayout:
     """Indices of variables; -1 for none.
 
     Attributes:
-        points: Of control points, where the first and last have none, shape (k, nq).
-        pace: Of b at the grid, where the first and last have none, shape (n + 1,).
-        lacks: Of the clearance objective's shortfall at every instant, shape (m,).
-        count: Number of variables.
+        control_points: Of control points, where the first and last have none, shape (k, nq).
+        path_velocity: Of b at the grid, where the first and last have none, shape (n + 1,).
+        shortfalls: Of the clearance objective's shortfall at every instant, shape (m,).
+        num_variables: Number of variables.
     """
 
-    points: Indices
-    pace: Indices
-    lacks: Indices
-    count: int
+    control_points: Indices
+    path_velocity: Indices
+    shortfalls: Indices
+    num_variables: int
 
 
 @lru_cache(maxsize=8)
-def numbering_of(count: int, num_coordinates: int, num_lacks: int = 0) -> VariableLayout:
+def make_variable_layout(
+    num_control_points: int, num_coordinates: int, num_shortfalls: int = 0
+) -> VariableLayout:
     """Return the layout for numbers of control points, of coordinates and of even instants."""
-    n = len(grid_of(count).owners)
-    inner = (count - 2) * num_coordinates
-    at = np.concatenate([
-        np.repeat(centres(count)[1:-1], num_coordinates),
-        np.arange(1, n) / n,
-        np.linspace(0.0, 1.0, num_lacks + 2)[1:-1],
+    num_intervals = len(path_grid(num_control_points).control_points)
+    inner = (num_control_points - 2) * num_coordinates
+    parameters = np.concatenate([
+        np.repeat(greville_abscissae(num_control_points)[1:-1], num_coordinates),
+        np.arange(1, num_intervals) / num_intervals,
+        np.linspace(0.0, 1.0, num_shortfalls + 2)[1:-1],
     ])
-    rank = np.empty(len(at), dtype=np.intp)
-    rank[np.argsort(at, kind="stable")] = np.arange(len(at))
-    points = np.full((count, num_coordinates), -1)
-    points[1:-1] = rank[:inner].reshape(count - 2, num_coordinates)
-    pace = np.concatenate([[-1], rank[inner : inner + n - 1], [-1]])
-    return VariableLayout(points, pace, rank[inner + n - 1 :], len(at))
+    rank = np.empty(len(parameters), dtype=np.intp)
+    rank[np.argsort(parameters, kind="stable")] = np.arange(len(parameters))
+    points = np.full((num_control_points, num_coordinates), -1)
+    points[1:-1] = rank[:inner].reshape(num_control_points - 2, num_coordinates)
+    path_velocity = np.concatenate([[-1], rank[inner : inner + num_intervals - 1], [-1]])
+    return VariableLayout(points, path_velocity, rank[inner + num_intervals - 1 :], len(parameters))

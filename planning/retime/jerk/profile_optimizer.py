@@ -17,46 +17,46 @@ import numpy as np
 
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline, derivative
-from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.retime.bounds import block_peaks
 from planning.retime.compose import compose
 from planning.retime.jerk.timing_spline import TimingSpline
 from planning.retime.limit_utilization import RATES
 from planning.retime.profile import SpeedProfile
-from planning.retime.smooth_pieces import evaluated
+from planning.retime.smooth_pieces import evaluate_polynomials
 
 # Largest number of pieces of a path: with more a step would take too long.
-_MOST_PIECES = 64
+_MAX_PIECES = 64
 # Number of phases of equal duration; those that begin at breaks of the path are added.
 _NUM_PHASES = 48
 # Shortest phase relative to the others; shorter ones are left out, except at breaks.
-_NEAR = 0.4
-_ROUNDS, _STEPS = 3, 8
+_MIN_PHASE_SHARE = 0.4
+_NUM_ROUNDS, _NUM_STEPS = 3, 8
 # Largest utilization of limits at the beginning of a round.
-_ROOM = 0.97
+_INITIAL_UTILIZATION = 0.97
 # The barrier's weight relative to a phase's duration, and its factor per step.
-_BARRIER, _FALL = 0.1, 0.5
+_BARRIER_WEIGHT, _BARRIER_FACTOR = 0.1, 0.5
 # Largest relative change of a phase's duration in a step, approximately.
-_LONGEST_STEP = 0.3
-_SUFFICIENT, _SHORTEST_STEP = 0.01, 1e-3
+_MAX_STEP = 0.3
+_ARMIJO_FACTOR, _MIN_STEP_LENGTH = 0.01, 1e-3
 # Largest factor by which a limit exceeded within a phase is tightened for the next round, and the
 # smallest utilization at its ends that the factor is computed with.
-_TIGHTEST, _LITTLE_USED = 2.0, 0.3
+_MAX_TIGHTENING, _MIN_UTILIZATION = 2.0, 0.3
 
 
 def optimize_profile(
-    stretch: JointSpline,
+    smooth_piece: JointSpline,
     profile: SpeedProfile,
     limits: JointLimits,
-    deadline: Deadline = UNHURRIED,
+    deadline: Deadline = NO_DEADLINE,
 ) -> SpeedProfile:
     """Return a faster profile within the limits, or the given one.
 
     With floating joints, blocks of several coordinates, or many pieces, it is the given one.
 
     Args:
-        stretch: Smooth piece of the path to which the profile belongs.
+        smooth_piece: Smooth piece of the path to which the profile belongs.
         profile: From rest to rest.
         limits: Limits of velocity, acceleration and jerk.
         deadline: Time limit.
@@ -65,152 +65,177 @@ def optimize_profile(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    is_plain = stretch.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
-    if not is_plain or stretch.num_pieces > _MOST_PIECES:
+    is_scalar = smooth_piece.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
+    if not is_scalar or smooth_piece.num_pieces > _MAX_PIECES:
         return profile
-    best, _ = _within(stretch, profile, limits)
-    h, places = _phases(stretch, profile)
-    task = _Task.of(stretch, places, limits)
-    for _ in range(_ROUNDS):
-        at = _descended(task, h, deadline)
-        if at is None:
+    best, _ = _scaled_to_limits(smooth_piece, profile, limits)
+    h, parameters = _phases(smooth_piece, profile)
+    problem = _ProfileProblem.of(smooth_piece, parameters, limits)
+    for _ in range(_NUM_ROUNDS):
+        spline = _optimize_durations(problem, h, deadline)
+        if spline is None:
             break
-        made, peaks = _within(stretch, at.profile, limits)
-        if made.duration < best.duration:
-            best = made
-        h = made.h
-        slower = made.duration / at.h.sum()
-        ends = [np.abs(use).max(axis=(0, 2)) for use in task.untightened(at)]
-        used = np.stack([use / slower**k for k, use in enumerate(ends, start=1)])
-        task = task.tightened(np.clip(peaks / np.maximum(used, _LITTLE_USED), 1.0, _TIGHTEST))
+        scaled, peaks = _scaled_to_limits(smooth_piece, spline.profile, limits)
+        if scaled.duration < best.duration:
+            best = scaled
+        h = scaled.h
+        time_scaling = scaled.duration / spline.h.sum()
+        end_utilizations = [
+            np.abs(utilization).max(axis=(0, 2)) for utilization in problem.utilizations(spline)
+        ]
+        max_utilizations = np.stack([
+            use / time_scaling**k for k, use in enumerate(end_utilizations, start=1)
+        ])
+        problem = problem.tightened(
+            np.clip(peaks / np.maximum(max_utilizations, _MIN_UTILIZATION), 1.0, _MAX_TIGHTENING)
+        )
     return best
 
 
 @dataclass(frozen=True)
-class _Task:
+class _ProfileProblem:
     """The optimization problem of one profile.
 
     Attributes:
-        places: Path parameters between phases, shape (n + 1,).
+        parameters: Path parameters between phases, shape (n + 1,).
         geometry: r', r'' and r''' at both ends of phases, shape (3, 2, n, nv).
         bounds: Limits of velocity, acceleration and jerk, shape (3, nv).
-        excess: Divisors of the limits on each phase, shape (3, n).
+        tightening: Divisors of the limits on each phase, shape (3, n).
     """
 
-    places: Array
+    parameters: Array
     geometry: Array
     bounds: Array
-    excess: Array
+    tightening: Array
 
     @classmethod
-    def of(cls, stretch: JointSpline, places: Array, limits: JointLimits) -> "_Task":
+    def of(
+        cls, smooth_piece: JointSpline, parameters: Array, limits: JointLimits
+    ) -> "_ProfileProblem":
         """Build from a smooth piece, path parameters on it and limits."""
-        pieces, _ = stretch.locate((places[:-1] + places[1:]) / 2)
+        pieces, _ = smooth_piece.locate((parameters[:-1] + parameters[1:]) / 2)
         columns = [block[0] for block in limits.blocks]
-        local = [places[:-1] - stretch.breaks[pieces], places[1:] - stretch.breaks[pieces]]
-        slopes = [derivative(stretch.coefficients, order)[pieces] for order in (1, 2, 3)]
-        geometry = [[evaluated(slope, x)[:, columns] for x in local] for slope in slopes]
+        local = [
+            parameters[:-1] - smooth_piece.breaks[pieces],
+            parameters[1:] - smooth_piece.breaks[pieces],
+        ]
+        slopes = [derivative(smooth_piece.coefficients, order)[pieces] for order in (1, 2, 3)]
+        geometry = [[evaluate_polynomials(slope, x)[:, columns] for x in local] for slope in slopes]
         bounds = np.stack([getattr(limits, rate) for rate in RATES])
-        return cls(places, np.array(geometry), bounds, np.ones((3, len(pieces))))
+        return cls(parameters, np.array(geometry), bounds, np.ones((3, len(pieces))))
 
-    def tightened(self, excess: Array) -> "_Task":
+    def tightened(self, tightening: Array) -> "_ProfileProblem":
         """Return the task with other divisors of the limits."""
-        return _Task(self.places, self.geometry, self.bounds, excess)
+        return _ProfileProblem(self.parameters, self.geometry, self.bounds, tightening)
 
-    def untightened(self, at: TimingSpline) -> list[Array]:
+    def utilizations(self, spline: TimingSpline) -> list[Array]:
         """Return rates over limits at both ends of phases, each shape (2, n, nv)."""
         r1, r2, r3 = self.geometry
-        v, a = (np.stack([x[:-1], x[1:]])[..., None] for x in (at.v, at.a))
-        j = at.j[:, None]
+        v, a = (np.stack([x[:-1], x[1:]])[..., None] for x in (spline.v, spline.a))
+        j = spline.j[:, None]
         rates = r1 * v, r1 * a + r2 * v**2, r1 * j + 3 * r2 * v * a + r3 * v**3
         return [rate / bound for rate, bound in zip(rates, self.bounds, strict=True)]
 
-    def uses(self, at: TimingSpline) -> list[Array]:
+    def tightened_utilizations(self, spline: TimingSpline) -> list[Array]:
         """Return rates over tightened limits at both ends of phases, each shape (2, n, nv)."""
-        uses = self.untightened(at)
-        return [use * more[:, None] for use, more in zip(uses, self.excess, strict=True)]
+        utilizations = self.utilizations(spline)
+        return [
+            utilization * tightening[:, None]
+            for utilization, tightening in zip(utilizations, self.tightening, strict=True)
+        ]
 
-    def gradients(self, at: TimingSpline) -> list[Array]:
-        """Return the derivatives of `uses` by v, a and j, each shape (2, n, nv, 3)."""
+    def gradients(self, spline: TimingSpline) -> list[Array]:
+        """Return derivatives of `tightened_utilizations` by v, a and j, each (2, n, nv, 3)."""
         r1, r2, r3 = self.geometry
-        v, a = (np.stack([x[:-1], x[1:]])[..., None] for x in (at.v, at.a))
+        v, a = (np.stack([x[:-1], x[1:]])[..., None] for x in (spline.v, spline.a))
         zero = np.zeros_like(r1)
-        by = (
+        by_state = (
             (r1, zero, zero),
             (2 * r2 * v, r1, zero),
             (3 * r2 * a + 3 * r3 * v**2, 3 * r2 * v, r1),
         )
-        scales = self.excess[:, :, None] / self.bounds[:, None, :]
+        scales = self.tightening[:, :, None] / self.bounds[:, None, :]
         return [
             np.stack(rows, axis=-1) * scale[..., None]
-            for rows, scale in zip(by, scales, strict=True)
+            for rows, scale in zip(by_state, scales, strict=True)
         ]
 
     def cost(self, h: Array, weight: float) -> float:
         """Return the duration plus the barrier of all phases, infinite beyond limits."""
-        at = TimingSpline.through(h, self.places)
-        uses = self.uses(at)
-        if not at.goes_on or max(float(np.abs(use).max()) for use in uses) >= 1:
+        spline = TimingSpline.through(h, self.parameters)
+        utilizations = self.tightened_utilizations(spline)
+        if (
+            not spline.is_increasing
+            or max(float(np.abs(utilization).max()) for utilization in utilizations) >= 1
+        ):
             return np.inf
-        return float(h.sum() - weight * sum(np.log1p(-use * use).sum() for use in uses))
+        return float(h.sum() - weight * sum(np.log1p(-use * use).sum() for use in utilizations))
 
 
-def _descended(task: _Task, h: Array, deadline: Deadline) -> TimingSpline | None:
+def _optimize_durations(
+    problem: _ProfileProblem, h: Array, deadline: Deadline
+) -> TimingSpline | None:
     """Return a faster timing spline than the one with durations h; None if that one stops."""
-    begin = TimingSpline.through(h, task.places)
-    if not begin.goes_on:
+    initial = TimingSpline.through(h, problem.parameters)
+    if not initial.is_increasing:
         return None
-    most = max(
-        float(np.abs(use).max()) ** (1 / order)
-        for order, use in enumerate(task.uses(begin), start=1)
+    max_utilization = max(
+        float(np.abs(utilization).max()) ** (1 / order)
+        for order, utilization in enumerate(problem.tightened_utilizations(initial), start=1)
     )
-    h = h * most / _ROOM
-    weight = _BARRIER * h.sum() / len(h)
-    for _ in range(_STEPS):
+    h = h * max_utilization / _INITIAL_UTILIZATION
+    weight = _BARRIER_WEIGHT * h.sum() / len(h)
+    for _ in range(_NUM_STEPS):
         deadline.check("retime")
-        step, slope = _newton(task, h, weight)
-        h = _stepped(task, h, weight, step, slope)
-        weight *= _FALL
-    return TimingSpline.through(h, task.places)
+        step, slope = _newton_step(problem, h, weight)
+        h = _line_search(problem, h, weight, step, slope)
+        weight *= _BARRIER_FACTOR
+    return TimingSpline.through(h, problem.parameters)
 
 
-def _stepped(task: _Task, h: Array, weight: float, step: Array, slope: float) -> Array:
+def _line_search(
+    problem: _ProfileProblem, h: Array, weight: float, step: Array, slope: float
+) -> Array:
     """Return durations after a backtracking line search along a step."""
-    before, share = task.cost(h, weight), 1.0
-    while share > _SHORTEST_STEP:
-        tried = h * np.exp(share * step)
-        if task.cost(tried, weight) <= before + _SUFFICIENT * share * slope:
-            return tried
-        share /= 2
+    initial_cost, step_length = problem.cost(h, weight), 1.0
+    while step_length > _MIN_STEP_LENGTH:
+        trial = h * np.exp(step_length * step)
+        if problem.cost(trial, weight) <= initial_cost + _ARMIJO_FACTOR * step_length * slope:
+            return trial
+        step_length /= 2
     return h
 
 
-def _newton(task: _Task, h: Array, weight: float) -> tuple[Array, float]:
+def _newton_step(problem: _ProfileProblem, h: Array, weight: float) -> tuple[Array, float]:
     """Return a Newton step of log h, and the slope of the cost along it."""
-    at = TimingSpline.through(h, task.places)
-    moves = at.derivatives()
+    spline = TimingSpline.through(h, problem.parameters)
+    jacobian = spline.derivatives()
     count = len(h)
     gradient, hessian = np.zeros((2, count, 3)), np.zeros((2, count, 3, 3))
-    for use, by in zip(task.uses(at), task.gradients(at), strict=True):
-        above, below = 1 / (1 - use), 1 / (1 + use)
+    for utilization, by in zip(
+        problem.tightened_utilizations(spline), problem.gradients(spline), strict=True
+    ):
+        above, below = 1 / (1 - utilization), 1 / (1 + utilization)
         gradient += np.einsum("enj,enjk->enk", above - below, by)
         hessian += np.einsum("enj,enjk,enjl->enkl", above**2 + below**2, by, by)
-    flat = moves.reshape(-1, count)
-    curved = np.einsum("enkl,enlm->enkm", hessian, moves).reshape(-1, count)
-    slopes = h + weight * (gradient.ravel() @ flat)
-    step = np.linalg.solve(weight * (flat.T @ curved) + np.diag(h), -slopes)
-    step *= _LONGEST_STEP / max(float(np.abs(step).max()), _LONGEST_STEP)
+    flat_jacobian = jacobian.reshape(-1, count)
+    curved = np.einsum("enkl,enlm->enkm", hessian, jacobian).reshape(-1, count)
+    slopes = h + weight * (gradient.ravel() @ flat_jacobian)
+    step = np.linalg.solve(weight * (flat_jacobian.T @ curved) + np.diag(h), -slopes)
+    step *= _MAX_STEP / max(float(np.abs(step).max()), _MAX_STEP)
     return step, float(slopes @ step)
 
 
-def _phases(stretch: JointSpline, profile: SpeedProfile) -> tuple[Array, Array]:
+def _phases(smooth_piece: JointSpline, profile: SpeedProfile) -> tuple[Array, Array]:
     """Return durations of phases and the parameters between them, breaks of the path included."""
-    cut = profile.split_at(stretch.breaks[1:-1])
+    cut = profile.split_at(smooth_piece.breaks[1:-1])
     begins = np.concatenate([[0.0], np.cumsum(cut.h)])
-    fixed = begins[np.abs(cut.s[:, None] - stretch.breaks[1:-1]).argmin(axis=0)]
-    even = np.linspace(0.0, begins[-1], _NUM_PHASES + 1)[1:-1]
-    away = np.abs(even[:, None] - fixed).min(axis=1, initial=np.inf)
-    inner = np.sort(np.concatenate([even[away > _NEAR * even[0]], fixed]))
+    break_times = begins[np.abs(cut.s[:, None] - smooth_piece.breaks[1:-1]).argmin(axis=0)]
+    even_times = np.linspace(0.0, begins[-1], _NUM_PHASES + 1)[1:-1]
+    distances = np.abs(even_times[:, None] - break_times).min(axis=1, initial=np.inf)
+    inner = np.sort(
+        np.concatenate([even_times[distances > _MIN_PHASE_SHARE * even_times[0]], break_times])
+    )
     # The first and the last inner parameter are free, for the rests at the ends: they are no
     # breaks.
     ends = inner[0] / 2, (inner[-1] + begins[-1]) / 2
@@ -218,27 +243,27 @@ def _phases(stretch: JointSpline, profile: SpeedProfile) -> tuple[Array, Array]:
     phase = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(cut.h) - 1)
     t = times - begins[phase]
     s = cut.s[phase] + t * (cut.v[phase] + t * (cut.a[phase] / 2 + t * cut.j[phase] / 6))
-    s[np.searchsorted(times, fixed)] = stretch.breaks[1:-1]
-    s[0], s[-1] = stretch.breaks[0], stretch.breaks[-1]
+    s[np.searchsorted(times, break_times)] = smooth_piece.breaks[1:-1]
+    s[0], s[-1] = smooth_piece.breaks[0], smooth_piece.breaks[-1]
     return np.diff(times), s
 
 
-def _within(
-    stretch: JointSpline, profile: SpeedProfile, limits: JointLimits
+def _scaled_to_limits(
+    smooth_piece: JointSpline, profile: SpeedProfile, limits: JointLimits
 ) -> tuple[SpeedProfile, Array]:
     """Return the profile scaled to its limits, and its utilization of each on its phases."""
-    motion = compose(stretch, profile)
+    motion = compose(smooth_piece, profile)
     peaks = np.stack([
         (block_peaks(motion, limits, order) / getattr(limits, rate)).max(axis=1)
         for order, rate in enumerate(RATES, start=1)
     ])
     orders = np.arange(1, 4)
     factor = float((peaks.max(axis=1) ** (1 / orders)).max())
-    made = SpeedProfile(
+    scaled = SpeedProfile(
         profile.s,
         profile.v / factor,
         profile.a / factor**2,
         profile.j / factor**3,
         profile.h * factor,
     )
-    return made, peaks / factor ** orders[:, None]
+    return scaled, peaks / factor ** orders[:, None]

@@ -16,35 +16,35 @@ import ruckig
 
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
-from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
 from planning.retime.bounds import block_peaks
-from planning.retime.cells import cut_at, even_edges, num_short, with_cuts
+from planning.retime.cells import cut_at, even_edges, num_parts, with_extra_edges
 from planning.retime.compose import compose
 from planning.retime.jerk.profile_optimizer import optimize_profile
 from planning.retime.jerk.speed_dp import SpeedCells, SpeedSegment, solve_speed_dp
-from planning.retime.limits.path_limit import PathLimit, PeakLimit, uses_of
+from planning.retime.limits.path_limit import PathLimit, PeakLimit, path_limit_utilizations
 from planning.retime.profile import SpeedProfile
 
 # Number of cells of a smooth piece, and smallest number on each of its polynomial pieces.
 _NUM_CELLS = 40
-_LEAST_PER_PIECE = 2
+_MIN_CELLS_PER_PIECE = 2
 # Longest cell for limits that change along a line (joint-space length).
-_LONGEST = 0.1
+_MAX_CELL_LENGTH = 0.1
 # Cycle time [s], required by ruckig's constructor and used only in its online mode.
-_CYCLE = 0.01
+_CYCLE_TIME = 0.01
 # Largest end error of ruckig, relative to the length of the speed segment.
-_MISSED = 1e-6
-_BRIEF = 1e-12
-_DONE = {str(ruckig.Result.Working), str(ruckig.Result.Finished)}
+_MAX_END_ERROR = 1e-6
+_MIN_PHASE = 1e-12
+_SUCCESS_RESULTS = {str(ruckig.Result.Working), str(ruckig.Result.Finished)}
 
 
 def ruckig_profile(
-    stretch: JointSpline,
+    smooth_piece: JointSpline,
     limits: JointLimits,
     path_limits: Sequence[PathLimit] = (),
-    deadline: Deadline = UNHURRIED,
+    deadline: Deadline = NO_DEADLINE,
 ) -> SpeedProfile:
     """Return a rest-to-rest profile along a smooth piece, the fastest one if it is straight.
 
@@ -56,76 +56,94 @@ def ruckig_profile(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    cut, is_straight = _in_cells(stretch)
-    plain = _planned(stretch, _cells(cut, limits), is_straight, deadline)
-    found = (
-        [plain]
+    cut, is_straight = _cut_into_cells(smooth_piece)
+    initial = _dp_profile(smooth_piece, _speed_cells(cut, limits), is_straight, deadline)
+    profiles = (
+        [initial]
         if is_straight.all()
-        else [optimize_profile(stretch, plain, limits, deadline), plain]
+        else [optimize_profile(smooth_piece, initial, limits, deadline), initial]
     )
     if not path_limits:
-        return found[0]
-    among = path_limits, deadline
-    slowed = [profile.duration * _slowing(stretch, profile, *among) for profile in found]
-    known = [limit for limit in path_limits if isinstance(limit, PeakLimit)]
-    if known and slowed[-1] > plain.duration:
-        edges = with_cuts(cut.breaks, [limit.cuts(stretch) for limit in path_limits])
-        short = cut_at(stretch, edges)
-        short = cut_at(stretch, even_edges(edges, num_short(short, _LONGEST)))
-        cells = _cells(short, limits, known)
-        found.append(_planned(stretch, cells, np.zeros(short.num_pieces, dtype=bool), deadline))
-        slowed.append(found[-1].duration * _slowing(stretch, found[-1], *among))
-    return found[int(np.argmin(slowed))]
+        return profiles[0]
+    limits_and_deadline = path_limits, deadline
+    slowed_durations = [
+        profile.duration * _required_time_scaling(smooth_piece, profile, *limits_and_deadline)
+        for profile in profiles
+    ]
+    peak_limits = [limit for limit in path_limits if isinstance(limit, PeakLimit)]
+    if peak_limits and slowed_durations[-1] > initial.duration:
+        edges = with_extra_edges(
+            cut.breaks, [limit.discontinuities(smooth_piece) for limit in path_limits]
+        )
+        short_cells = cut_at(smooth_piece, edges)
+        short_cells = cut_at(
+            smooth_piece, even_edges(edges, num_parts(short_cells, _MAX_CELL_LENGTH))
+        )
+        speed_cells = _speed_cells(short_cells, limits, peak_limits)
+        profiles.append(
+            _dp_profile(
+                smooth_piece, speed_cells, np.zeros(short_cells.num_pieces, dtype=bool), deadline
+            )
+        )
+        slowed_durations.append(
+            profiles[-1].duration
+            * _required_time_scaling(smooth_piece, profiles[-1], *limits_and_deadline)
+        )
+    return profiles[int(np.argmin(slowed_durations))]
 
 
-def _planned(
-    stretch: JointSpline, cells: SpeedCells, is_straight: Any, deadline: Deadline
+def _dp_profile(
+    smooth_piece: JointSpline, cells: SpeedCells, is_straight: Any, deadline: Deadline
 ) -> SpeedProfile:
     """Return the fastest profile along cells, by dynamic programming and ruckig.
 
     Raises:
         RetimingFailed: No profile is found.
     """
-    if is_straight.all() and stretch.num_pieces == 1:
-        hops = [SpeedSegment(0, len(is_straight), (0.0, 0.0), _straight_bounds(cells, 0))]
+    if is_straight.all() and smooth_piece.num_pieces == 1:
+        segments = [SpeedSegment(0, len(is_straight), (0.0, 0.0), _straight_bounds(cells, 0))]
     else:
-        hops = _merged(solve_speed_dp(cells, deadline), cells, is_straight, stretch)
-    if not hops:
+        segments = _merge_straight_segments(
+            solve_speed_dp(cells, deadline), cells, is_straight, smooth_piece
+        )
+    if not segments:
         message = "no speed along the path keeps the jerk limits"
         raise RetimingFailed(message, {"method": "ruckig", "num_cells": len(is_straight)})
-    whole = SpeedProfile.joined([_profile(hop, cells.edges) for hop in hops])
-    return whole.split_at(stretch.breaks[1:-1])
+    whole = SpeedProfile.joined([_segment_profile(segment, cells.edges) for segment in segments])
+    return whole.split_at(smooth_piece.breaks[1:-1])
 
 
-def _slowing(
-    stretch: JointSpline,
+def _required_time_scaling(
+    smooth_piece: JointSpline,
     profile: SpeedProfile,
     path_limits: Sequence[PathLimit],
     deadline: Deadline,
 ) -> float:
     """Return the factor, at least 1, by which a profile must be slowed to keep path limits."""
-    uses = uses_of(path_limits, compose(stretch, profile), deadline)
-    return max([1.0, *(use.factor for _, use in uses)])
+    utilizations = path_limit_utilizations(path_limits, compose(smooth_piece, profile), deadline)
+    return max([1.0, *(utilization.time_scaling for _, utilization in utilizations)])
 
 
-def _in_cells(stretch: JointSpline) -> tuple[JointSpline, Any]:
+def _cut_into_cells(smooth_piece: JointSpline) -> tuple[JointSpline, Any]:
     """Return the smooth piece cut into cells, and whether each cell is straight."""
-    widths = np.diff(stretch.breaks)
+    widths = np.diff(smooth_piece.breaks)
     counts = np.ceil(_NUM_CELLS * widths / widths.sum()).astype(int)
-    counts = np.maximum(counts, _LEAST_PER_PIECE)
-    pieces = np.repeat(np.arange(stretch.num_pieces), counts)
-    cut = cut_at(stretch, even_edges(stretch.breaks, counts))
-    return cut, ~stretch.coefficients[pieces, 2:].any(axis=(1, 2))
+    counts = np.maximum(counts, _MIN_CELLS_PER_PIECE)
+    pieces = np.repeat(np.arange(smooth_piece.num_pieces), counts)
+    cut = cut_at(smooth_piece, even_edges(smooth_piece.breaks, counts))
+    return cut, ~smooth_piece.coefficients[pieces, 2:].any(axis=(1, 2))
 
 
-def _cells(cut: JointSpline, limits: JointLimits, known: Sequence[PeakLimit] = ()) -> SpeedCells:
+def _speed_cells(
+    cut: JointSpline, limits: JointLimits, peak_limits: Sequence[PeakLimit] = ()
+) -> SpeedCells:
     first, second, third = (block_peaks(cut, limits, order) for order in (1, 2, 3))
     bounds = limits.velocity, limits.acceleration, limits.jerk
     m1 = np.stack([first / bound for bound in bounds])
     m2 = np.stack([second / bound for bound in bounds[1:]])
     m3 = (third / limits.jerk)[None]
-    if known:
-        more = np.concatenate([limit.peaks(cut) for limit in known], axis=2)
+    if peak_limits:
+        more = np.concatenate([limit.peaks(cut) for limit in peak_limits], axis=2)
         parts = zip((m1, m2, m3), np.split(more, [3, 5]), strict=True)
         m1, m2, m3 = (np.concatenate(both, axis=2) for both in parts)
     return SpeedCells(cut.breaks, m1, m2, m3)
@@ -137,62 +155,64 @@ def _straight_bounds(cells: SpeedCells, cell: int) -> tuple[float, float, float]
     return v, a, j
 
 
-def _merged(
-    hops: list[SpeedSegment], cells: SpeedCells, is_straight: Any, stretch: JointSpline
+def _merge_straight_segments(
+    segments: list[SpeedSegment], cells: SpeedCells, is_straight: Any, smooth_piece: JointSpline
 ) -> list[SpeedSegment]:
     """Return the segments with those on one straight piece merged: there ruckig is optimal."""
-    pieces, _ = stretch.locate((cells.edges[:-1] + cells.edges[1:]) / 2)
+    pieces, _ = smooth_piece.locate((cells.edges[:-1] + cells.edges[1:]) / 2)
     merged: list[SpeedSegment] = []
-    for hop in hops:
-        piece = pieces[hop.begin]
-        alone = is_straight[hop.begin] and piece == pieces[hop.end - 1]
-        if not alone:
-            merged.append(hop)
+    for segment in segments:
+        piece = pieces[segment.begin]
+        is_on_straight_piece = is_straight[segment.begin] and piece == pieces[segment.end - 1]
+        if not is_on_straight_piece:
+            merged.append(segment)
             continue
-        whole = SpeedSegment(hop.begin, hop.end, hop.speeds, _straight_bounds(cells, hop.begin))
-        before = merged[-1] if merged else None
-        if before is not None and is_straight[before.begin] and pieces[before.begin] == piece:
-            whole = SpeedSegment(
-                before.begin, hop.end, (before.speeds[0], hop.speeds[1]), whole.bounds
+        joined = SpeedSegment(
+            segment.begin, segment.end, segment.speeds, _straight_bounds(cells, segment.begin)
+        )
+        previous = merged[-1] if merged else None
+        if previous is not None and is_straight[previous.begin] and pieces[previous.begin] == piece:
+            joined = SpeedSegment(
+                previous.begin, segment.end, (previous.speeds[0], segment.speeds[1]), joined.bounds
             )
             merged.pop()
-        merged.append(whole)
+        merged.append(joined)
     return merged
 
 
-def _profile(hop: SpeedSegment, edges: Array) -> SpeedProfile:
+def _segment_profile(segment: SpeedSegment, edges: Array) -> SpeedProfile:
     """Return ruckig's phases for a speed segment.
 
     Ruckig gets units with a top speed and a jerk of 1, for its absolute tolerances, and no more
     acceleration than it could use.
     """
-    begin, end = float(edges[hop.begin]), float(edges[hop.end])
-    top, acceleration, jerk = hop.bounds
-    unit = np.sqrt(top / jerk)
-    length = (end - begin) / (top * unit)
-    phases = _state_to_state(
+    begin, end = float(edges[segment.begin]), float(edges[segment.end])
+    max_speed, acceleration, jerk = segment.bounds
+    unit = np.sqrt(max_speed / jerk)
+    length = (end - begin) / (max_speed * unit)
+    phases = _solve_ruckig(
         length,
-        (hop.speeds[0] / top, hop.speeds[1] / top),
-        (1.0, min(acceleration * unit / top, 2.0), 1.0),
+        (segment.speeds[0] / max_speed, segment.speeds[1] / max_speed),
+        (1.0, min(acceleration * unit / max_speed, 2.0), 1.0),
     )
-    s, v, a = 0.0, hop.speeds[0] / top, 0.0
+    s, v, a = 0.0, segment.speeds[0] / max_speed, 0.0
     rows: list[tuple[float, float, float, float, float]] = []
     for h, j in zip(phases.t, phases.j, strict=True):
-        if h <= _BRIEF:
+        if h <= _MIN_PHASE:
             continue
         rows.append((s, v, a, j, h))
         s += h * (v + h * (a / 2 + h * j / 6))
         v += h * (a + h * j / 2)
         a += h * j
-    if abs(s - length) > _MISSED * length or phases.brake.duration > _BRIEF:
+    if abs(s - length) > _MAX_END_ERROR * length or phases.brake.duration > _MIN_PHASE:
         message = "ruckig misses the end of a piece of path"
         raise RetimingFailed(message, {"method": "ruckig", "missed": s - length})
     columns = np.array(rows).T
     # The phases add up to the length up to rounding; the parameter is scaled to end exactly.
     scale = (end - begin) / s
-    places = np.append(begin + columns[0] * scale, end)
+    parameters = np.append(begin + columns[0] * scale, end)
     return SpeedProfile(
-        places,
+        parameters,
         columns[1] * scale / unit,
         columns[2] * scale / unit**2,
         columns[3] * scale / unit**3,
@@ -200,7 +220,7 @@ def _profile(hop: SpeedSegment, edges: Array) -> SpeedProfile:
     )
 
 
-def _state_to_state(
+def _solve_ruckig(
     length: float, speeds: tuple[float, float], bounds: tuple[float, float, float]
 ) -> Any:
     """Return ruckig's profile from 0 to a length, with zero acceleration at both ends.
@@ -208,17 +228,19 @@ def _state_to_state(
     Raises:
         RetimingFailed: Ruckig finds none.
     """
-    generator = ruckig.Ruckig(1, _CYCLE)
-    wanted = ruckig.InputParameter(1)
-    wanted.current_position, wanted.target_position = [0.0], [length]
-    wanted.current_velocity, wanted.target_velocity = [speeds[0]], [speeds[1]]
-    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = ([bound] for bound in bounds)
+    generator = ruckig.Ruckig(1, _CYCLE_TIME)
+    ruckig_input = ruckig.InputParameter(1)
+    ruckig_input.current_position, ruckig_input.target_position = [0.0], [length]
+    ruckig_input.current_velocity, ruckig_input.target_velocity = [speeds[0]], [speeds[1]]
+    ruckig_input.max_velocity, ruckig_input.max_acceleration, ruckig_input.max_jerk = (
+        [bound] for bound in bounds
+    )
     trajectory = ruckig.Trajectory(1)
     try:
-        result = str(generator.calculate(wanted, trajectory))
+        result = str(generator.calculate(ruckig_input, trajectory))
     except ruckig.RuckigError as fault:
         result = str(fault).strip().splitlines()[0]
-    if result not in _DONE:
+    if result not in _SUCCESS_RESULTS:
         message = f"ruckig answers {result}"
         raise RetimingFailed(message, {"method": "ruckig", "result": result})
     return trajectory.profiles[0][0]

@@ -17,27 +17,27 @@ from typing import Any
 import numpy as np
 
 from planning.domain.arrays import Array
-from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.deadline import NO_DEADLINE, Deadline
 
 # Candidate speeds at every cell boundary, relative to the greatest possible there, and then
 # relative to the chosen ones.
-_COARSE = 0.8 ** np.arange(11.0)
+_COARSE_FACTORS = 0.8 ** np.arange(11.0)
 # Factors for slower candidates, where the path is too short to reach any of these.
-_SLOWER = 0.1 ** np.arange(4.0)
-_FINE = np.geomspace(0.84, 1.19, 9)
+_SLOWDOWN_FACTORS = 0.1 ** np.arange(4.0)
+_FINE_FACTORS = np.geomspace(0.84, 1.19, 9)
 # Shares of the remaining jerk for 3 M_2 V A; the rest is for J.
-_SHARES = (0.5, 0.15)
+_JERK_SHARES = (0.5, 0.15)
 # Largest number of cells of a speed segment.
-_LONGEST_HOP = 24
+_MAX_SEGMENT_CELLS = 24
 # Largest number of boundaries at which segments begin and end; of more cells some are skipped.
-_MOST_NODES = 320
+_MAX_NODES = 320
 # Number of segments timed at once, which fits a cache.
-_AT_ONCE = 1024
-_ROOM = 1 - 1e-9
+_CHUNK_SIZE = 1024
+_LENGTH_FACTOR = 1 - 1e-9
 # Speeds are whole powers of one plus this, so that two of them are equal or clearly different:
 # segments between almost equal speeds would have phases too short for polynomials in double
 # precision.
-_NOTCH = 1e-3
+_SPEED_QUANTUM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -81,130 +81,138 @@ class SpeedSegment:
     bounds: tuple[float, float, float]
 
 
-def solve_speed_dp(cells: SpeedCells, deadline: Deadline = UNHURRIED) -> list[SpeedSegment]:
+def solve_speed_dp(cells: SpeedCells, deadline: Deadline = NO_DEADLINE) -> list[SpeedSegment]:
     """Return the fastest chain of speed segments from rest to rest; empty if there is none.
 
     Raises:
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    tops = cells.top_speeds()
-    caps = np.minimum(np.append(tops, np.inf), np.insert(tops, 0, np.inf))
-    nodes = np.arange(0, len(tops), -(-len(tops) // _MOST_NODES))
-    nodes = np.append(nodes, len(tops))
-    hops: list[SpeedSegment] = []
-    for slower in _SLOWER:
-        if not hops:
-            speeds = np.asarray(slower * caps[nodes, None] * _COARSE, dtype=np.float64)
-            hops = _quickest(cells, nodes, speeds, deadline)
+    top_speeds = cells.top_speeds()
+    max_speeds = np.minimum(np.append(top_speeds, np.inf), np.insert(top_speeds, 0, np.inf))
+    nodes = np.arange(0, len(top_speeds), -(-len(top_speeds) // _MAX_NODES))
+    nodes = np.append(nodes, len(top_speeds))
+    segments: list[SpeedSegment] = []
+    for factor in _SLOWDOWN_FACTORS:
+        if not segments:
+            speeds = np.asarray(
+                factor * max_speeds[nodes, None] * _COARSE_FACTORS, dtype=np.float64
+            )
+            segments = _fastest_chain(cells, nodes, speeds, deadline)
     for _ in range(2):
-        if not hops:
-            return hops
-        nodes = np.array([hop.begin for hop in hops] + [hops[-1].end])
-        chosen = np.array([hop.speeds[0] for hop in hops] + [0.0])
-        speeds = np.minimum(chosen[:, None] * _FINE, caps[nodes, None])
-        hops = _quickest(cells, nodes, speeds, deadline)
-    return hops
+        if not segments:
+            return segments
+        nodes = np.array([segment.begin for segment in segments] + [segments[-1].end])
+        chosen_speeds = np.array([hop.speeds[0] for hop in segments] + [0.0])
+        speeds = np.minimum(chosen_speeds[:, None] * _FINE_FACTORS, max_speeds[nodes, None])
+        segments = _fastest_chain(cells, nodes, speeds, deadline)
+    return segments
 
 
-def _quickest(
+def _fastest_chain(
     cells: SpeedCells, nodes: Any, speeds: Array, deadline: Deadline
 ) -> list[SpeedSegment]:
     """Return the fastest chain over the given nodes with the given speeds, shape (nodes, k)."""
-    speeds = (1 + _NOTCH) ** np.floor(np.log(np.maximum(speeds, 1e-300)) / np.log1p(_NOTCH))
+    speeds = (1 + _SPEED_QUANTUM) ** np.floor(
+        np.log(np.maximum(speeds, 1e-300)) / np.log1p(_SPEED_QUANTUM)
+    )
     speeds[[0, -1]] = 0.0
-    begins, ends = _pairs(len(nodes))
+    begins, ends = _node_pairs(len(nodes))
     peaks = _peaks_between(cells, nodes, begins, ends)
     lengths = cells.edges[nodes[ends]] - cells.edges[nodes[begins]]
-    chunks = [slice(i, i + _AT_ONCE) for i in range(0, len(begins), _AT_ONCE)]
+    chunks = [slice(i, i + _CHUNK_SIZE) for i in range(0, len(begins), _CHUNK_SIZE)]
     timed: list[tuple[Array, Any]] = []
     for rows in chunks:
         deadline.check("retime")
-        ways = speeds[begins[rows]], speeds[ends[rows]]
-        timed.append(_hop_times(peaks[:, :, rows], lengths[rows], *ways))
-    times, shares = (np.concatenate([part[i] for part in timed]) for i in range(2))
+        end_speeds = speeds[begins[rows]], speeds[ends[rows]]
+        timed.append(_segment_durations(peaks[:, :, rows], lengths[rows], *end_speeds))
+    times, jerk_shares = (np.concatenate([part[i] for part in timed]) for i in range(2))
     count = speeds.shape[1]
     best = np.full((len(nodes), count), np.inf)
     best[0, 0] = 0.0
-    came: dict[int, Any] = {}
+    predecessors: dict[int, Any] = {}
     rows_of = np.split(np.arange(len(ends)), np.flatnonzero(np.diff(ends)) + 1)
     for rows in rows_of:
         end = int(ends[rows[0]])
         totals = (best[begins[rows]][:, :, None] + times[rows]).reshape(-1, count)
-        came[end] = (rows, np.argmin(totals, axis=0))
+        predecessors[end] = (rows, np.argmin(totals, axis=0))
         best[end] = totals.min(axis=0)
     if not np.isfinite(best[-1, 0]):
         return []
-    hops: list[SpeedSegment] = []
+    segments: list[SpeedSegment] = []
     end, level = len(nodes) - 1, 0
     while end > 0:
-        rows, choice = came[end]
+        rows, choice = predecessors[end]
         row, before = rows[choice[level] // count], int(choice[level] % count)
         begin = int(begins[row])
         pair = float(speeds[begin, before]), float(speeds[end, level])
-        share = _SHARES[int(shares[row, before, level])]
-        a, j = _bounds(peaks[:, :, row : row + 1], np.array([[max(pair)]]), share)
+        jerk_share = _JERK_SHARES[int(jerk_shares[row, before, level])]
+        a, j = _bounds(peaks[:, :, row : row + 1], np.array([[max(pair)]]), jerk_share)
         bounds = max(pair), float(a[0, 0]), float(j[0, 0])
-        hops.append(SpeedSegment(int(nodes[begin]), int(nodes[end]), pair, bounds))
+        segments.append(SpeedSegment(int(nodes[begin]), int(nodes[end]), pair, bounds))
         end, level = begin, before
-    return hops[::-1]
+    return segments[::-1]
 
 
-def _pairs(num_nodes: int) -> tuple[Any, Any]:
+def _node_pairs(num_nodes: int) -> tuple[Any, Any]:
     """Return both node indices of every candidate segment, ordered by end."""
     begins, ends = np.meshgrid(np.arange(num_nodes), np.arange(num_nodes))
-    tried = (ends > begins) & (ends - begins <= _LONGEST_HOP)
-    return begins[tried], ends[tried]
+    is_candidate = (ends > begins) & (ends - begins <= _MAX_SEGMENT_CELLS)
+    return begins[is_candidate], ends[is_candidate]
 
 
 def _peaks_between(cells: SpeedCells, nodes: Any, begins: Any, ends: Any) -> Array:
     """Return the largest of each m between two nodes, shape (6, blocks, pairs)."""
     stacked = np.concatenate([cells.m1, cells.m2, cells.m3]).transpose(1, 0, 2)
     between = np.maximum.reduceat(stacked, nodes[:-1], axis=0)
-    table = np.zeros((min(_LONGEST_HOP, len(between)), len(between), *stacked.shape[1:]))
+    table = np.zeros((min(_MAX_SEGMENT_CELLS, len(between)), len(between), *stacked.shape[1:]))
     table[0] = between
     for more in range(1, len(table)):
         table[more, :-more] = np.maximum(table[more - 1, :-more], between[more:])
     return np.ascontiguousarray(table[ends - begins - 1, begins].transpose(1, 2, 0))
 
 
-def _bounds(peaks: Array, speeds: Array, share: float) -> tuple[Array, Array]:
+def _bounds(peaks: Array, speeds: Array, jerk_share: float) -> tuple[Array, Array]:
     """Return A and J at top speeds, shapes (pairs, k); not positive where there are none."""
     m1v, m1a, m1j, m2a, m2j, m3j = peaks[:, :, :, None]
-    least = 1e-300
+    tiny = 1e-300
     v, v2, v3 = speeds, speeds**2, speeds**3
     left = 1 - m3j * v3
     acceleration = np.minimum(
-        ((1 - m2a * v2) / np.maximum(m1a, least)).min(axis=0),
-        share * (left / np.maximum(3 * m2j * v, least)).min(axis=0),
+        ((1 - m2a * v2) / np.maximum(m1a, tiny)).min(axis=0),
+        jerk_share * (left / np.maximum(3 * m2j * v, tiny)).min(axis=0),
     )
-    jerk = ((left - 3 * m2j * (v * acceleration)) / np.maximum(m1j, least)).min(axis=0)
+    jerk = ((left - 3 * m2j * (v * acceleration)) / np.maximum(m1j, tiny)).min(axis=0)
     is_slow = m1v.max(axis=0) * v <= 1 + 1e-12
     return np.where(is_slow, acceleration, -1.0), np.where(is_slow, jerk, -1.0)
 
 
-def _hop_times(peaks: Array, lengths: Array, before: Array, after: Array) -> tuple[Array, Any]:
+def _segment_durations(
+    peaks: Array, lengths: Array, before: Array, after: Array
+) -> tuple[Array, Any]:
     """Return the duration of every segment, infinite if impossible, and the share that gives it."""
     v0, v1 = before[:, :, None], after[:, None, :]
     is_braking = v0 >= v1
-    top, gain = np.where(is_braking, v0, v1), np.abs(v1 - v0)
-    spare = lengths[:, None, None] * _ROOM
-    best = np.full(top.shape, np.inf)
-    chosen = np.zeros(top.shape, dtype=np.int8)
+    max_speeds, speed_changes = np.where(is_braking, v0, v1), np.abs(v1 - v0)
+    usable_lengths = lengths[:, None, None] * _LENGTH_FACTOR
+    best = np.full(max_speeds.shape, np.inf)
+    best_shares = np.zeros(max_speeds.shape, dtype=np.int8)
     with np.errstate(divide="ignore", invalid="ignore"):
-        inverse, mean = 1 / top, (v0 + v1) / 2
-        for i, share in enumerate(_SHARES):
-            at_before, at_after = (_bounds(peaks, speeds, share) for speeds in (before, after))
+        inverse, mean = 1 / max_speeds, (v0 + v1) / 2
+        for i, jerk_share in enumerate(_JERK_SHARES):
+            at_before, at_after = (_bounds(peaks, speeds, jerk_share) for speeds in (before, after))
             a, j = (
                 np.where(is_braking, at_before[n][:, :, None], at_after[n][:, None, :])
                 for n in range(2)
             )
             # Triangular or trapezoidal acceleration profile.
-            ramp = np.where(gain * j < a * a, 2 * np.sqrt(gain / j), gain / a + a / j)
-            rest = spare - mean * ramp
-            possible = (a > 0) & (j > 0) & (rest >= 0)
-            time = np.where(possible, ramp + rest * inverse, np.inf)
+            ramp = np.where(
+                speed_changes * j < a * a, 2 * np.sqrt(speed_changes / j), speed_changes / a + a / j
+            )
+            cruise_lengths = usable_lengths - mean * ramp
+            is_feasible = (a > 0) & (j > 0) & (cruise_lengths >= 0)
+            time = np.where(is_feasible, ramp + cruise_lengths * inverse, np.inf)
             time[np.isnan(time)] = np.inf
-            chosen[time < best] = i
+            best_shares[time < best] = i
             np.minimum(best, time, out=best)
-    return best, chosen
+    return best, best_shares

@@ -19,13 +19,13 @@ from planning.domain.robot.joints import Joint, JointLimits, JointType
 from planning.errors import RetimingFailed
 
 # Cycle time [s], required by ruckig's constructor and used only in its online mode.
-_CYCLE = 0.01
+_CYCLE_TIME = 0.01
 # Factor on the limits for a state that lies on them; the certifier's tolerance is five times as
 # large.
-_ROOM = 1 + 2e-7
+_LIMIT_FACTOR = 1 + 2e-7
 # Shortest phase [s]; shorter ones are left out.
-_BRIEF = 1e-9
-_PLAIN = {JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC}
+_MIN_PHASE = 1e-9
+_SCALAR_JOINT_TYPES = {JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC}
 
 
 def to_rest(
@@ -39,11 +39,11 @@ def to_rest(
     Raises:
         RetimingFailed: A joint is planar or floating, or ruckig finds no profile.
     """
-    wanted = _input(joints, limits, state, bounds)
-    wanted.control_interface = ruckig.ControlInterface.Velocity
-    wanted.synchronization = ruckig.Synchronization.No
-    wanted.target_velocity = wanted.target_acceleration = [0.0] * len(joints)
-    return _solved(joints, wanted)
+    ruckig_input = _ruckig_input(joints, limits, state, bounds)
+    ruckig_input.control_interface = ruckig.ControlInterface.Velocity
+    ruckig_input.synchronization = ruckig.Synchronization.No
+    ruckig_input.target_velocity = ruckig_input.target_acceleration = [0.0] * len(joints)
+    return _solve(joints, ruckig_input)
 
 
 def to_state(
@@ -58,48 +58,48 @@ def to_state(
     Raises:
         RetimingFailed: A joint is planar or floating, or ruckig finds no profile.
     """
-    wanted = _input(joints, limits, state, bounds)
-    wanted.target_position = target.q.tolist()
-    wanted.target_velocity = target.v.tolist()
-    wanted.target_acceleration = target.vdot.tolist()
-    return _solved(joints, wanted)
+    ruckig_input = _ruckig_input(joints, limits, state, bounds)
+    ruckig_input.target_position = target.q.tolist()
+    ruckig_input.target_velocity = target.v.tolist()
+    ruckig_input.target_acceleration = target.vdot.tolist()
+    return _solve(joints, ruckig_input)
 
 
-def _input(
+def _ruckig_input(
     joints: tuple[Joint, ...], limits: JointLimits, state: MotionState, bounds: AccelerationBounds
 ) -> Any:
-    others = [joint.name for joint in joints if joint.type not in _PLAIN]
-    if others:
+    unsupported = [joint.name for joint in joints if joint.type not in _SCALAR_JOINT_TYPES]
+    if unsupported:
         message = (
-            f"joints that shift and turn at once cannot be timed from state to state: {others}"
+            f"joints that shift and turn at once cannot be timed from state to state: {unsupported}"
         )
-        raise RetimingFailed(message, {"method": "ruckig", "joints": others})
-    wanted = ruckig.InputParameter(len(joints))
-    wanted.current_position = state.q.tolist()
-    wanted.current_velocity = state.v.tolist()
-    wanted.current_acceleration = state.vdot.tolist()
-    own = [bounds.get(joint.name, (-np.inf, np.inf)) for joint in joints]
-    lowest = np.maximum([low for low, _ in own], -limits.acceleration)
-    highest = np.minimum([high for _, high in own], limits.acceleration)
-    wanted.min_acceleration = (lowest * _ROOM).tolist()
-    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = (
-        (bound * _ROOM).tolist() for bound in (limits.velocity, highest, limits.jerk)
+        raise RetimingFailed(message, {"method": "ruckig", "joints": unsupported})
+    ruckig_input = ruckig.InputParameter(len(joints))
+    ruckig_input.current_position = state.q.tolist()
+    ruckig_input.current_velocity = state.v.tolist()
+    ruckig_input.current_acceleration = state.vdot.tolist()
+    signed_bounds = [bounds.get(joint.name, (-np.inf, np.inf)) for joint in joints]
+    lowest = np.maximum([low for low, _ in signed_bounds], -limits.acceleration)
+    highest = np.minimum([high for _, high in signed_bounds], limits.acceleration)
+    ruckig_input.min_acceleration = (lowest * _LIMIT_FACTOR).tolist()
+    ruckig_input.max_velocity, ruckig_input.max_acceleration, ruckig_input.max_jerk = (
+        (bound * _LIMIT_FACTOR).tolist() for bound in (limits.velocity, highest, limits.jerk)
     )
-    return wanted
+    return ruckig_input
 
 
-def _solved(joints: tuple[Joint, ...], wanted: Any) -> TimedTrajectory:
-    found = ruckig.Trajectory(len(joints))
+def _solve(joints: tuple[Joint, ...], ruckig_input: Any) -> TimedTrajectory:
+    solution = ruckig.Trajectory(len(joints))
     try:
-        code = int(ruckig.Ruckig(len(joints), _CYCLE).calculate(wanted, found))
+        code = int(ruckig.Ruckig(len(joints), _CYCLE_TIME).calculate(ruckig_input, solution))
         reason = f"code {code}"
     except ruckig.RuckigError as fault:
         code, reason = -1, str(fault).strip().splitlines()[0]
     if code < 0:
         message = f"ruckig finds no motion between the states: {reason}"
         raise RetimingFailed(message, {"method": "ruckig", "result": reason})
-    breaks = _breaks(found, float(found.duration))
-    states = np.array([found.at_time(float(t)) for t in breaks])
+    breaks = _breaks(solution, float(solution.duration))
+    states = np.array([solution.at_time(float(t)) for t in breaks])
     q, v, vdot = states[:-1, 0], states[:-1, 1], states[:-1, 2]
     # Jerk is constant on a piece.
     jerk = (states[1:, 2] - vdot) / np.diff(breaks)[:, None]
@@ -107,15 +107,15 @@ def _solved(joints: tuple[Joint, ...], wanted: Any) -> TimedTrajectory:
     return TimedTrajectory(joints, breaks, q, coefficients)
 
 
-def _breaks(found: Any, duration: float) -> Array:
+def _breaks(solution: Any, duration: float) -> Array:
     """Return the instants at which a phase of any joint begins, and both ends [s]."""
     instants = [0.0, duration]
-    for profile in found.profiles[0]:
+    for profile in solution.profiles[0]:
         phases = [*profile.brake.t, *profile.t]
         instants += np.cumsum(phases).tolist()
-    inside = np.unique([t for t in instants if _BRIEF < t < duration - _BRIEF])
-    kept = [0.0]
+    inside = np.unique([t for t in instants if _MIN_PHASE < t < duration - _MIN_PHASE])
+    breaks = [0.0]
     for t in inside:
-        if t - kept[-1] > _BRIEF:
-            kept.append(float(t))
-    return np.array([*kept, max(duration, kept[-1] + _BRIEF)])
+        if t - breaks[-1] > _MIN_PHASE:
+            breaks.append(float(t))
+    return np.array([*breaks, max(duration, breaks[-1] + _MIN_PHASE)])

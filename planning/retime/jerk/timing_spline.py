@@ -35,32 +35,32 @@ class TimingSpline:
     matrix: Array
 
     @classmethod
-    def through(cls, h: Array, places: Array) -> "TimingSpline":
+    def through(cls, h: Array, parameters: Array) -> "TimingSpline":
         """Build from durations [s] of at least four phases, and path parameters."""
         n = len(h)
-        matrix, right = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+        matrix, right_side = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
         i = np.arange(n - 1)
         matrix[i, i] = (h[:-1] + h[1:]) / 3
         matrix[i[1:], i[:-1]] = matrix[i[:-1], i[1:]] = h[1:-1] / 6
-        known = np.array(places)
+        known = np.array(parameters)
         known[[1, -2]] = 0.0
-        right[:-2] = np.diff(np.diff(known) / h)
+        right_side[:-2] = np.diff(np.diff(known) / h)
         for column, node in ((n - 1, 1), (n, n - 1)):
             unit = np.zeros(n + 1)
             unit[node] = 1.0
             matrix[:-2, column] = -np.diff(np.diff(unit) / h)
         # Zero speed at both ends.
-        matrix[-2, [0, -2]], right[-2] = (-h[0] / 6, 1 / h[0]), places[0] / h[0]
-        matrix[-1, [-3, -1]], right[-1] = (h[-1] / 6, -1 / h[-1]), -places[-1] / h[-1]
-        found = np.linalg.solve(matrix, right)
-        s, a = np.array(places), np.concatenate([[0.0], found[:-2], [0.0]])
-        s[[1, -2]] = found[-2:]
+        matrix[-2, [0, -2]], right_side[-2] = (-h[0] / 6, 1 / h[0]), parameters[0] / h[0]
+        matrix[-1, [-3, -1]], right_side[-1] = (h[-1] / 6, -1 / h[-1]), -parameters[-1] / h[-1]
+        solution = np.linalg.solve(matrix, right_side)
+        s, a = np.array(parameters), np.concatenate([[0.0], solution[:-2], [0.0]])
+        s[[1, -2]] = solution[-2:]
         v = np.append(np.diff(s) / h - h * (2 * a[:-1] + a[1:]) / 6, 0.0)
         v[0] = 0.0
         return cls(h, s, v, a, np.diff(a) / h, matrix)
 
     @property
-    def goes_on(self) -> bool:
+    def is_increasing(self) -> bool:
         """Whether s increases over every phase, and ds/dt is positive at all inner parameters."""
         return bool((self.v[1:-1] > 0).all() and (np.diff(self.s) > 0).all())
 
@@ -78,14 +78,16 @@ class TimingSpline:
         by[i, i] = a[:-2] / 6 + a[1:-1] / 3 - steps[:-1] / h[:-1] ** 2
         by[-2, 0] = -steps[0] / h[0] ** 2 - a[1] / 6
         by[-1, -1] = -steps[-1] / h[-1] ** 2 + a[-2] / 6
-        found = -np.linalg.solve(self.matrix, by)
+        solution = -np.linalg.solve(self.matrix, by)
         da, ds, dv = (np.zeros((n + 1, n)) for _ in range(3))
-        da[1:-1], ds[[1, -2]] = found[:-2], found[-2:]
-        wide = h[:, None]
-        dv[:-1] = np.diff(ds, axis=0) / wide - wide * (2 * da[:-1] + da[1:]) / 6
+        da[1:-1], ds[[1, -2]] = solution[:-2], solution[-2:]
+        column_durations = h[:, None]
+        dv[:-1] = (
+            np.diff(ds, axis=0) / column_durations - column_durations * (2 * da[:-1] + da[1:]) / 6
+        )
         dv[k, k] -= steps / h**2 + (2 * a[:-1] + a[1:]) / 6
         dv[0] = 0.0
-        dj = np.diff(da, axis=0) / wide
+        dj = np.diff(da, axis=0) / column_durations
         dj[k, k] -= self.j / h
         ends = [np.stack([dv[e : n + e], da[e : n + e], dj], axis=1) for e in range(2)]
         return np.stack(ends) * h

@@ -16,7 +16,7 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 
 
-def speed_caps(
+def cell_velocity_bounds(
     sizes: Float64[np.ndarray, "n k blocks"], velocity: Float64[np.ndarray, " blocks"]
 ) -> Float64[np.ndarray, "n 2"]:
     """Return bounds on (ds/dt)^2 at the beginning and the end of every cell.
@@ -28,7 +28,7 @@ def speed_caps(
     first, last = sizes[:, 0], sizes[:, -1]
     level = sizes.max(axis=1) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
-        excess = _bulge(sizes) ** 2 * _peak_of_chords(first, last)
+        excess = _chord_ratio(sizes) ** 2 * _max_chord_product(first, last)
         is_sloped = excess * first * last < level
         return np.stack(
             [
@@ -39,7 +39,7 @@ def speed_caps(
         )
 
 
-def _bulge(sizes: Array) -> Array:
+def _chord_ratio(sizes: Array) -> Array:
     """Return m, shape (n, blocks); infinite or NaN where an end is zero."""
     if sizes.shape[1] <= 2:
         return np.ones_like(sizes[:, 0])
@@ -48,7 +48,7 @@ def _bulge(sizes: Array) -> Array:
     return (sizes / chords).max(axis=1)
 
 
-def _peak_of_chords(first: Array, last: Array) -> Array:
+def _max_chord_product(first: Array, last: Array) -> Array:
     """Return M; infinite or NaN where an end is zero."""
     ratio = last / first
     gain, loss = ratio - 1, 1 / ratio**2 - 1

@@ -27,27 +27,29 @@ class PathUtilization:
 
     Attributes:
         where: The limited frame or joint.
-        factor: Smallest time scaling that keeps the limit with `HEADROOM` in reserve; below 1 if
-            the motion could be faster.
-        share: Peak over limit as a function of the time scaling.
+        time_scaling: Smallest time scaling that keeps the limit with `HEADROOM` in reserve; below 1
+            if the motion could be faster.
+        fraction_at: Peak over limit as a function of the time scaling.
     """
 
     where: str
-    factor: float
-    share: Callable[[float], float]
+    time_scaling: float
+    fraction_at: Callable[[float], float]
 
     @classmethod
     def of_rate(
         cls, where: str, fraction: float, order: int, headroom: float = HEADROOM
     ) -> "PathUtilization":
         """Build from peak over limit of a rate, which scales with a power of the duration."""
-        factor = (fraction * (1 + headroom)) ** (1 / order)
-        return cls(where, factor, lambda slower: fraction / slower**order)
+        time_scaling = (fraction * (1 + headroom)) ** (1 / order)
+        return cls(where, time_scaling, lambda slowdown: fraction / slowdown**order)
 
-    def slowed(self, factor: float) -> "PathUtilization":
+    def slowed(self, time_scaling: float) -> "PathUtilization":
         """Return the utilization after scaling the motion's time by a factor."""
         return PathUtilization(
-            self.where, self.factor / factor, lambda more: self.share(factor * more)
+            self.where,
+            self.time_scaling / time_scaling,
+            lambda additional_scaling: self.fraction_at(time_scaling * additional_scaling),
         )
 
 
@@ -72,7 +74,7 @@ class PathLimit(Protocol):
         """Whether a straight line in joint space may stay one cell."""
         ...
 
-    def cuts(self, stretch: JointSpline) -> Float64[np.ndarray, " m"]:
+    def discontinuities(self, smooth_piece: JointSpline) -> Float64[np.ndarray, " m"]:
         """Return parameters at which the limit jumps: cells need edges there. Often empty."""
         ...
 
@@ -88,11 +90,11 @@ class PathLimit(Protocol):
         """
         ...
 
-    def caps(self, cells: JointSpline) -> Float64[np.ndarray, "cells 2"]:
+    def path_velocity_bounds(self, cells: JointSpline) -> Float64[np.ndarray, "cells 2"]:
         """Return bounds on x at both ends of every cell; infinite without a bound."""
         ...
 
-    def uses(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
+    def utilizations(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
         """Return the utilization by a motion, at all instants, with `HEADROOM` in reserve.
 
         Raises:
@@ -100,7 +102,7 @@ class PathLimit(Protocol):
         """
         ...
 
-    def shares(
+    def sampled_utilization(
         self, curve: Curve, times: Float64[np.ndarray, " m"]
     ) -> Mapping[str, Float64[np.ndarray, " m"]]:
         """Return value over limit at instants of a motion, by limited object; for explanations."""
@@ -124,7 +126,7 @@ class PeakLimit(Protocol):
         ...
 
 
-def uses_of(
+def path_limit_utilizations(
     path_limits: Sequence[PathLimit], trajectory: TimedTrajectory, deadline: Deadline
 ) -> list[tuple[str, PathUtilization]]:
     """Return the names of all limits with their utilization by a motion.
@@ -134,14 +136,16 @@ def uses_of(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    found: list[tuple[str, PathUtilization]] = []
+    utilizations: list[tuple[str, PathUtilization]] = []
     for limit in path_limits:
         deadline.check("retime")
-        found += [(limit.name, use) for use in limit.uses(trajectory)]
-    return found
+        utilizations += [
+            (limit.name, utilization) for utilization in limit.utilizations(trajectory)
+        ]
+    return utilizations
 
 
-def rows_of(
+def path_limit_rows(
     path_limits: Sequence[PathLimit], cells: JointSpline, deadline: Deadline
 ) -> list[tuple[Array, Array]]:
     """Return the rows of all limits on the same cells.
@@ -151,8 +155,8 @@ def rows_of(
         DeadlineExceeded: Time ran out.
         Canceled: The caller canceled.
     """
-    found: list[tuple[Array, Array]] = []
+    rows: list[tuple[Array, Array]] = []
     for limit in path_limits:
         deadline.check("retime")
-        found.append(limit.rows(cells))
-    return found
+        rows.append(limit.rows(cells))
+    return rows

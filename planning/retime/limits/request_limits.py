@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from planning.domain.request.motion_limits import no_efforts
+from planning.domain.request.motion_limits import missing_effort_limits
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointGroup
 from planning.retime.limits.path_limit import PathLimit
@@ -25,13 +25,15 @@ def path_limits(world: World, group: JointGroup, options: RetimeOptions) -> tupl
             effort that could be kept.
     """
     return (
-        *_of_joints(group, options),
-        *_of_efforts(world, group, options),
-        *_of_frames(world, group, options),
+        *_acceleration_limits(group, options),
+        *_torque_limits(world, group, options),
+        *_frame_limits(world, group, options),
     )
 
 
-def _of_joints(group: JointGroup, options: RetimeOptions) -> tuple[SignedAcceleration, ...]:
+def _acceleration_limits(
+    group: JointGroup, options: RetimeOptions
+) -> tuple[SignedAcceleration, ...]:
     if not options.acceleration_bounds:
         return ()
     columns = dict(group.blocks)
@@ -39,16 +41,18 @@ def _of_joints(group: JointGroup, options: RetimeOptions) -> tuple[SignedAcceler
     return (SignedAcceleration(options.acceleration_bounds, chosen),)
 
 
-def _of_efforts(world: World, group: JointGroup, options: RetimeOptions) -> tuple[TorqueLimit, ...]:
+def _torque_limits(
+    world: World, group: JointGroup, options: RetimeOptions
+) -> tuple[TorqueLimit, ...]:
     if not options.effort:
         return ()
     efforts = world.limits(group).effort
     if not np.isfinite(efforts).any():
-        raise no_efforts(group.name)
+        raise missing_effort_limits(group.name)
     return (TorqueLimit(group, GroupDynamics(world, group, options.payload), efforts),)
 
 
-def _of_frames(
+def _frame_limits(
     world: World, group: JointGroup, options: RetimeOptions
 ) -> tuple[ToolRate | ZoneSpeed, ...]:
     frames = [entry.frame for entry in (*options.tool_limits, *options.speed_zones)]

@@ -14,12 +14,12 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline
 from planning.domain.robot.joints import Joint, JointType
-from planning.retime.cells import cut_at, even_edges, num_short
+from planning.retime.cells import cut_at, even_edges, num_parts
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 # Longest part (joint-space length), and number of its interpolation points: the error is below 1e-9
 # of the speed.
-_LONGEST, _POINTS = 0.2, 8
+_MAX_PART_LENGTH, _NUM_POINTS = 0.2, 8
 _AXES = tuple(Joint(axis, JointType.PRISMATIC) for axis in ("x", "y", "z"))
 
 
@@ -37,7 +37,7 @@ class ToolPath:
         Pieces with little motion of the group stay whole.
         """
         if self._last is None or self._last[0] is not curve:
-            counts = num_short(curve, _LONGEST)
+            counts = num_parts(curve, _MAX_PART_LENGTH)
             parts = (
                 curve if (counts == 1).all() else cut_at(curve, even_edges(curve.breaks, counts))
             )
@@ -47,13 +47,13 @@ class ToolPath:
     def _interpolated(self, parts: Curve) -> JointSpline:
         points, inverse = _interpolation()
         widths = np.diff(parts.breaks)
-        pieces = np.repeat(np.arange(parts.num_pieces), _POINTS)
+        pieces = np.repeat(np.arange(parts.num_pieces), _NUM_POINTS)
         local = (widths[:, None] * points).ravel()
         q, v = _states(parts, pieces, local)
-        velocities = self._kinematics.velocities(q, v).reshape(-1, _POINTS, 3)
-        powers = np.arange(_POINTS)
+        velocities = self._kinematics.velocities(q, v).reshape(-1, _NUM_POINTS, 3)
+        powers = np.arange(_NUM_POINTS)
         terms = (inverse @ velocities) / (widths[:, None] ** powers * (powers + 1))[:, :, None]
-        _, p_wt = self._kinematics.poses(q[::_POINTS])
+        _, p_wt = self._kinematics.poses(q[::_NUM_POINTS])
         coefficients = np.concatenate([np.zeros_like(terms[:, :1]), terms], axis=1)
         return JointSpline(_AXES, parts.breaks, p_wt, coefficients)
 
@@ -61,8 +61,8 @@ class ToolPath:
 @cache
 def _interpolation() -> tuple[Array, Array]:
     """Return Chebyshev points on [0, 1], both ends included, and the matrix to the power basis."""
-    points = (1 - np.cos(np.pi * np.arange(_POINTS) / (_POINTS - 1))) / 2
-    return points, np.linalg.inv(points[:, None] ** np.arange(_POINTS))
+    points = (1 - np.cos(np.pi * np.arange(_NUM_POINTS) / (_NUM_POINTS - 1))) / 2
+    return points, np.linalg.inv(points[:, None] ** np.arange(_NUM_POINTS))
 
 
 def _states(curve: Curve, pieces: Any, local: Array) -> tuple[Array, Array]:

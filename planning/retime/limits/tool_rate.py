@@ -12,9 +12,9 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.robot.joints import JointLimits
-from planning.retime.bounds import block_peaks, block_sizes
-from planning.retime.jerk.velocity_bounds import speed_caps
-from planning.retime.limit_utilization import largest_use
+from planning.retime.bounds import bernstein_block_norms, block_peaks
+from planning.retime.jerk.velocity_bounds import cell_velocity_bounds
+from planning.retime.limit_utilization import max_utilization
 from planning.retime.limits.path_limit import HEADROOM, PathUtilization
 from planning.retime.limits.tool_path import ToolPath
 from planning.retime.polynomials import norms
@@ -47,41 +47,43 @@ class ToolRate:
         """False: the tool's rate varies along a line in joint space."""
         return False
 
-    def cuts(self, stretch: JointSpline) -> Array:  # noqa: ARG002
+    def discontinuities(self, smooth_piece: JointSpline) -> Array:  # noqa: ARG002
         """Return no cuts."""
         return np.zeros(0)
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
         """Return the rows of an acceleration limit; none for a speed limit."""
         if self.order == 1:
-            nothing = np.zeros((cells.num_pieces, 0))
-            return nothing, nothing
+            no_rows = np.zeros((cells.num_pieces, 0))
+            return no_rows, no_rows
         return acceleration_rows(self.path.along(cells), self._limits)
 
-    def caps(self, cells: JointSpline) -> Array:
+    def path_velocity_bounds(self, cells: JointSpline) -> Array:
         """Return the bounds on x of a speed limit; none for an acceleration limit."""
         if self.order == 2:
             return np.full((cells.num_pieces, 2), np.inf)
         limits = self._limits
-        return speed_caps(block_sizes(self.path.along(cells), limits, 1), limits.velocity)
+        return cell_velocity_bounds(
+            bernstein_block_norms(self.path.along(cells), limits, 1), limits.velocity
+        )
 
     def peaks(self, cells: JointSpline) -> Array:
         """Return the largest first derivative over the limit, and second if that is limited."""
         limits = self._limits
-        found = np.zeros((6, cells.num_pieces, 1))
+        cell_peaks = np.zeros((6, cells.num_pieces, 1))
         along = self.path.along(cells)
-        found[self.order - 1] = block_peaks(along, limits, 1) / limits.velocity
+        cell_peaks[self.order - 1] = block_peaks(along, limits, 1) / limits.velocity
         if self.order == 2:
-            found[3] = block_peaks(along, limits, 2) / limits.acceleration
-        return found
+            cell_peaks[3] = block_peaks(along, limits, 2) / limits.acceleration
+        return cell_peaks
 
-    def uses(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
+    def utilizations(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
         """Return the largest rate over the limit, by branch and bound."""
-        limits = together(self.limit)
-        use = largest_use(self.path.along(trajectory), limits, self.order)
-        return (PathUtilization.of_rate(self.frame, use.fraction, self.order),)
+        limits = point_limits(self.limit)
+        utilization = max_utilization(self.path.along(trajectory), limits, self.order)
+        return (PathUtilization.of_rate(self.frame, utilization.fraction, self.order),)
 
-    def shares(self, curve: Curve, times: Array) -> Mapping[str, Array]:
+    def sampled_utilization(self, curve: Curve, times: Array) -> Mapping[str, Array]:
         """Return the rate over the limit at instants."""
         return {self.frame: norms(self.path.along(curve).tangents(times, self.order)) / self.limit}
 
@@ -91,10 +93,10 @@ class ToolRate:
 
     @property
     def _limits(self) -> JointLimits:
-        return together(self.limit / (1 + HEADROOM))
+        return point_limits(self.limit / (1 + HEADROOM))
 
 
-def together(rate: float) -> JointLimits:
+def point_limits(rate: float) -> JointLimits:
     """Return limits of a point in space, with all three coordinates in one block."""
     free, one = np.full(3, np.inf), np.array([rate])
     return JointLimits(-free, free, one, one, one, one, ((0, 1, 2),))

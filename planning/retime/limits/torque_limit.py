@@ -18,21 +18,21 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.robot.joints import JointGroup
 from planning.errors import RetimingFailed
-from planning.retime.cells import cut_at, even_edges, num_short
+from planning.retime.cells import cut_at, even_edges, num_parts
 from planning.retime.limits.path_limit import HEADROOM, PathUtilization
 from planning.retime.polynomials import norms
-from planning.retime.smooth_pieces import evaluated, path_derivatives
-from planning.retime.toppra.path_rows import CellPlaces
+from planning.retime.smooth_pieces import evaluate_polynomials, path_derivatives
+from planning.retime.toppra.path_rows import CellSamples
 from planning.world.mechanics.dynamics import GroupDynamics
 
 # Reserve on cells, above the audit's, for peaks between the evaluated parameters of a cell.
-_SPARE = 2 * HEADROOM
+_CELL_RESERVE = 2 * HEADROOM
 # Smallest share of the limit that gravity must leave for motion.
-_LEAST = 1e-3
+_MIN_MOTION_SHARE = 1e-3
 # Step of the audit: two samples per this length (joint-space length).
-_STEP = 0.1
+_SAMPLE_SPACING = 0.1
 # Largest speed-up of a damped motion by the audit, in 1 / k, and number of bisections for it.
-_QUICKEST, _BISECTIONS = 2.0, 50
+_MAX_SPEEDUP, _BISECTIONS = 2.0, 50
 _TINY = 1e-300
 
 
@@ -60,11 +60,11 @@ class TorqueLimit:
         """False: gravity torques vary along a line."""
         return False
 
-    def cuts(self, stretch: JointSpline) -> Float64[np.ndarray, " m"]:  # noqa: ARG002  (none ever)
+    def discontinuities(self, smooth_piece: JointSpline) -> Float64[np.ndarray, " m"]:  # noqa: ARG002  (none ever)
         """Return no cuts: torques jump only at breaks of the path."""
         return np.zeros(0)
 
-    def caps(self, cells: JointSpline) -> Float64[np.ndarray, "cells 2"]:
+    def path_velocity_bounds(self, cells: JointSpline) -> Float64[np.ndarray, "cells 2"]:
         """Return no bounds on x: the rows contain them."""
         return np.full((cells.num_pieces, 2), np.inf)
 
@@ -76,44 +76,63 @@ class TorqueLimit:
         Raises:
             RetimingFailed: Gravity alone is too much somewhere.
         """
-        places = CellPlaces.of(cells)
-        q = _positions(cells, places.pieces, places.local)
-        found = self.dynamics.along(q, *places.derivatives)
-        at = cells.breaks[places.pieces] + places.local
-        ahead, bend = [np.zeros((len(q), 0))], [np.zeros((len(q), 0))]
+        samples = CellSamples.of(cells)
+        q = _positions(cells, samples.pieces, samples.local)
+        path_efforts = self.dynamics.path_efforts(q, *samples.derivatives)
+        parameters = cells.breaks[samples.pieces] + samples.local
+        a, b = [np.zeros((len(q), 0))], [np.zeros((len(q), 0))]
         for name, indices, limit in self._limited:
-            held = found.held[:, indices]
-            _require_held(name, norms(held), limit * (1 - _SPARE - _LEAST), at)
-            normals, reach = _directions(len(indices))
-            room = np.maximum(reach * (1 - _SPARE) * limit - held @ normals.T, _LEAST * limit)
-            ahead.append(found.ahead[:, indices] @ normals.T / room)
-            bend.append(found.bend[:, indices] @ normals.T / room)
-        return places.by_cell(np.concatenate(ahead, axis=1), np.concatenate(bend, axis=1))
+            static_torques = path_efforts.static[:, indices]
+            _validate_static_torques(
+                name,
+                norms(static_torques),
+                limit * (1 - _CELL_RESERVE - _MIN_MOTION_SHARE),
+                parameters,
+            )
+            normals, face_distance = _directions(len(indices))
+            remaining = np.maximum(
+                face_distance * (1 - _CELL_RESERVE) * limit - static_torques @ normals.T,
+                _MIN_MOTION_SHARE * limit,
+            )
+            a.append(path_efforts.by_path_acceleration[:, indices] @ normals.T / remaining)
+            b.append(path_efforts.by_squared_velocity[:, indices] @ normals.T / remaining)
+        return samples.rows_by_cell(np.concatenate(a, axis=1), np.concatenate(b, axis=1))
 
-    def uses(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
+    def utilizations(self, trajectory: TimedTrajectory) -> tuple[PathUtilization, ...]:
         """Return the utilization of each limit by a motion, sampled in small steps.
 
         Raises:
             RetimingFailed: Gravity alone is too much somewhere.
         """
-        steps = cut_at(trajectory, even_edges(trajectory.breaks, num_short(trajectory, _STEP)))
+        steps = cut_at(
+            trajectory, even_edges(trajectory.breaks, num_parts(trajectory, _SAMPLE_SPACING))
+        )
         pieces = np.tile(np.arange(steps.num_pieces), 3)
         local = (np.array([[0.0], [0.5], [1.0]]) * np.diff(steps.breaks)).ravel()
         q = _positions(steps, pieces, local)
         v, vdot = path_derivatives(steps, pieces, local)
-        held = self.dynamics.efforts(q, np.zeros_like(v), np.zeros_like(v))
-        dragged = self.dynamics.damping * v
-        pushed = self.dynamics.efforts(q, v, vdot) - held - dragged
-        at = (steps.breaks[pieces] + local) / trajectory.duration
-        uses: list[PathUtilization] = []
+        static_torques = self.dynamics.efforts(q, np.zeros_like(v), np.zeros_like(v))
+        damping_torques = self.dynamics.damping * v
+        dynamic_torques = self.dynamics.efforts(q, v, vdot) - static_torques - damping_torques
+        fractions = (steps.breaks[pieces] + local) / trajectory.duration
+        utilizations: list[PathUtilization] = []
         for name, indices, limit in self._limited:
-            h, d, p = (_between(part[:, indices]) for part in (held, dragged, pushed))
+            h, d, p = (
+                _with_midpoints(part[:, indices])
+                for part in (static_torques, damping_torques, dynamic_torques)
+            )
             bound = limit * (1 - HEADROOM)
-            _require_held(name, norms(h), bound, _between(at))
-            uses.append(PathUtilization(name, _factor(h, d, p, bound), _share(h, d, p, limit)))
-        return tuple(uses)
+            _validate_static_torques(name, norms(h), bound, _with_midpoints(fractions))
+            utilizations.append(
+                PathUtilization(
+                    name, _required_time_scaling(h, d, p, bound), _fraction_function(h, d, p, limit)
+                )
+            )
+        return tuple(utilizations)
 
-    def shares(self, curve: Curve, times: Float64[np.ndarray, " m"]) -> Mapping[str, Array]:
+    def sampled_utilization(
+        self, curve: Curve, times: Float64[np.ndarray, " m"]
+    ) -> Mapping[str, Array]:
         """Return torque over limit at instants of a motion, by block."""
         efforts = self.dynamics.efforts(
             curve.positions(times), curve.velocities(times), curve.accelerations(times)
@@ -138,10 +157,12 @@ class TorqueLimit:
 
 def _positions(curve: Curve, pieces: Any, local: Array) -> Array:
     """Return q on given pieces, also where two of them meet."""
-    return curve.manifold.plus(curve.bases[pieces], evaluated(curve.coefficients[pieces], local))
+    return curve.manifold.plus(
+        curve.bases[pieces], evaluate_polynomials(curve.coefficients[pieces], local)
+    )
 
 
-def _between(values: Array) -> Array:
+def _with_midpoints(values: Array) -> Array:
     """Return values at beginnings, middles and ends of steps, and between them, by parabolas."""
     begin, middle, end = np.split(values, 3)
     early, late = (
@@ -150,7 +171,7 @@ def _between(values: Array) -> Array:
     return np.concatenate([begin, middle, end, early, late])
 
 
-def _factor(held: Array, dragged: Array, pushed: Array, bound: float) -> float:
+def _required_time_scaling(static: Array, damping: Array, dynamic: Array, bound: float) -> float:
     """Return a time scaling k from which |held + dragged / k + pushed / k^2| <= bound holds.
 
     The bound holds at every instant for k or more. Without damping k is the smallest: the positive
@@ -158,41 +179,45 @@ def _factor(held: Array, dragged: Array, pushed: Array, bound: float) -> float:
     torque is not monotonic in k; the quadratic in z = 1 / k keeps the bound on all of [0, z] if its
     Bernstein coefficients there do.
     """
-    if not dragged.any():
-        square, along = (np.einsum("ij,ij->i", part, pushed) for part in (pushed, held))
-        room = bound**2 - np.einsum("ij,ij->i", held, held)
-        root = np.sqrt(along**2 + square * room)
-        by_room, by_root = (along + root) / room, square / np.maximum(root - along, _TINY)
-        return float(np.sqrt(np.where(along > 0, by_room, by_root).max(initial=0.0)))
-    low, high = 0.0, _QUICKEST
+    if not damping.any():
+        square, along = (np.einsum("ij,ij->i", part, dynamic) for part in (dynamic, static))
+        reserve = bound**2 - np.einsum("ij,ij->i", static, static)
+        root = np.sqrt(along**2 + square * reserve)
+        by_reserve, by_root = (along + root) / reserve, square / np.maximum(root - along, _TINY)
+        return float(np.sqrt(np.where(along > 0, by_reserve, by_root).max(initial=0.0)))
+    low, high = 0.0, _MAX_SPEEDUP
     for _ in range(_BISECTIONS):
         z = (low + high) / 2
-        middle, end = held + z / 2 * dragged, held + z * dragged + z**2 * pushed
-        is_kept = max(norms(middle).max(), norms(end).max()) <= bound
-        low, high = (z, high) if is_kept else (low, z)
+        middle, end = static + z / 2 * damping, static + z * damping + z**2 * dynamic
+        is_within_bound = max(norms(middle).max(), norms(end).max()) <= bound
+        low, high = (z, high) if is_within_bound else (low, z)
     return 1 / low
 
 
-def _share(held: Array, dragged: Array, pushed: Array, limit: float) -> Callable[[float], float]:
-    def share(slower: float) -> float:
-        return float(norms(held + dragged / slower + pushed / slower**2).max()) / limit
+def _fraction_function(
+    static: Array, damping: Array, dynamic: Array, limit: float
+) -> Callable[[float], float]:
+    def fraction(time_scaling: float) -> float:
+        return (
+            float(norms(static + damping / time_scaling + dynamic / time_scaling**2).max()) / limit
+        )
 
-    return share
+    return fraction
 
 
-def _require_held(name: str, torques: Array, bound: float, at: Array) -> None:
+def _validate_static_torques(name: str, torques: Array, bound: float, fractions: Array) -> None:
     worst = int(np.argmax(torques))
     if torques[worst] > bound:
         message = (
             f"{name} cannot be held still on the path: gravity takes {torques[worst]:.4g} N m or N "
-            f"of it at {at[worst]:.3f} of the way, and its limit leaves {bound:.4g}"
+            f"of it at {fractions[worst]:.3f} of the way, and its limit leaves {bound:.4g}"
         )
         evidence = {
             "limit": "torque",
             "where": name,
             "torque": float(torques[worst]),
             "bound": bound,
-            "at": float(at[worst]),
+            "at": float(fractions[worst]),
         }
         raise RetimingFailed(message, evidence)
 

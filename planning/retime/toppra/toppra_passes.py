@@ -24,9 +24,9 @@ from planning.retime.toppra.toppra_solver import (
 
 # As in toppra: a reached speed is lowered by this, so that it stays controllable in spite of
 # rounding; if it is not, it is lowered further, this number of times.
-_ROUNDING = 1e-8
-_TRIES = 10
-_FREE = float("nan")
+_SPEED_REDUCTION = 1e-8
+_MAX_TRIES = 10
+_UNSPECIFIED = float("nan")
 
 
 def squared_speeds(
@@ -45,47 +45,53 @@ def squared_speeds(
     Raises:
         RetimingFailed: toppra finds none.
     """
-    solver = seidelWrapper([_Bounds(rows, caps)], None, edges, solve_lp1d=True)
+    solver = seidelWrapper([_RowConstraint(rows, caps)], None, edges, solve_lp1d=True)
     steps = (2 * np.diff(edges)).tolist()
-    reach = _controllable(solver, len(steps))
+    controllable = _controllable_speeds(solver, len(steps))
     # A sum is finite only if all terms are: toppra's solver returns NaN if there is no solution.
-    x = np.array(_greedy(solver, steps, reach)) if isfinite(sum(reach)) else np.array(_FREE)
+    x = (
+        np.array(_forward_pass(solver, steps, controllable))
+        if isfinite(sum(controllable))
+        else np.array(_UNSPECIFIED)
+    )
     if not np.isfinite(x).all():
         message = "toppra finds no speed profile along the path"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(edges)})
     return x
 
 
-def _controllable(solver: Any, count: int) -> list[float]:
+def _controllable_speeds(solver: Any, count: int) -> list[float]:
     """Return the greatest controllable x at every edge (backward pass)."""
     solve = solver.solve_stagewise_optim
     # Greatest x; among equals, the smallest u.
     objective = np.array([1e-9, -1.0])
-    reach = [0.0] * (count + 1)
+    controllable = [0.0] * (count + 1)
     for i in reversed(range(count)):
-        reach[i] = solve(i, None, objective, _FREE, _FREE, 0.0, reach[i + 1])[1]
-    return reach
+        controllable[i] = solve(
+            i, None, objective, _UNSPECIFIED, _UNSPECIFIED, 0.0, controllable[i + 1]
+        )[1]
+    return controllable
 
 
-def _greedy(solver: Any, steps: list[float], reach: list[float]) -> list[float]:
+def _forward_pass(solver: Any, steps: list[float], controllable: list[float]) -> list[float]:
     """Return the greatest x at every edge, from rest on (forward pass)."""
     solve = solver.solve_stagewise_optim
     objective = np.array([0.0, -1.0])
-    x = [0.0] * len(reach)
+    x = [0.0] * len(controllable)
     for i, step in enumerate(steps):
         objective[0] = -step
-        here, most, u, tries = x[i], reach[i + 1], _FREE, _TRIES
+        current, upper_bound, u, tries = x[i], controllable[i + 1], _UNSPECIFIED, _MAX_TRIES
         while isnan(u) and tries:
-            u = solve(i, None, objective, here, here, 0.0, most)[0]
+            u = solve(i, None, objective, current, current, 0.0, upper_bound)[0]
             if isnan(u):
-                here, tries = max(here - _ROUNDING, 0.999 * here), tries - 1
-        x[i] = here
-        there = here + step * u
-        x[i + 1] = min(max(there - _ROUNDING, 0.9999 * there, 0.0), most)
+                current, tries = max(current - _SPEED_REDUCTION, 0.999 * current), tries - 1
+        x[i] = current
+        following = current + step * u
+        x[i + 1] = min(max(following - _SPEED_REDUCTION, 0.9999 * following, 0.0), upper_bound)
     return x
 
 
-class _Bounds(LinearConstraint):
+class _RowConstraint(LinearConstraint):
     """Constraint rows in toppra's format."""
 
     def __init__(self, rows: tuple[Array, Array], caps: Array) -> None:

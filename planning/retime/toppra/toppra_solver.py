@@ -24,7 +24,7 @@ class _DeferredPackage(ModuleType):
         return getattr(self, name)
 
 
-def _defer(name: str) -> None:
+def _import_lazily(name: str) -> None:
     """Allow imports of submodules without running the package's own code, unless it already ran."""
     spec = find_spec(name)
     if name not in sys.modules and spec is not None:
@@ -33,7 +33,7 @@ def _defer(name: str) -> None:
         sys.modules[name] = package
 
 
-_defer("toppra")
+_import_lazily("toppra")
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     from toppra.constraint import ConstraintType, DiscretizationType, LinearConstraint

@@ -18,19 +18,19 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.errors import DeadlineExceeded
 from planning.search.cars.steering_edges import SteeringEdgeChecker
-from planning.search.shortcut.polyline import path_measure, points_on
+from planning.search.shortcut.polyline import length_by_norm, subdivide
 
 # Approximate number of points of a path; most pieces that an edge is cut into.
-_POINTS, _PIECES = 48, 8
-_MOST_POINTS = 64
-_MOST_ROUNDS = 4
+_NUM_POINTS, _MAX_PARTS = 48, 8
+_MAX_POINTS = 64
+_MAX_ROUNDS = 4
 # Least gain of a round, as a share of the length, for another round to follow.
-_LEAST_GAIN = 1e-3
+_MIN_GAIN = 1e-3
 # Cost of a step beyond its length, so that of equal paths the one of fewest steps is chosen.
-_PER_STEP = 1e-6
+_STEP_COST = 1e-6
 
 
-def shortened_drive(
+def shortcut_steering_path(
     waypoints: Float64[np.ndarray, "n nq"], edges: SteeringEdgeChecker, is_over: Callable[[], bool]
 ) -> Array | None:
     """Return a path that is no longer, with the same ends, shape (m, nq), every step free.
@@ -46,74 +46,77 @@ def shortened_drive(
         Canceled: The request was canceled.
         DeadlineExceeded: The time has run out before any free path was found.
     """
-    path = _best_chain(waypoints, edges, is_over)
+    path = _shortest_free_path(waypoints, edges, is_over)
     try:
-        for _ in range(_MOST_ROUNDS):
+        for _ in range(_MAX_ROUNDS):
             if path is None or is_over():
                 break
-            pieces = max(1, min(_PIECES, _POINTS // len(path)))
-            shorter = _best_chain(points_on(path, edges, pieces).qs, edges, is_over)
+            max_parts = max(1, min(_MAX_PARTS, _NUM_POINTS // len(path)))
+            shorter = _shortest_free_path(subdivide(path, edges, max_parts).qs, edges, is_over)
             if shorter is None:
                 break
-            gain = 1 - path_measure(shorter, edges) / max(path_measure(path, edges), 1e-12)
+            gain = 1 - length_by_norm(shorter, edges) / max(length_by_norm(path, edges), 1e-12)
             path = shorter if gain >= 0 else path
-            if gain < _LEAST_GAIN:
+            if gain < _MIN_GAIN:
                 break
     except DeadlineExceeded:
         return path
     return path
 
 
-def _best_chain(
+def _shortest_free_path(
     points: Array, edges: SteeringEdgeChecker, is_over: Callable[[], bool]
 ) -> Array | None:
     """Return the waypoints of the shortest free path along some of the points, in their order."""
     begins, ends = np.triu_indices(len(points), 1)
     # With very many points, each has a step from the point before it, but not from all before it.
-    stride = -(-len(points) // _MOST_POINTS)
+    stride = -(-len(points) // _MAX_POINTS)
     is_next = ends == begins + 1
-    tried = is_next | ((begins % stride == 0) & (ends % stride == 0))
-    begins, ends, is_next = begins[tried], ends[tried], is_next[tried]
-    tangents, seem_free = edges.at_a_glance(points[begins], points[ends])
-    lengths = edges.norm(tangents).sum(axis=1) + _PER_STEP
+    is_candidate = is_next | ((begins % stride == 0) & (ends % stride == 0))
+    begins, ends, is_next = begins[is_candidate], ends[is_candidate], is_next[is_candidate]
+    tangents, are_free_coarsely = edges.check_coarsely(points[begins], points[ends])
+    lengths = edges.norm(tangents).sum(axis=1) + _STEP_COST
     costs = np.full((len(points), len(points)), np.inf)
-    costs[begins, ends] = np.where(seem_free, lengths, np.inf)
+    costs[begins, ends] = np.where(are_free_coarsely, lengths, np.inf)
     row_of = {
         pair: row for row, pair in enumerate(zip(begins.tolist(), ends.tolist(), strict=True))
     }
-    ways: dict[tuple[int, int], Array] = {}
+    checked_paths: dict[tuple[int, int], Array] = {}
     while True:
         if is_over():
-            late = np.isfinite(costs)
-            late[begins[is_next], ends[is_next]] = False
-            late[tuple(np.array(list(ways), dtype=int).reshape(-1, 2).T)] = False
-            costs[late] = np.inf
-        chain = _cheapest(costs)
+            unchecked = np.isfinite(costs)
+            unchecked[begins[is_next], ends[is_next]] = False
+            unchecked[tuple(np.array(list(checked_paths), dtype=int).reshape(-1, 2).T)] = False
+            costs[unchecked] = np.inf
+        chain = _cheapest_chain(costs)
         if chain is None:
             return None
         for i, j in pairwise(chain):
-            if (i, j) not in ways:
-                way = edges.free_way(points[i], points[j], tangents[row_of[i, j]])
-                if way is None:
+            if (i, j) not in checked_paths:
+                path = edges.free_local_path(points[i], points[j], tangents[row_of[i, j]])
+                if path is None:
                     costs[i, j] = np.inf
                     break
-                ways[i, j] = way
+                checked_paths[i, j] = path
         else:
-            return np.concatenate([points[:1], *(ways[pair][1:] for pair in pairwise(chain))])
+            return np.concatenate([
+                points[:1],
+                *(checked_paths[pair][1:] for pair in pairwise(chain)),
+            ])
 
 
-def _cheapest(costs: Array) -> list[int] | None:
+def _cheapest_chain(costs: Array) -> list[int] | None:
     """Return the cheapest path from the first to the last row of an upper triangle of costs."""
     count = len(costs)
-    best, came = np.full(count, np.inf), np.zeros(count, dtype=int)
+    best, predecessors = np.full(count, np.inf), np.zeros(count, dtype=int)
     best[0] = 0.0
     for j in range(1, count):
         totals = best[:j] + costs[:j, j]
-        came[j] = int(np.argmin(totals))
-        best[j] = totals[came[j]]
+        predecessors[j] = int(np.argmin(totals))
+        best[j] = totals[predecessors[j]]
     if not np.isfinite(best[-1]):
         return None
     chain = [count - 1]
     while chain[-1]:
-        chain.append(int(came[chain[-1]]))
+        chain.append(int(predecessors[chain[-1]]))
     return chain[::-1]

@@ -13,11 +13,11 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 
 # Largest miss of the goal by a formula: formulas divide by values that may vanish [radii].
-_MISS = 1e-9
+_GOAL_TOLERANCE = 1e-9
 # Lengths that differ by less count as equal, so that rounding does not decide [radii].
-_EQUAL = 1e-9
+_LENGTH_TOLERANCE = 1e-9
 # Squares that are negative by no more than this count as zero [radii^2].
-_ROUNDED = 1e-12
+_SQUARE_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class PathWords:
     turns: Float64[np.ndarray, "m k"]
 
 
-def shortest(
+def shortest_words(
     lengths: Float64[np.ndarray, "w m k"],
     turns: Float64[np.ndarray, "w k"],
     goals: Float64[np.ndarray, "m 3"],
@@ -49,28 +49,28 @@ def shortest(
     totals[np.isnan(totals)] = np.inf
     rows = np.arange(len(goals))
     while True:
-        best = np.argmax(totals <= totals.min(axis=0) + _EQUAL, axis=0)
+        best = np.argmax(totals <= totals.min(axis=0) + _LENGTH_TOLERANCE, axis=0)
         chosen = PathWords(lengths[best, rows], turns[best])
-        x, y, yaw = end_of(chosen.lengths, chosen.turns)
-        turn = np.remainder(yaw - goals[:, 2] + np.pi, 2 * np.pi) - np.pi
-        miss = np.hypot(x - goals[:, 0], y - goals[:, 1]) + np.abs(turn)
-        lost = np.flatnonzero(miss > _MISS * (1 + totals[best, rows]))
-        if not len(lost):
+        x, y, yaw = end_poses(chosen.lengths, chosen.turns)
+        yaw_error = np.remainder(yaw - goals[:, 2] + np.pi, 2 * np.pi) - np.pi
+        goal_error = np.hypot(x - goals[:, 0], y - goals[:, 1]) + np.abs(yaw_error)
+        missed = np.flatnonzero(goal_error > _GOAL_TOLERANCE * (1 + totals[best, rows]))
+        if not len(missed):
             return chosen
-        totals[best[lost], lost] = np.inf
+        totals[best[missed], missed] = np.inf
 
 
-def root(square: Array) -> Array:
+def rounded_sqrt(square: Array) -> Array:
     """Return the square root, zero where rounding has made the square negative; NaN below that."""
-    return np.sqrt(np.where(square > -_ROUNDED, np.maximum(square, 0.0), np.nan))
+    return np.sqrt(np.where(square > -_SQUARE_TOLERANCE, np.maximum(square, 0.0), np.nan))
 
 
-def end_of(lengths: Array, turns: Array) -> tuple[Array, Array, Array]:
+def end_poses(lengths: Array, turns: Array) -> tuple[Array, Array, Array]:
     """Return x, y [radii] and yaw at the ends of words whose segments are along the last axis."""
     after = np.cumsum(lengths * turns, axis=-1)
     before = after - lengths * turns
     is_arc = turns != 0
-    safe = np.where(is_arc, turns, 1.0)
-    x = np.where(is_arc, (np.sin(after) - np.sin(before)) / safe, lengths * np.cos(before))
-    y = np.where(is_arc, (np.cos(before) - np.cos(after)) / safe, lengths * np.sin(before))
+    divisors = np.where(is_arc, turns, 1.0)
+    x = np.where(is_arc, (np.sin(after) - np.sin(before)) / divisors, lengths * np.cos(before))
+    y = np.where(is_arc, (np.cos(before) - np.cos(after)) / divisors, lengths * np.sin(before))
     return x.sum(axis=-1), y.sum(axis=-1), after[..., -1]

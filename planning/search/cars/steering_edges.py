@@ -14,9 +14,9 @@ from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
 
 # Tolerance on bounds of x and y [m]; the certifier's is larger.
-_DUST = 1e-9
+_BOUND_TOLERANCE = 1e-9
 # Number of samples per arc or line in the coarse check of `at_a_glance`.
-_LOOKS = 5
+_NUM_COARSE_SAMPLES = 5
 
 
 class SteeringEdgeChecker(EdgeChecker):
@@ -28,23 +28,23 @@ class SteeringEdgeChecker(EdgeChecker):
 
     def __init__(
         self,
-        drives: SteeringPaths,
+        steering_paths: SteeringPaths,
         oracle: WatchedOracle,
         resolution: float,
         norm: Callable[[Array], Array],
         bounds: tuple[Float64[np.ndarray, " nq"], Float64[np.ndarray, " nq"]],
     ) -> None:
         """Make a checker with its counter at zero; `bounds` are the lower and upper ones of q."""
-        super().__init__(drives.manifold, oracle, resolution, norm)
-        self._drives = drives
+        super().__init__(steering_paths.manifold, oracle, resolution, norm)
+        self._steering_paths = steering_paths
         self._oracle = oracle
-        place = slice(drives.iq, drives.iq + 2)
-        self._lower, self._upper = bounds[0][place], bounds[1][place]
+        xy = slice(steering_paths.iq, steering_paths.iq + 2)
+        self._lower, self._upper = bounds[0][xy], bounds[1][xy]
 
     @override
-    def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
+    def local_path(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> Array:
         """Return the waypoints of the steering path from q0 to q1, shape (k, nq)."""
-        return self._drives.way(q0, q1).waypoints
+        return self._steering_paths.steer(q0, q1).waypoints
 
     @override
     def is_free(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> bool:
@@ -53,9 +53,9 @@ class SteeringEdgeChecker(EdgeChecker):
         # Most blocked motions are blocked at their end, whose check takes no steering path.
         if not self._oracle.is_free(q1):
             return False
-        return self._is_clear(self._drives.way(q0, q1))
+        return self._is_path_free(self._steering_paths.steer(q0, q1))
 
-    def free_way(
+    def free_local_path(
         self,
         q0: Float64[np.ndarray, " nq"],
         q1: Float64[np.ndarray, " nq"],
@@ -66,15 +66,15 @@ class SteeringEdgeChecker(EdgeChecker):
         None if one of its samples, q1's included, q0's not, is not free.
         """
         self.num_motions += 1
-        way = self._drives.along(q0, q1, tangents)
-        is_free = self._oracle.is_free(q1) and self._is_clear(way)
-        return way.waypoints if is_free else None
+        path = self._steering_paths.path_of_segments(q0, q1, tangents)
+        is_free = self._oracle.is_free(q1) and self._is_path_free(path)
+        return path.waypoints if is_free else None
 
-    def _is_clear(self, way: SteeringPath) -> bool:
+    def _is_path_free(self, path: SteeringPath) -> bool:
         """Return whether all samples of a steering path between its ends are free."""
-        if not self._stays_inside(way):
+        if not self._is_within_bounds(path):
             return False
-        samples = self._samples(way)
+        samples = self._samples(path)
         count = len(samples)
         for fractions in islice(fraction_batches(count), 1, None):
             rows = np.rint(fractions * count).astype(int) - 1
@@ -102,54 +102,64 @@ class SteeringEdgeChecker(EdgeChecker):
         """Return the lengths by `norm` of the steering paths between rows."""
         q0s, q1s = np.broadcast_arrays(q0s, q1s)
         nq = q0s.shape[-1]
-        tangents = self._drives.tangents(q0s.reshape(-1, nq), q1s.reshape(-1, nq))
+        tangents = self._steering_paths.tangents(q0s.reshape(-1, nq), q1s.reshape(-1, nq))
         return self.norm(tangents).sum(axis=1).reshape(q0s.shape[:-1])
 
-    def at_a_glance(
+    def check_coarsely(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> tuple[Float64[np.ndarray, "m k nv"], Bool[np.ndarray, " m"]]:
         """Return the tangents of the steering paths between rows, and which pass a coarse check.
 
-        The coarse check is at `_LOOKS` samples of every arc and line.
+        The coarse check is at `_NUM_COARSE_SAMPLES` samples of every arc and line.
         """
-        tangents = self._drives.tangents(q0s, q1s)
-        looks: list[Array] = []
+        tangents = self._steering_paths.tangents(q0s, q1s)
+        samples: list[Array] = []
         q = q0s
-        for part in np.repeat(tangents, _LOOKS, axis=1).transpose(1, 0, 2) / _LOOKS:
-            q = self.manifold.plus(q, part)
-            looks.append(q)
-        qs = np.concatenate(looks)
-        free = self._are_inside(qs)
+        for step in (
+            np.repeat(tangents, _NUM_COARSE_SAMPLES, axis=1).transpose(1, 0, 2)
+            / _NUM_COARSE_SAMPLES
+        ):
+            q = self.manifold.plus(q, step)
+            samples.append(q)
+        qs = np.concatenate(samples)
+        free = self._are_within_bounds(qs)
         free[free] = self._oracle.are_free(qs[free])
-        return tangents, free.reshape(len(looks), -1).all(axis=0)
+        return tangents, free.reshape(len(samples), -1).all(axis=0)
 
-    def _samples(self, way: SteeringPath) -> Array:
+    def _samples(self, path: SteeringPath) -> Array:
         """Return configurations along a steering path at the resolution, without its first one."""
-        steps = steps_of(way.deltas, self.resolution)
+        steps = steps_of(path.deltas, self.resolution)
         edge = np.repeat(np.arange(len(steps)), steps)
-        place = np.arange(len(edge)) - np.repeat(np.cumsum(steps) - steps, steps) + 1
-        parts = (place / steps[edge])[:, None] * way.deltas[edge]
-        return self.manifold.plus(way.waypoints[edge], parts)
+        index = np.arange(len(edge)) - np.repeat(np.cumsum(steps) - steps, steps) + 1
+        displacements = (index / steps[edge])[:, None] * path.deltas[edge]
+        return self.manifold.plus(path.waypoints[edge], displacements)
 
-    def _stays_inside(self, way: SteeringPath) -> bool:
-        begins, deltas = way.waypoints[:-1], way.deltas
-        yaw, turn = begins[:, self._drives.iq + 2], deltas[:, self._drives.iv + 2]
-        spots = way.waypoints[:, self._drives.iq : self._drives.iq + 2]
+    def _is_within_bounds(self, path: SteeringPath) -> bool:
+        begins, deltas = path.waypoints[:-1], path.deltas
+        yaw, turn = begins[:, self._steering_paths.iq + 2], deltas[:, self._steering_paths.iv + 2]
+        positions = path.waypoints[:, self._steering_paths.iq : self._steering_paths.iq + 2]
         # The distance of an arc from its chord is at most its length times an eighth of its angle.
-        aside = np.abs(deltas[:, self._drives.iv] * turn).max() / 8 + _DUST
-        if ((spots >= self._lower + aside) & (spots <= self._upper - aside)).all():
+        max_sagitta = np.abs(deltas[:, self._steering_paths.iv] * turn).max() / 8 + _BOUND_TOLERANCE
+        if (
+            (positions >= self._lower + max_sagitta) & (positions <= self._upper - max_sagitta)
+        ).all():
             return True
         first = np.ceil(np.minimum(yaw, yaw + turn) / (np.pi / 2))
-        is_arc = np.abs(turn) > _DUST
-        safe = np.where(is_arc, turn, 1.0)
-        places = [way.waypoints]
+        is_arc = np.abs(turn) > _BOUND_TOLERANCE
+        divisors = np.where(is_arc, turn, 1.0)
+        configurations = [path.waypoints]
         # An arc of less than half a turn heads along an axis twice at most.
         for k in (first, first + 1):
-            share = (k * np.pi / 2 - yaw) / safe
-            rows = np.flatnonzero(is_arc & (share >= 0) & (share <= 1))
-            places.append(self.manifold.plus(begins[rows], share[rows, None] * deltas[rows]))
-        return bool(self._are_inside(np.concatenate(places)).all())
+            fractions = (k * np.pi / 2 - yaw) / divisors
+            rows = np.flatnonzero(is_arc & (fractions >= 0) & (fractions <= 1))
+            configurations.append(
+                self.manifold.plus(begins[rows], fractions[rows, None] * deltas[rows])
+            )
+        return bool(self._are_within_bounds(np.concatenate(configurations)).all())
 
-    def _are_inside(self, qs: Array) -> Bool[np.ndarray, " m"]:
-        spots = qs[:, self._drives.iq : self._drives.iq + 2]
-        return ((spots >= self._lower - _DUST) & (spots <= self._upper + _DUST)).all(axis=1)
+    def _are_within_bounds(self, qs: Array) -> Bool[np.ndarray, " m"]:
+        positions = qs[:, self._steering_paths.iq : self._steering_paths.iq + 2]
+        return (
+            (positions >= self._lower - _BOUND_TOLERANCE)
+            & (positions <= self._upper + _BOUND_TOLERANCE)
+        ).all(axis=1)

@@ -20,11 +20,11 @@ from planning.search.cars.path_words import PathWords
 from planning.search.cars.reeds_shepp import reeds_shepp_words
 
 # Largest angle of one arc [rad], well below half a turn, where its direction would be ambiguous.
-_MOST_TURN = 2.0
+_MAX_ARC_ANGLE = 2.0
 # Tolerance on lateral slip and curvature of an arc, as a share of its length: rounding.
 _ROUNDING = 1e-7
 # Segments of at most this length do not count [radii].
-_NOTHING = 1e-10
+_MIN_SEGMENT_LENGTH = 1e-10
 
 
 @dataclass(frozen=True)
@@ -64,21 +64,21 @@ class SteeringPaths:
         self.steering = next(iter(cars.values()))
         self.iq, self.iv = self.manifold.offsets[0]
 
-    def way(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> SteeringPath:
+    def steer(self, q0: Float64[np.ndarray, " nq"], q1: Float64[np.ndarray, " nq"]) -> SteeringPath:
         """Return the steering path from q0 to q1.
 
         It is the single arc through both if the car can drive it, or else the car's shortest curve.
         For a car that may drive backwards, the path from q1 to q0 is the same one reversed.
         """
         if self.steering.reverse and q1.tolist() < q0.tolist():
-            back = self._way(q1, q0)
-            return SteeringPath(back.waypoints[::-1], -back.deltas[::-1])
-        return self._way(q0, q1)
+            reverse_path = self._steer(q1, q0)
+            return SteeringPath(reverse_path.waypoints[::-1], -reverse_path.deltas[::-1])
+        return self._steer(q0, q1)
 
-    def threaded(self, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
+    def waypoints_through(self, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
         """Return the waypoints of the steering paths between given ones, these included."""
-        ways = [self.way(q0, q1).waypoints[1:] for q0, q1 in pairwise(waypoints)]
-        return np.concatenate([waypoints[:1], *ways])
+        pieces = [self.steer(q0, q1).waypoints[1:] for q0, q1 in pairwise(waypoints)]
+        return np.concatenate([waypoints[:1], *pieces])
 
     def tangents(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
@@ -86,54 +86,54 @@ class SteeringPaths:
         """Return the tangents of the segments, in order, of the steering paths between rows."""
         deltas = self.manifold.minus(q1s, q0s)
         is_arc = self._are_arcs(deltas)
-        found = self._letters(q0s, q1s, deltas)
-        found[is_arc] = 0.0
-        found[is_arc, 0] = deltas[is_arc]
-        return found
+        tangents = self._segment_tangents(q0s, q1s, deltas)
+        tangents[is_arc] = 0.0
+        tangents[is_arc, 0] = deltas[is_arc]
+        return tangents
 
-    def along(
+    def path_of_segments(
         self,
         q0: Float64[np.ndarray, " nq"],
         q1: Float64[np.ndarray, " nq"],
-        letters: Float64[np.ndarray, "k nv"],
+        segments: Float64[np.ndarray, "k nv"],
     ) -> SteeringPath:
         """Return the path from q0 to q1 whose segments have given tangents; long arcs are cut."""
-        letters = letters[np.abs(letters).max(axis=1) > _NOTHING]
-        counts = np.ceil(np.abs(letters[:, self.iv + 2]) / _MOST_TURN).astype(int)
+        segments = segments[np.abs(segments).max(axis=1) > _MIN_SEGMENT_LENGTH]
+        counts = np.ceil(np.abs(segments[:, self.iv + 2]) / _MAX_ARC_ANGLE).astype(int)
         counts = np.maximum(counts, 1)
-        deltas = np.repeat(letters / counts[:, None], counts, axis=0)
+        deltas = np.repeat(segments / counts[:, None], counts, axis=0)
         rows = [q0]
-        for piece in deltas[:-1]:
-            rows.append(self.manifold.plus(rows[-1], piece))
+        for delta in deltas[:-1]:
+            rows.append(self.manifold.plus(rows[-1], delta))
         return SteeringPath(np.stack([*rows, q1]), deltas)
 
-    def _way(self, q0: Array, q1: Array) -> SteeringPath:
+    def _steer(self, q0: Array, q1: Array) -> SteeringPath:
         delta = self.manifold.minus(q1, q0)[None]
         if self._are_arcs(delta)[0]:
             return SteeringPath(np.stack([q0, q1]), delta)
-        return self.along(q0, q1, self._letters(q0[None], q1[None], delta)[0])
+        return self.path_of_segments(q0, q1, self._segment_tangents(q0[None], q1[None], delta)[0])
 
     def _are_arcs(self, deltas: Float64[np.ndarray, "m nv"]) -> Bool[np.ndarray, " m"]:
         """Return which tangents are single arcs (or lines) that the car can drive."""
-        ahead, aside, turn = (deltas[:, self.iv + i] for i in range(3))
-        size = np.abs(ahead) + _NOTHING
+        forward, lateral, angle = (deltas[:, self.iv + i] for i in range(3))
+        size = np.abs(forward) + _MIN_SEGMENT_LENGTH
         return (
-            (np.abs(aside) <= _ROUNDING * size)
-            & (np.abs(turn) * self.steering.turning_radius <= np.abs(ahead) + _ROUNDING * size)
-            & (np.abs(turn) <= _MOST_TURN)
-            & (self.steering.reverse | (ahead >= -_NOTHING))
+            (np.abs(lateral) <= _ROUNDING * size)
+            & (np.abs(angle) * self.steering.turning_radius <= np.abs(forward) + _ROUNDING * size)
+            & (np.abs(angle) <= _MAX_ARC_ANGLE)
+            & (self.steering.reverse | (forward >= -_MIN_SEGMENT_LENGTH))
         )
 
-    def _letters(self, q0s: Array, q1s: Array, deltas: Array) -> Array:
+    def _segment_tangents(self, q0s: Array, q1s: Array, deltas: Array) -> Array:
         """Return the tangents of all segments of the shortest curves, shape (m, k, nv)."""
         words = self._words(q0s, q1s)
         sizes = np.abs(words.lengths)
-        shares = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), _NOTHING)
-        letters = shares[:, :, None] * deltas[:, None]
-        letters[:, :, self.iv] = words.lengths * self.steering.turning_radius
-        letters[:, :, self.iv + 1] = 0.0
-        letters[:, :, self.iv + 2] = words.lengths * words.turns
-        return letters
+        fractions = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), _MIN_SEGMENT_LENGTH)
+        tangents = fractions[:, :, None] * deltas[:, None]
+        tangents[:, :, self.iv] = words.lengths * self.steering.turning_radius
+        tangents[:, :, self.iv + 1] = 0.0
+        tangents[:, :, self.iv + 2] = words.lengths * words.turns
+        return tangents
 
     def _words(self, q0s: Array, q1s: Array) -> PathWords:
         poses = [q[:, self.iq : self.iq + 3] for q in (q0s, q1s)]

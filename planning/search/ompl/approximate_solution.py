@@ -9,11 +9,11 @@ from planning.domain.request.deadline import Deadline
 from planning.errors import DeadlineExceeded
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.graph import Graph, cheapest_ways, measured, traced
+from planning.search.ompl.graph import Graph, dijkstra, edge_cost_function, trace_path
 from planning.search.ompl.spaces import SearchSpace
 
 # Time budget after the search has run out of time [s].
-_GRACE = 0.15
+_GRACE_PERIOD = 0.15
 
 
 def approximate_solution(
@@ -41,19 +41,19 @@ def approximate_solution(
         `positions` of that configuration, the `path` to it, and the `goal` at the distance
             `goal_distance` (joint-space length).
     """
-    grace = Deadline.after(_GRACE, deadline.clock, deadline.is_canceled)
+    grace_deadline = Deadline.after(_GRACE_PERIOD, deadline.clock, deadline.is_canceled)
     came_from: dict[int, int] = {}
     reached: list[int] = []
-    for row, table in cheapest_ways(graph, measured(graph, space.manifold.distance)):
+    for row, table in dijkstra(graph, edge_cost_function(graph, space.manifold.distance)):
         reached.append(row)
         came_from = table
     if not reached:
         return None
     distances = space.manifold.distance(graph.qs[reached][:, None], goals[None])
     nearest = reached[int(np.argmin(distances.min(axis=1)))]
-    path = graph.qs[traced(came_from, nearest)]
+    path = graph.qs[trace_path(came_from, nearest)]
     try:
-        with oracle.until(grace):
+        with oracle.with_deadline(grace_deadline):
             free = checker.are_free(path[:-1], path[1:]) if len(path) > 1 else np.ones(0, bool)
     except DeadlineExceeded:
         return None

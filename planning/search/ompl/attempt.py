@@ -17,7 +17,13 @@ from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.approximate_solution import approximate_solution
 from planning.search.ompl.car_space import CarSpace
-from planning.search.ompl.graph import Graph, between, exported, has_graph, read_graph
+from planning.search.ompl.graph import (
+    Graph,
+    export_graph,
+    has_graph,
+    read_graph,
+    with_query_vertices,
+)
 from planning.search.ompl.planner_list import make_planner
 from planning.search.ompl.prm import is_roadmap_planner, solve_by_roadmap
 from planning.search.ompl.projected_space import ProjectedSpace
@@ -25,10 +31,10 @@ from planning.search.ompl.spaces import SearchSpace
 from planning.search.ompl.termination import TerminationCondition
 from planning.search.ompl.validity import space_information
 from planning.search.query import Query
-from planning.search.shortcut.polyline import unrolled
+from planning.search.shortcut.polyline import unwrap
 
 # Largest distance of a path's end from a goal: the planner copies the goal's state.
-_SAME = 1e-6
+_GOAL_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,25 +45,26 @@ class Attempt(Value):
         status: OMPL's status string; "setup" if the setup took all of its time.
         waypoints: From the start to a goal, shape (n, nq); n = 0 without an exact solution.
         goal_row: Row of that goal, or -1.
-        growth: Evidence of a failure: `num_vertices` and `num_edges` of its trees or roadmap, and
-            `goal_distance`, the least distance to a goal in OMPL's metric, None where the planner
-            has no such value. `approximate` and `graph` on request. After a setup that took too
+        failure_evidence: Evidence of a failure: `num_vertices` and `num_edges` of its trees or
+            roadmap, and `goal_distance`, the least distance to a goal in OMPL's metric, None where
+            the planner has no such value. `approximate` and `graph` on request. After a setup that
+            took too
             long: `reason`, `during`, `budget` and `spent` [s]. Empty with a solution.
         graph: Explored graph, on request and with a solution.
-        is_spent: Whether it gave up after the allowed number of checked states.
-        improves: Whether the planner optimises its path, which then is close to obstacles.
+        has_given_up: Whether it gave up after the allowed number of checked states.
+        is_optimizing: Whether the planner optimises its path, which then is close to obstacles.
     """
 
     status: str
     waypoints: Float64[np.ndarray, "n nq"]
     goal_row: int
-    growth: Mapping[str, Any]
+    failure_evidence: Mapping[str, Any]
     graph: PlannerGraph | None
-    is_spent: bool
-    improves: bool = False
+    has_given_up: bool
+    is_optimizing: bool = False
 
 
-def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> Attempt:
+def run_planner(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> Attempt:
     """Run the planner once; the same seed gives the same path.
 
     OMPL's random numbers are global to the process: one search at a time.
@@ -73,33 +80,35 @@ def attempt(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) -> A
         DeadlineExceeded: The time has run out.
     """
     ou.RNG.setSeed(seed)
-    information, planner, spent = _set_up(query, edges)
-    if query.options.setup_time is not None and spent > query.options.setup_time:
-        query.deadline.on_cut()
-        return _not_begun(query, query.options.setup_time, spent)
+    information, planner, setup_seconds = _set_up(query, edges)
+    if query.options.setup_time is not None and setup_seconds > query.options.setup_time:
+        query.deadline.on_expiry()
+        return _setup_timeout(query, query.options.setup_time, setup_seconds)
     budget = query.deadline.within(query.options.solve_time)
-    tell = query.on_better and partial(query.on_better, query.planner)
-    states = query.most_states
-    stopping = TerminationCondition(planner, query.oracle, budget, query.patience, states, tell)
+    on_improvement = query.on_improvement and partial(query.on_improvement, query.planner)
+    max_states = query.max_states
+    termination = TerminationCondition(
+        planner, query.oracle, budget, query.completion_deadline, max_states, on_improvement
+    )
     try:
-        with query.watch.note("solve"), query.oracle.until(budget):
-            status, found = _solve(planner, query, stopping)
-        if found is None:
+        with query.watch.measure("solve"), query.oracle.with_deadline(budget):
+            status, waypoints = _solve(planner, query, termination)
+        if waypoints is None:
             query.deadline.check("search")
         elif isinstance(query.space, ProjectedSpace):
-            with query.oracle.until(query.patience):
-                found = query.space.threaded(information, found)
+            with query.oracle.with_deadline(query.completion_deadline):
+                waypoints = query.space.interpolate(information, waypoints)
     except DeadlineExceeded as error:
         if query.deadline.is_over:
-            raise error.saying(error.detail, _growth(planner, query, fine)) from error
-        status, found = "Timeout", None
+            raise error.saying(error.detail, _failure_evidence(planner, query, fine)) from error
+        status, waypoints = "Timeout", None
     finally:
-        stopping.let_go()
-    if found is None:
-        growth = _growth(planner, query, fine)
-        nothing = np.empty((0, len(query.start)))
-        return Attempt(status, nothing, -1, growth, None, stopping.is_spent)
-    return _report(query, fine, found, status, planner)
+        termination.release_planner()
+    if waypoints is None:
+        evidence = _failure_evidence(planner, query, fine)
+        no_waypoints = np.empty((0, len(query.start)))
+        return Attempt(status, no_waypoints, -1, evidence, None, termination.has_given_up)
+    return _report(query, fine, waypoints, status, planner)
 
 
 def _set_up(query: Query, edges: EdgeChecker) -> tuple[Any, Any, float]:
@@ -111,37 +120,39 @@ def _set_up(query: Query, edges: EdgeChecker) -> tuple[Any, Any, float]:
     began = clock()
     information = space_information(query.space, query.oracle, edges, query.planner)
     planner = make_planner(information, query.planner, query.parameters)
-    planner.setProblemDefinition(_define(information, query))
+    planner.setProblemDefinition(_problem_definition(information, query))
     planner.setup()
     seconds = clock() - began
     query.watch.add("setup", seconds)
     return information, planner, query.space_seconds + seconds
 
 
-def _not_begun(query: Query, budget: float, spent: float) -> Attempt:
-    why = {"reason": "setup", "during": "setup", "budget": budget, "spent": spent}
-    nothing = np.empty((0, len(query.start)))
-    return Attempt("setup", nothing, -1, why, None, is_spent=False)
+def _setup_timeout(query: Query, budget: float, setup_seconds: float) -> Attempt:
+    evidence = {"reason": "setup", "during": "setup", "budget": budget, "spent": setup_seconds}
+    no_waypoints = np.empty((0, len(query.start)))
+    return Attempt("setup", no_waypoints, -1, evidence, None, has_given_up=False)
 
 
-def _solve(planner: Any, query: Query, stopping: TerminationCondition) -> tuple[str, Array | None]:
+def _solve(
+    planner: Any, query: Query, termination: TerminationCondition
+) -> tuple[str, Array | None]:
     """Return OMPL's status string, and the waypoints if there is an exact solution."""
     if is_roadmap_planner(planner):
         costs = query.objective.edge_costs
-        found = solve_by_roadmap(planner, query.space, stopping, len(query.goals), costs)
-        return "Timeout" if found is None else "Exact solution", found
-    status = planner.solve(ob.PlannerTerminationCondition(stopping)).asString()
+        waypoints = solve_by_roadmap(planner, query.space, termination, len(query.goals), costs)
+        return "Timeout" if waypoints is None else "Exact solution", waypoints
+    status = planner.solve(ob.PlannerTerminationCondition(termination)).asString()
     return status, _solution(planner.getProblemDefinition(), query.space)
 
 
-def _define(information: Any, query: Query) -> Any:
+def _problem_definition(information: Any, query: Query) -> Any:
     definition = ob.ProblemDefinition(information)
     definition.addStartState(query.space.write(query.start))
     goals = ob.GoalStates(information)
     for q in query.goals:
         goals.addState(query.space.write(q))
     definition.setGoal(goals)
-    objective = query.objective.of_ompl(information, query.space, query.planner)
+    objective = query.objective.make_ompl_objective(information, query.space, query.planner)
     if objective is not None:
         definition.setOptimizationObjective(objective)
     return definition
@@ -154,54 +165,63 @@ def _solution(definition: Any, space: SearchSpace) -> Array | None:
     return np.array([space.read(state) for state in definition.getSolutionPath().getStates()])
 
 
-def _report(query: Query, fine: EdgeChecker, found: Array, status: str, planner: Any) -> Attempt:
-    distances = query.space.manifold.distance(query.goals, found[-1])
+def _report(query: Query, fine: EdgeChecker, solution: Array, status: str, planner: Any) -> Attempt:
+    distances = query.space.manifold.distance(query.goals, solution[-1])
     row = int(np.argmin(distances))
-    if distances[row] >= _SAME:
-        nothing = np.empty((0, len(query.start)))
-        return Attempt(status, nothing, -1, _growth(planner, query, fine), None, is_spent=False)
-    path = np.concatenate([query.start[None], found[1:-1], query.goals[row][None]])
-    waypoints = unrolled(path, query.space.manifold)
+    if distances[row] >= _GOAL_TOLERANCE:
+        no_waypoints = np.empty((0, len(query.start)))
+        return Attempt(
+            status,
+            no_waypoints,
+            -1,
+            _failure_evidence(planner, query, fine),
+            None,
+            has_given_up=False,
+        )
+    path = np.concatenate([query.start[None], solution[1:-1], query.goals[row][None]])
+    waypoints = unwrap(path, query.space.manifold)
     if isinstance(query.space, CarSpace):
-        waypoints = query.space.drives.threaded(waypoints)
-    graph, improves = _kept_graph(planner, query, found), hasattr(planner, "bestCost")
-    return Attempt(status, waypoints, row, {}, graph, is_spent=False, improves=improves)
+        waypoints = query.space.steering_paths.waypoints_through(waypoints)
+    graph, is_optimizing = _graph_on_request(planner, query, solution), hasattr(planner, "bestCost")
+    return Attempt(
+        status, waypoints, row, {}, graph, has_given_up=False, is_optimizing=is_optimizing
+    )
 
 
-def _kept_graph(planner: Any, query: Query, found: Array) -> PlannerGraph | None:
+def _graph_on_request(planner: Any, query: Query, solution: Array) -> PlannerGraph | None:
     if not (query.options.keep_graph and has_graph(planner)):
         return None
     graph = _graph(planner, query)
-    return exported(query.planner, graph, query.space, found)
+    return export_graph(query.planner, graph, query.space, solution)
 
 
 def _graph(planner: Any, query: Query) -> Graph:
     graph = read_graph(planner, planner.getSpaceInformation(), query.space)
-    return between(graph, query.start, query.goals, query.space)
+    return with_query_vertices(graph, query.start, query.goals, query.space)
 
 
-def _growth(planner: Any, query: Query, fine: EdgeChecker) -> dict[str, Any]:
+def _failure_evidence(planner: Any, query: Query, fine: EdgeChecker) -> dict[str, Any]:
     """Return the evidence of a failure: size of the explored graph and distance to the goals."""
     definition = planner.getProblemDefinition()
-    is_near = definition.hasApproximateSolution()
-    growth: dict[str, Any] = {
+    has_approximation = definition.hasApproximateSolution()
+    evidence: dict[str, Any] = {
         "num_vertices": None,
         "num_edges": None,
-        "goal_distance": definition.getSolutionDifference() if is_near else None,
+        "goal_distance": definition.getSolutionDifference() if has_approximation else None,
     }
     if not has_graph(planner):
-        return growth
+        return evidence
     if not (query.options.approximate or query.options.keep_graph):
         graph = ob.PlannerData(planner.getSpaceInformation())
         planner.getPlannerData(graph)
-        return growth | {"num_vertices": graph.numVertices(), "num_edges": graph.numEdges()}
+        return evidence | {"num_vertices": graph.numVertices(), "num_edges": graph.numEdges()}
     graph = _graph(planner, query)
-    whole = exported(query.planner, graph, query.space, np.empty((0, len(query.start))))
-    growth |= {"num_vertices": whole.num_vertices, "num_edges": whole.num_edges}
+    planner_graph = export_graph(query.planner, graph, query.space, np.empty((0, len(query.start))))
+    evidence |= {"num_vertices": planner_graph.num_vertices, "num_edges": planner_graph.num_edges}
     if query.options.keep_graph:
-        growth["graph"] = whole.plain
+        evidence["graph"] = planner_graph.as_json
     if query.options.approximate:
-        growth["approximate"] = approximate_solution(
+        evidence["approximate"] = approximate_solution(
             graph, query.space, query.goals, fine, query.oracle, query.deadline
         )
-    return growth
+    return evidence

@@ -22,7 +22,7 @@ class CarSpace(SearchSpace):
     steering path in the direction of the motion.
 
     Attributes:
-        drives: Steering function between states.
+        steering_paths: Steering function between states.
     """
 
     def __init__(
@@ -37,7 +37,7 @@ class CarSpace(SearchSpace):
         Raises:
             ProblemInvalid: The group has several cars.
         """
-        self.drives = SteeringPaths(group)
+        self.steering_paths = SteeringPaths(group)
         super().__init__(group, limits, anchors, weights)
 
     @override
@@ -45,4 +45,6 @@ class CarSpace(SearchSpace):
         self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
     ) -> SteeringEdgeChecker:
         """Return a checker of steering paths at a resolution."""
-        return SteeringEdgeChecker(self.drives, oracle, resolution, norm, (self.lower, self.upper))
+        return SteeringEdgeChecker(
+            self.steering_paths, oracle, resolution, norm, (self.lower, self.upper)
+        )

@@ -20,9 +20,9 @@ type Costs = Callable[[Array, Array], Array]
 type Steps = Callable[[int, list[int]], Array | list[float]]
 
 # Limits on a graph for display: more is neither drawn nor sent.
-_MOST_VERTICES = 2_000
-_MOST_EDGES = 10_000
-_SAME = 1e-9
+_MAX_VERTICES = 2_000
+_MAX_EDGES = 10_000
+_VERTEX_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def read_graph(planner: Any, information: Any, space: SearchSpace) -> Graph:
     )
 
 
-def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Graph:
+def with_query_vertices(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Graph:
     """Return the same graph with its start and goals found by position, and undirected edges.
 
     FMT reports every vertex without a parent as a start, BFMT reports none (OMPL 2.0.1), and
@@ -84,12 +84,12 @@ def between(graph: Graph, start: Array, goals: Array, space: SearchSpace) -> Gra
     return Graph(graph.qs, starts, ends, neighbours.__getitem__)
 
 
-def measured(graph: Graph, costs: Costs) -> Callable[[int, list[int]], Array]:
+def edge_cost_function(graph: Graph, costs: Costs) -> Callable[[int, list[int]], Array]:
     """Return the costs of a graph's edges, computed on demand."""
     return lambda here, there: costs(graph.qs[there], graph.qs[here])
 
 
-def cheapest_ways(graph: Graph, steps: Steps) -> Iterator[tuple[int, dict[int, int]]]:
+def dijkstra(graph: Graph, edge_costs: Steps) -> Iterator[tuple[int, dict[int, int]]]:
     """Yield vertices reachable from the first start, cheapest first (Dijkstra's algorithm).
 
     With each row comes the table of predecessors by row; a start is its own predecessor.
@@ -107,15 +107,15 @@ def cheapest_ways(graph: Graph, steps: Steps) -> Iterator[tuple[int, dict[int, i
             continue
         yield here, came_from
         neighbours = graph.neighbours(here)
-        costs = steps(here, neighbours) if neighbours else ()
-        for there, step in zip(neighbours, costs, strict=True):
-            if cost + step < best[there]:
-                best[there] = cost + step
+        costs = edge_costs(here, neighbours) if neighbours else ()
+        for there, edge_cost in zip(neighbours, costs, strict=True):
+            if cost + edge_cost < best[there]:
+                best[there] = cost + edge_cost
                 came_from[there] = here
                 heapq.heappush(queue, (best[there], there))
 
 
-def traced(came_from: dict[int, int], end: int) -> list[int]:
+def trace_path(came_from: dict[int, int], end: int) -> list[int]:
     """Return the rows from the start to `end`, by the table of predecessors."""
     chain = [end]
     while came_from[chain[-1]] != chain[-1]:
@@ -123,7 +123,7 @@ def traced(came_from: dict[int, int], end: int) -> list[int]:
     return chain[::-1]
 
 
-def exported(
+def export_graph(
     name: str, graph: Graph, space: SearchSpace, solution: Float64[np.ndarray, "m nq"]
 ) -> PlannerGraph:
     """Return a graph for display, which always contains the solution, the starts and the goals.
@@ -136,20 +136,20 @@ def exported(
     """
     rows = [_row_of(q, graph, space) for q in solution] if len(graph.qs) else []
     path = [row for row in rows if row is not None]
-    wanted = dict.fromkeys([*graph.starts, *graph.goals, *path, *range(len(graph.qs))])
-    kept = sorted(list(wanted)[:_MOST_VERTICES])
-    place = {row: i for i, row in enumerate(kept)}
+    ordered_rows = dict.fromkeys([*graph.starts, *graph.goals, *path, *range(len(graph.qs))])
+    exported_rows = sorted(list(ordered_rows)[:_MAX_VERTICES])
+    index_of = {row: i for i, row in enumerate(exported_rows)}
     pairs = {
         (min(i, j), max(i, j)) for i in range(len(graph.qs)) for j in graph.neighbours(i) if i != j
     }
-    edges = sorted((place[i], place[j]) for i, j in pairs if i in place and j in place)
+    edges = sorted((index_of[i], index_of[j]) for i, j in pairs if i in index_of and j in index_of)
     return PlannerGraph(
         planner=name,
-        vertices=graph.qs[kept],
-        edges=tuple(edges[:_MOST_EDGES]),
-        starts=tuple(place[row] for row in graph.starts if row in place),
-        goals=tuple(place[row] for row in graph.goals if row in place),
-        path=tuple(place[row] for row in path if row in place),
+        vertices=graph.qs[exported_rows],
+        edges=tuple(edges[:_MAX_EDGES]),
+        starts=tuple(index_of[row] for row in graph.starts if row in index_of),
+        goals=tuple(index_of[row] for row in graph.goals if row in index_of),
+        path=tuple(index_of[row] for row in path if row in index_of),
         num_vertices=len(graph.qs),
         num_edges=len(pairs),
     )
@@ -163,4 +163,4 @@ def line_graph(waypoints: Float64[np.ndarray, "2 nq"]) -> PlannerGraph:
 def _row_of(q: Array, graph: Graph, space: SearchSpace) -> int | None:
     distances = space.manifold.distance(graph.qs, q)
     row = int(np.argmin(distances))
-    return row if distances[row] < _SAME else None
+    return row if distances[row] < _VERTEX_TOLERANCE else None

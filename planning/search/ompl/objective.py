@@ -30,11 +30,11 @@ type Name = Literal["length", "weighted_length", "clearance", "duration"]
 type Clearances = Callable[[Array], Array]
 
 # Distance added before the division, so that costs are finite in contact [m].
-_NEAR = 0.01
+_DISTANCE_OFFSET = 0.01
 # Spacing of distance evaluations along an edge (joint-space length).
-_STEP = 0.1
-_MOST_REMEMBERED = 50_000
-_WANT_A_METRIC = ("FMT", "BFMT")
+_EVALUATION_SPACING = 0.1
+_MAX_CACHED_DISTANCES = 50_000
+_METRIC_PLANNERS = ("FMT", "BFMT")
 
 
 class Objective:
@@ -68,15 +68,17 @@ class Objective:
         self._blocks = [list(block) for block in limits.blocks]
         self._velocity = limits.velocity
         # For a vector space every block is one coordinate.
-        self._slowness = (1 / limits.velocity).tolist()
+        self._inverse_velocity = (1 / limits.velocity).tolist()
         self._weights = np.empty(group.num_velocities)
         for block, weight in zip(self._blocks, weights, strict=True):
             self._weights[block] = weight
-        self._factors = self._weights.tolist()
-        self._clearances = clearances or _nothing_is_near
-        self._remembered: dict[bytes, float] = {}
+        self._weight_list = self._weights.tolist()
+        self._clearances = clearances or _unit_distances
+        self._distance_cache: dict[bytes, float] = {}
         # With weights OMPL's own length is the weighted one, not the plain one.
-        self._is_of_ompl = name == "weighted_length" or (self.is_length and (weights == 1).all())
+        self._is_ompl_length = name == "weighted_length" or (
+            self.is_length and (weights == 1).all()
+        )
 
     def norm(self, delta: Float64[np.ndarray, "*n nv"]) -> Array:
         """Return the norm of tangents, shape (...); for "clearance" it is the length."""
@@ -84,11 +86,11 @@ class Objective:
             case "weighted_length":
                 return np.asarray(np.linalg.norm(delta * self._weights, axis=-1))
             case "duration":
-                shares = [
+                block_durations = [
                     np.linalg.norm(delta[..., block], axis=-1) / rate
                     for block, rate in zip(self._blocks, self._velocity, strict=True)
                 ]
-                return np.asarray(np.max(np.array(shares), axis=0), dtype=np.float64)
+                return np.asarray(np.max(np.array(block_durations), axis=0), dtype=np.float64)
             case _:
                 return np.asarray(np.sqrt(np.einsum("...v,...v->...", delta, delta)))
 
@@ -102,23 +104,30 @@ class Objective:
         if self.name != "clearance":
             return norms
         q0s, q1s = np.broadcast_arrays(q0s, q1s)
-        near = [self._distance(q0) + self._distance(q1) for q0, q1 in zip(q0s, q1s, strict=True)]
-        return norms / (np.array(near) / 2 + _NEAR)
+        distance_sums = [
+            self._obstacle_distance(q0) + self._obstacle_distance(q1)
+            for q0, q1 in zip(q0s, q1s, strict=True)
+        ]
+        return norms / (np.array(distance_sums) / 2 + _DISTANCE_OFFSET)
 
-    def between(self, q0: list[float], q1: list[float]) -> float:
+    def edge_cost(self, q0: list[float], q1: list[float]) -> float:
         """Return the cost of one edge as `edge_costs` does, faster: planners call it very often."""
-        if not self._manifold.is_vector:
+        if not self._manifold.is_vector_space:
             return float(self.edge_costs(np.array(q0)[None], np.array(q1)[None])[0])
         match self.name:
             case "duration":
-                return max(map(operator.mul, map(abs, map(operator.sub, q1, q0)), self._slowness))
+                return max(
+                    map(operator.mul, map(abs, map(operator.sub, q1, q0)), self._inverse_velocity)
+                )
             case "clearance":
-                near = self._distance(np.array(q0)) + self._distance(np.array(q1))
-                return math.dist(q0, q1) / (near / 2 + _NEAR)
+                distance_sum = self._obstacle_distance(np.array(q0)) + self._obstacle_distance(
+                    np.array(q1)
+                )
+                return math.dist(q0, q1) / (distance_sum / 2 + _DISTANCE_OFFSET)
             case "weighted_length":
                 return math.dist(
-                    list(map(operator.mul, q0, self._factors)),
-                    list(map(operator.mul, q1, self._factors)),
+                    list(map(operator.mul, q0, self._weight_list)),
+                    list(map(operator.mul, q1, self._weight_list)),
                 )
             case _:
                 return math.dist(q0, q1)
@@ -128,32 +137,32 @@ class Objective:
         norms = self.norm(self._manifold.minus(waypoints[1:], waypoints[:-1]))
         if self.name != "clearance":
             return float(norms.sum())
-        return sum(self._cost_of_edge(q0, q1) for q0, q1 in pairwise(waypoints))
+        return sum(self._sampled_edge_cost(q0, q1) for q0, q1 in pairwise(waypoints))
 
-    def of_ompl(self, information: Any, space: SearchSpace, planner: str) -> Any | None:
+    def make_ompl_objective(self, information: Any, space: SearchSpace, planner: str) -> Any | None:
         """Return the objective for OMPL, or None for OMPL's own, which is length in its space.
 
         FMT and BFMT select neighbours by cost, which must be a metric: in place of clearance, which
         is no metric, they get the length.
         """
-        is_metric_wanted = planner in _WANT_A_METRIC and self.name == "clearance"
-        if not (self._is_of_ompl or is_metric_wanted):
+        is_metric_required = planner in _METRIC_PLANNERS and self.name == "clearance"
+        if not (self._is_ompl_length or is_metric_required):
             return _MotionCost(information, space, self)
-        return _length(information) if space.is_mixed else None
+        return _length_objective(information) if space.is_mixed else None
 
-    def _cost_of_edge(self, q0: Array, q1: Array) -> float:
+    def _sampled_edge_cost(self, q0: Array, q1: Array) -> float:
         delta = self._manifold.minus(q1, q0)
-        count = max(1, int(np.ceil(float(self.norm(delta)) / _STEP)))
+        count = max(1, int(np.ceil(float(self.norm(delta)) / _EVALUATION_SPACING)))
         qs = self._manifold.interpolate(q0, q1, np.arange(count + 1) / count)
         return float(self.edge_costs(qs[:-1], qs[1:]).sum())
 
-    def _distance(self, q: Array) -> float:
+    def _obstacle_distance(self, q: Array) -> float:
         key = q.tobytes()
-        if key not in self._remembered:
-            if len(self._remembered) >= _MOST_REMEMBERED:
-                self._remembered.clear()
-            self._remembered[key] = max(0.0, float(self._clearances(q[None])[0]))
-        return self._remembered[key]
+        if key not in self._distance_cache:
+            if len(self._distance_cache) >= _MAX_CACHED_DISTANCES:
+                self._distance_cache.clear()
+            self._distance_cache[key] = max(0.0, float(self._clearances(q[None])[0]))
+        return self._distance_cache[key]
 
 
 class _MotionCost(ob.OptimizationObjective):
@@ -162,8 +171,8 @@ class _MotionCost(ob.OptimizationObjective):
     def __init__(self, information: Any, space: SearchSpace, objective: Objective) -> None:
         """Prepare for an OMPL space information."""
         super().__init__(information)
-        self._numbers = space.numbers
-        self._measure = objective.between
+        self._read_list = space.read_list
+        self._edge_cost = objective.edge_cost
 
     @override
     def stateCost(self, state: Any) -> Any:
@@ -173,10 +182,10 @@ class _MotionCost(ob.OptimizationObjective):
     @override
     def motionCost(self, s1: Any, s2: Any) -> Any:
         """Return the cost of the geodesic."""
-        return ob.Cost(self._measure(self._numbers(s1), self._numbers(s2)))
+        return ob.Cost(self._edge_cost(self._read_list(s1), self._read_list(s2)))
 
 
-def _length(information: Any) -> Any:
+def _length_objective(information: Any) -> Any:
     """Return the path length as an objective that planners can use in a compound space.
 
     For OMPL's own length objective planners use an informed sampler, which does not support
@@ -188,5 +197,5 @@ def _length(information: Any) -> Any:
     return length
 
 
-def _nothing_is_near(qs: Array) -> Array:
+def _unit_distances(qs: Array) -> Array:
     return np.ones(len(qs))

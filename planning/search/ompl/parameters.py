@@ -49,10 +49,10 @@ _RANGES: dict[str, tuple[float, float]] = {
     "rewire_factor": (1.0, 3.0),
     "samples_per_batch": (1, 1_000_000),
 }
-_LEAST = (0.0, math.inf)
+_DEFAULT_RANGE = (0.0, math.inf)
 
 # Declared parameters that are not offered (OMPL 2.0.1).
-_LEFT_OUT = {
+_EXCLUDED = {
     # further sampling after a failure crashes the process if there is no solution
     ("BFMT", "extended_fmt"),
     # without effect any more, by OMPL's documentation
@@ -60,19 +60,23 @@ _LEFT_OUT = {
     ("BITstar", "use_strict_queue_ordering"),
 }
 
-_WORDS = {"true": True, "1": True, "false": False, "0": False}
+_BOOLEAN_WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
-def declared(planner: Any) -> dict[str, str]:
+def declared_parameters(planner: Any) -> dict[str, str]:
     """Return the settable parameters of an OMPL planner and their setters' names, sorted."""
     lines = planner.printSettings().splitlines()[1:]
     names = [line.partition("=")[0].strip() for line in lines if "=" in line]
-    found = {name: _setter(planner, name) for name in names} if names else _undeclared(planner)
+    setters = (
+        {name: _setter_name(planner, name) for name in names}
+        if names
+        else _undeclared_parameters(planner)
+    )
     kind = type(planner).__name__
     return {
         name: setter
-        for name, setter in sorted(found.items())
-        if setter is not None and (kind, name) not in _LEFT_OUT
+        for name, setter in sorted(setters.items())
+        if setter is not None and (kind, name) not in _EXCLUDED
     }
 
 
@@ -81,7 +85,7 @@ def value_of(planner: Any, setter: str) -> Number:
     return getattr(planner, f"get{setter}")()
 
 
-def kind_of(value: Number) -> Literal["boolean", "integer", "number"]:
+def json_type(value: Number) -> Literal["boolean", "integer", "number"]:
     """Return the JSON type of a parameter's values."""
     if isinstance(value, bool):
         return "boolean"
@@ -92,16 +96,16 @@ def range_of(name: str, value: Number) -> tuple[float | None, float | None]:
     """Return the least and the greatest value of a parameter, None for no bound."""
     if isinstance(value, bool):
         return None, None
-    low, high = _RANGES.get(name, _LEAST)
+    low, high = _RANGES.get(name, _DEFAULT_RANGE)
     return low, None if math.isinf(high) else high
 
 
 def describe_range(name: str, value: Number) -> str:
     """Return the admissible values of a parameter as text."""
-    kind = kind_of(value)
+    kind = json_type(value)
     if kind == "boolean":
         return "true or false"
-    low, high = _RANGES.get(name, _LEAST)
+    low, high = _RANGES.get(name, _DEFAULT_RANGE)
     return f"{kind}, at least {low:.9g}" + ("" if math.isinf(high) else f", at most {high:.9g}")
 
 
@@ -112,27 +116,27 @@ def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
         UnknownName: The planner has no such parameter.
         ProblemInvalid: A value has the wrong type or lies outside its range.
     """
-    setters = declared(planner)
+    setters = declared_parameters(planner)
     for name, given in sorted(parameters.items()):
         if name not in setters:
             raise UnknownName.among("parameter", name, setters)
         setter = setters[name]
-        now = value_of(planner, setter)
-        value = _converted(given, now)
-        if value is not None and value == now:
+        current = value_of(planner, setter)
+        value = _convert(given, current)
+        if value is not None and value == current:
             # A default may lie outside of the range, where it stands for the planner's own choice.
             continue
-        if value is None or not _admits(name, value):
+        if value is None or not _is_in_range(name, value):
             raise ProblemInvalid(
                 f"parameter {name!r} of {type(planner).__name__} is {given!r}; "
-                f"it must be: {describe_range(name, now)}",
+                f"it must be: {describe_range(name, current)}",
                 {
                     "field": f"search.parameters.{name}",
                     "value": str(given),
-                    "range": describe_range(name, now),
+                    "range": describe_range(name, current),
                 },
             )
-        if not _accepts(planner, setter, value):
+        if not _try_set(planner, setter, value):
             raise ProblemInvalid(
                 f"{type(planner).__name__} refuses parameter {name!r} = {given!r} together with "
                 "its other parameters",
@@ -140,7 +144,7 @@ def set_parameters(planner: Any, parameters: Mapping[str, Scalar]) -> None:
             )
 
 
-def _accepts(planner: Any, setter: str, value: Number) -> bool:
+def _try_set(planner: Any, setter: str, value: Number) -> bool:
     """Return whether OMPL takes the value; it may reject a combination by an error or silently."""
     try:
         getattr(planner, f"set{setter}")(value)
@@ -149,7 +153,7 @@ def _accepts(planner: Any, setter: str, value: Number) -> bool:
     return value_of(planner, setter) == value
 
 
-def _setter(planner: Any, name: str) -> str | None:
+def _setter_name(planner: Any, name: str) -> str | None:
     """Return X for a declared parameter with the setter setX and the getter getX."""
     regular = "".join(word.capitalize() for word in name.split("_"))
     for candidate in (regular, *_SETTERS.get(name, ())):
@@ -158,9 +162,9 @@ def _setter(planner: Any, name: str) -> str | None:
     return None
 
 
-def _undeclared(planner: Any) -> dict[str, str | None]:
+def _undeclared_parameters(planner: Any) -> dict[str, str | None]:
     """Return settable parameters of a planner that declares none."""
-    found: dict[str, str | None] = {}
+    setters: dict[str, str | None] = {}
     for method in dir(planner):
         setter = method.removeprefix("set")
         if method == setter or not hasattr(planner, f"get{setter}"):
@@ -168,16 +172,16 @@ def _undeclared(planner: Any) -> dict[str, str | None]:
         value = getattr(planner, f"get{setter}")()
         if isinstance(value, bool | int | float):
             # PRMstar fixes the number of neighbours itself and refuses any other.
-            if not _accepts(planner, setter, value):
+            if not _try_set(planner, setter, value):
                 continue
-            found["".join(f"_{c.lower()}" if c.isupper() else c for c in setter)[1:]] = setter
-    return found
+            setters["".join(f"_{c.lower()}" if c.isupper() else c for c in setter)[1:]] = setter
+    return setters
 
 
-def _converted(given: Scalar, like: Number) -> Number | None:
+def _convert(given: Scalar, current: Number) -> Number | None:
     """Return the given value in the type of the present one, or None if that is impossible."""
-    if isinstance(like, bool):
-        return given if isinstance(given, bool) else _WORDS.get(str(given).lower())
+    if isinstance(current, bool):
+        return given if isinstance(given, bool) else _BOOLEAN_WORDS.get(str(given).lower())
     if isinstance(given, bool):
         return None
     try:
@@ -186,11 +190,11 @@ def _converted(given: Scalar, like: Number) -> Number | None:
         return None
     if not math.isfinite(number):
         return None
-    if isinstance(like, int):
+    if isinstance(current, int):
         return int(number) if number.is_integer() else None
     return number
 
 
-def _admits(name: str, value: Number) -> bool:
-    low, high = _RANGES.get(name, _LEAST)
+def _is_in_range(name: str, value: Number) -> bool:
+    low, high = _RANGES.get(name, _DEFAULT_RANGE)
     return isinstance(value, bool) or low <= value <= high

@@ -16,9 +16,9 @@ from planning.domain.planner.planner_card import PlannerCard, PlannerParameter
 from planning.errors import UnknownName
 from planning.search.ompl.parameters import (
     Scalar,
-    declared,
+    declared_parameters,
     describe_range,
-    kind_of,
+    json_type,
     range_of,
     set_parameters,
     value_of,
@@ -28,7 +28,7 @@ from planning.search.ompl.parameters import (
 # default, a fifth of the space's diagonal, is about 2.6 rad for an arm of seven joints: most
 # motions of that length are blocked, in narrow places nearly all. On MotionBenchMaker's Panda
 # problems 0.5 took a sixth of the checks, 0.3 and 0.8 a few more than 0.5.
-_RANGE = 0.5
+_RRT_CONNECT_RANGE = 0.5
 
 # OMPL logs to the terminal by default; our reports and errors contain what matters of it.
 ou.setLogLevel(ou.LogLevel.LOG_NONE)
@@ -57,7 +57,7 @@ def check_planners(names: Sequence[str], parameters: Mapping[str, Scalar]) -> No
     known: set[str] = set()
     for name in names:
         check_planner(name, {})
-        known |= _own(name)
+        known |= _parameter_names(name)
     for parameter in parameters:
         if parameter not in known:
             raise UnknownName.among("parameter", parameter, known)
@@ -67,13 +67,15 @@ def check_planners(names: Sequence[str], parameters: Mapping[str, Scalar]) -> No
 
 def own_parameters(name: str, parameters: Mapping[str, Scalar]) -> dict[str, Scalar]:
     """Return those of the parameters that a planner has."""
-    own = _own(name)
-    return {parameter: value for parameter, value in parameters.items() if parameter in own}
+    names = _parameter_names(name)
+    return {parameter: value for parameter, value in parameters.items() if parameter in names}
 
 
 @lru_cache(maxsize=32)
-def _own(name: str) -> frozenset[str]:
-    return frozenset(parameter.name for parameter in _card(_nowhere(), name).parameters)
+def _parameter_names(name: str) -> frozenset[str]:
+    return frozenset(
+        parameter.name for parameter in _card(_minimal_space_information(), name).parameters
+    )
 
 
 def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
@@ -84,18 +86,20 @@ def check_planner(name: str, parameters: Mapping[str, Scalar]) -> None:
         ProblemInvalid: A parameter's value has the wrong type or lies outside its range.
     """
     # True, 1 and 1.0 are equal keys of a cache, but different values to a planner.
-    _check(name, tuple((key, type(given), given) for key, given in sorted(parameters.items())))
+    _check_cached(
+        name, tuple((key, type(given), given) for key, given in sorted(parameters.items()))
+    )
 
 
 @lru_cache(maxsize=256)
-def _check(name: str, parameters: tuple[tuple[str, type, Scalar], ...]) -> None:
+def _check_cached(name: str, parameters: tuple[tuple[str, type, Scalar], ...]) -> None:
     """Make such a planner; only success is cached, errors are raised anew each time."""
-    make_planner(_nowhere(), name, {key: given for key, _, given in parameters})
+    make_planner(_minimal_space_information(), name, {key: given for key, _, given in parameters})
 
 
 def ompl_cards() -> tuple[PlannerCard, ...]:
     """Return OMPL's planners with their parameters, sorted by name."""
-    information = _nowhere()
+    information = _minimal_space_information()
     return tuple(_card(information, name) for name in planner_names())
 
 
@@ -118,7 +122,7 @@ def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) 
         # AORRTC crashes the process if it is destroyed without a setup (OMPL 2.0.1).
         planner.setup()
     if name == "RRTConnect" and not float(parameters.get("range", 0)):
-        planner.setRange(min(_RANGE, planner.getRange()))
+        planner.setRange(min(_RRT_CONNECT_RANGE, planner.getRange()))
     return planner
 
 
@@ -126,17 +130,17 @@ def _is_planner(item: Any) -> bool:
     return isinstance(item, type) and issubclass(item, ob.Planner) and item is not ob.Planner
 
 
-def _nowhere() -> Any:
+def _minimal_space_information() -> Any:
     """Return a minimal space information for which planners can be made."""
     space = ob.RealVectorStateSpace(2)
     space.setBounds(0.0, 1.0)
     information = ob.SpaceInformation(space)
-    information.setStateValidityChecker(_accept)
+    information.setStateValidityChecker(_is_always_valid)
     information.setup()
     return information
 
 
-def _accept(_: Any) -> bool:
+def _is_always_valid(_: Any) -> bool:
     return True
 
 
@@ -149,9 +153,9 @@ def _card(information: Any, name: str) -> PlannerCard:
 
 
 def _parameters(planner: Any) -> Iterator[PlannerParameter]:
-    for name, setter in declared(planner).items():
+    for name, setter in declared_parameters(planner).items():
         value = value_of(planner, setter)
         text = str(value).lower() if isinstance(value, bool) else f"{value:g}"
         low, high = range_of(name, value)
-        told = describe_range(name, value)
-        yield PlannerParameter(name, text, told, kind_of(value), low, high)
+        range_text = describe_range(name, value)
+        yield PlannerParameter(name, text, range_text, json_type(value), low, high)

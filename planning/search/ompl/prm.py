@@ -14,17 +14,21 @@ from ompl import base as ob
 from ompl import geometric as og
 
 from planning.domain.arrays import Array
-from planning.search.ompl.graph import Costs, cheapest_ways, measured, read_graph, traced
+from planning.search.ompl.graph import Costs, dijkstra, edge_cost_function, read_graph, trace_path
 from planning.search.ompl.spaces import SearchSpace
 from planning.search.ompl.termination import TerminationCondition
 
-_FIRST_GROWTH = 50
+_FIRST_NUM_SAMPLES = 50
 
 
 def solve_by_roadmap(
-    planner: Any, space: SearchSpace, stopping: TerminationCondition, num_goals: int, costs: Costs
+    planner: Any,
+    space: SearchSpace,
+    termination: TerminationCondition,
+    num_goals: int,
+    costs: Costs,
 ) -> Array | None:
-    """Return the waypoints of a path, shape (n, nq), or None if `stopping` came first.
+    """Return the waypoints of a path, shape (n, nq), or None if `termination` came first.
 
     For PRMstar, an optimising planner, the first roadmap with a path is grown to twice its size.
     """
@@ -34,16 +38,16 @@ def solve_by_roadmap(
     for _ in range(num_goals):
         planner.solve(ob.plannerAlwaysTerminatingCondition())
     definition.clearSolutionPaths()
-    growth = _FIRST_GROWTH
+    num_samples = _FIRST_NUM_SAMPLES
     while True:
         path = _best_path(planner, information, space, costs)
-        if path is not None or stopping():
+        if path is not None or termination():
             break
-        _grow(planner, stopping, growth)
-        growth += growth // 2
+        _grow(planner, termination, num_samples)
+        num_samples += num_samples // 2
     if path is not None and isinstance(planner, og.PRMstar):
-        stopping.keep_solution()
-        _grow(planner, stopping, max(growth, planner.milestoneCount()))
+        termination.extend_oracle_deadline()
+        _grow(planner, termination, max(num_samples, planner.milestoneCount()))
         path = _best_path(planner, information, space, costs)
     return path
 
@@ -53,24 +57,24 @@ def is_roadmap_planner(planner: Any) -> bool:
     return hasattr(planner, "growRoadmapPtc")
 
 
-def _grow(planner: Any, stopping: TerminationCondition, count: int) -> None:
+def _grow(planner: Any, termination: TerminationCondition, count: int) -> None:
     """Add samples until OMPL has queried the termination condition `count` times."""
-    planner.growRoadmapPtc(ob.PlannerTerminationCondition(_after(count, stopping)))
+    planner.growRoadmapPtc(ob.PlannerTerminationCondition(_ends_after(count, termination)))
 
 
-def _after(count: int, stopping: TerminationCondition) -> Callable[[], bool]:
-    last = stopping.questions + count
+def _ends_after(count: int, termination: TerminationCondition) -> Callable[[], bool]:
+    max_evaluations = termination.num_evaluations + count
 
-    def is_enough() -> bool:
-        return stopping() or stopping.questions >= last
+    def is_over() -> bool:
+        return termination() or termination.num_evaluations >= max_evaluations
 
-    return is_enough
+    return is_over
 
 
 def _best_path(planner: Any, information: Any, space: SearchSpace, costs: Costs) -> Array | None:
     graph = read_graph(planner, information, space)
     goals = set(graph.goals)
-    for row, came_from in cheapest_ways(graph, measured(graph, costs)):
+    for row, came_from in dijkstra(graph, edge_cost_function(graph, costs)):
         if row in goals:
-            return graph.qs[traced(came_from, row)]
+            return graph.qs[trace_path(came_from, row)]
     return None

@@ -20,9 +20,9 @@ from planning.search.collision_oracle import WatchedOracle
 from planning.search.ompl.spaces import SearchSpace
 
 # Length of a step along the set, and residual norm at which a state is on it [rad or m].
-STEP = 0.1
-ON = 1e-5
-MOST_ITERATIONS = 20
+SET_STEP = 0.1
+SET_TOLERANCE = 1e-5
+MAX_ITERATIONS = 20
 
 
 @runtime_checkable
@@ -67,12 +67,12 @@ class ProjectedSpace(SearchSpace):
         """
         super().__init__(group, limits, anchors)
         self.residual = residual
-        self._count = group.num_positions
+        self._num_positions = group.num_positions
         # OMPL keeps no reference of its own to Python objects.
-        self._constraint = _Residual(residual, self._count)
+        self._constraint = _OmplConstraint(residual, self._num_positions)
         self._ambient = self.ompl
         self.ompl: Any = ob.ProjectedStateSpace(self._ambient, self._constraint)
-        self.numbers = self._coordinates
+        self.read_list = self._coordinates
 
     @override
     def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
@@ -85,12 +85,12 @@ class ProjectedSpace(SearchSpace):
         """Return OMPL's space information after its setup."""
         read, is_free = self.read, oracle.is_free
         information = ob.ConstrainedSpaceInformation(self.ompl)
-        self.ompl.setDelta(STEP)
+        self.ompl.setDelta(SET_STEP)
         information.setStateValidityChecker(lambda state: is_free(read(state)))
         information.setup()
         return information
 
-    def threaded(self, information: Any, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
+    def interpolate(self, information: Any, waypoints: Float64[np.ndarray, "n nq"]) -> Array:
         """Return all states of the projected motions between waypoints, shape (m, nq)."""
         path = og.PathGeometric(information)
         for q in waypoints:
@@ -99,33 +99,33 @@ class ProjectedSpace(SearchSpace):
         return np.array([self.read(state) for state in path.getStates()])
 
     def _coordinates(self, state: Any) -> list[float]:
-        return [state[i] for i in range(self._count)]
+        return [state[i] for i in range(self._num_positions)]
 
 
-class _Residual(ob.Constraint):
+class _OmplConstraint(ob.Constraint):
     """Residual as an OMPL constraint."""
 
     def __init__(self, residual: Residual, count: int) -> None:
         # OMPL requires fewer equations than dimensions; otherwise the norm of the residual replaces
         # it.
         self._is_stacked = residual.size < count
-        super().__init__(count, residual.size if self._is_stacked else 1, ON)
-        self.setMaxIterations(MOST_ITERATIONS)
+        super().__init__(count, residual.size if self._is_stacked else 1, SET_TOLERANCE)
+        self.setMaxIterations(MAX_ITERATIONS)
         self._residual = residual
 
     def function(self, state: Any, out: Any) -> None:
         """Write the residual at a state, given as its numbers."""
-        found = self._residual.residual(np.array(state))
-        out[:] = found if self._is_stacked else np.linalg.norm(found)
+        residual = self._residual.residual(np.array(state))
+        out[:] = residual if self._is_stacked else np.linalg.norm(residual)
 
     @override
     def jacobian(self, x: Any, out: Any) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]  (its overloads disagree on the name)
         """Write the residual's derivative at a state."""
         q = np.array(x)
-        slopes = self._residual.jacobian(q)
+        jacobian = self._residual.jacobian(q)
         if self._is_stacked:
-            out[:, :] = slopes
+            out[:, :] = jacobian
             return
-        found = self._residual.residual(q)
-        length = max(float(np.linalg.norm(found)), 1e-300)
-        out[0, :] = (found / length) @ slopes
+        residual = self._residual.residual(q)
+        length = max(float(np.linalg.norm(residual)), 1e-300)
+        out[0, :] = (residual / length) @ jacobian

@@ -13,7 +13,7 @@ _SE3_FROM_Q = (4, 5, 6, 1, 2, 3, 0)
 
 
 @dataclass(frozen=True)
-class SpacePart:
+class SpaceComponent:
     """Component of the state space.
 
     Attributes:
@@ -32,35 +32,42 @@ class SpacePart:
     @property
     def weight(self) -> float:
         """Weight of its distances in the compound; most components weight their values instead."""
-        is_whole = self.turning_radius > 0 or self.kind is JointType.CONTINUOUS
-        return self.weights[0] if is_whole else 1.0
+        is_single_weight = self.turning_radius > 0 or self.kind is JointType.CONTINUOUS
+        return self.weights[0] if is_single_weight else 1.0
 
 
-def space_parts(
-    group: JointGroup, weights: Float64[np.ndarray, " num_blocks"], held: Sequence[int]
-) -> list[SpacePart]:
+def space_components(
+    group: JointGroup, weights: Float64[np.ndarray, " num_blocks"], held_indices: Sequence[int]
+) -> list[SpaceComponent]:
     """Return the components; a body with a held rotation adds its free numbers to the vector."""
-    vector, others = SpacePart(JointType.REVOLUTE, [], []), list[SpacePart]()
+    vector, others = SpaceComponent(JointType.REVOLUTE, [], []), list[SpaceComponent]()
     iq = 0
     remaining = iter(weights.tolist())
     for joint in group.joints:
-        own = {name: next(remaining) for name, _ in joint.blocks}
+        block_weights = {name: next(remaining) for name, _ in joint.blocks}
         indices = _value_order(joint, iq)
-        shift = own.get(f"{joint.name}.linear", 1.0)
+        linear_weight = block_weights.get(f"{joint.name}.linear", 1.0)
         if joint.type in {JointType.REVOLUTE, JointType.PRISMATIC}:
             vector.indices.append(iq)
-            vector.weights.append(own[joint.name])
-        elif not set(indices).isdisjoint(held):
-            moving = [i for i in indices if i not in held]
+            vector.weights.append(block_weights[joint.name])
+        elif not set(indices).isdisjoint(held_indices):
+            moving = [i for i in indices if i not in held_indices]
             vector.indices.extend(moving)
-            vector.weights.extend([shift] * len(moving))
+            vector.weights.extend([linear_weight] * len(moving))
         else:
-            turn = own.get(f"{joint.name}.angular", 1.0)
+            angular_weight = block_weights.get(f"{joint.name}.angular", 1.0)
             is_circle = joint.type is JointType.CONTINUOUS
-            scales = [own[joint.name]] if is_circle else [shift, turn]
-            car = steering_of(group).get(joint.name)
+            component_weights = (
+                [block_weights[joint.name]] if is_circle else [linear_weight, angular_weight]
+            )
+            steering = steering_of(group).get(joint.name)
             others.append(
-                SpacePart(joint.type, indices, scales, 0.0 if car is None else car.turning_radius)
+                SpaceComponent(
+                    joint.type,
+                    indices,
+                    component_weights,
+                    0.0 if steering is None else steering.turning_radius,
+                )
             )
         iq += joint.num_positions
     return ([vector] if vector.indices else []) + others
@@ -72,16 +79,16 @@ def _value_order(joint: Joint, iq: int) -> list[int]:
     return list(range(iq, iq + joint.num_positions))
 
 
-def scales_of(part: SpacePart) -> list[float]:
+def value_scales(component: SpaceComponent) -> list[float]:
     """Return the factors between q and a component's values in OMPL's state."""
-    is_vector = part.kind is JointType.REVOLUTE
-    return part.weights if is_vector else [1.0] * len(part.indices)
+    is_vector = component.kind is JointType.REVOLUTE
+    return component.weights if is_vector else [1.0] * len(component.indices)
 
 
-def circles(parts: list[SpacePart]) -> list[bool]:
+def are_angles(components: list[SpaceComponent]) -> list[bool]:
     """Return which values of the space are angles on a circle."""
     flags: list[bool] = []
-    for part in parts:
+    for part in components:
         wraps = {JointType.CONTINUOUS: [True], JointType.PLANAR: [False, False, True]}
         flags += wraps.get(part.kind, [False] * len(part.indices))
     return flags

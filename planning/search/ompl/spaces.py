@@ -22,16 +22,21 @@ from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.steering import manifold_of
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.space_parts import SpacePart, circles, scales_of, space_parts
+from planning.search.ompl.space_parts import (
+    SpaceComponent,
+    are_angles,
+    space_components,
+    value_scales,
+)
 
 # Search bounds of translations without limits: distance from the world's origin [m] ...
-_REACH = 10.0
+_DEFAULT_BOUND = 10.0
 # ... or distance beyond the start and the goals, if these lie outside [m].
-_SURROUNDINGS = 1.0
+_ANCHOR_MARGIN = 1.0
 # OMPL requires each range to have a width.
-_LEAST_WIDTH = 1e-9
+_MIN_WIDTH = 1e-9
 
-_SAME = 1e-6
+_ROTATION_TOLERANCE = 1e-6
 
 
 class SearchSpace:
@@ -43,7 +48,7 @@ class SearchSpace:
         lower: Lower search bounds, finite but for circles and quaternions, shape (nq,).
         upper: Upper search bounds, likewise, shape (nq,).
         is_mixed: Whether it is a compound for which OMPL has no class.
-        numbers: Returns the q of an OMPL state as a list, OMPL's own type.
+        read_list: Returns the q of an OMPL state as a list, OMPL's own type.
     """
 
     def __init__(
@@ -52,7 +57,7 @@ class SearchSpace:
         limits: JointLimits,
         anchors: Float64[np.ndarray, "m nq"],
         weights: Float64[np.ndarray, " num_blocks"] | None = None,
-        held: Sequence[int] = (),
+        held_indices: Sequence[int] = (),
     ) -> None:
         """Build the space.
 
@@ -61,52 +66,54 @@ class SearchSpace:
             limits: Their position limits.
             anchors: Configurations that must lie inside, the start first, shape (m, nq).
             weights: Of the group's blocks in OMPL's distances; None for 1.
-            held: Coordinates of q that stay as they are at the start: whole rotations.
+            held_indices: Coordinates of q that stay as they are at the start: whole rotations.
         """
         self.manifold = manifold_of(group)
         self.lower, self.upper = _search_bounds(group, limits, anchors)
-        self._held = list(held)
-        self._rest = anchors[0]
-        given = np.ones(len(group.blocks)) if weights is None else weights
-        parts = space_parts(group, given, self._held)
+        self._held_indices = list(held_indices)
+        self._start = anchors[0]
+        block_weights = np.ones(len(group.blocks)) if weights is None else weights
+        components = space_components(group, block_weights, self._held_indices)
         # A single circle becomes a compound as well: `setup` of SO2StateSpace is not bound.
-        is_lone_circle = parts[0].kind is JointType.CONTINUOUS
-        self.is_mixed = len(parts) > 1 or is_lone_circle or parts[0].weight != 1
-        self._from_q = [i for part in parts for i in part.indices]
-        self._scale = np.array([scale for part in parts for scale in scales_of(part)])
-        self.ompl = self._assemble(parts)
+        is_single_circle = components[0].kind is JointType.CONTINUOUS
+        self.is_mixed = len(components) > 1 or is_single_circle or components[0].weight != 1
+        self._from_q = [i for part in components for i in part.indices]
+        self._scale = np.array([scale for part in components for scale in value_scales(part)])
+        self.ompl = self._make_ompl_space(components)
         self.ompl.setup()
         self._to_q = [int(i) for i in np.argsort(self._from_q)]
-        self._angles = [i for i, wraps in zip(self._from_q, circles(parts), strict=True) if wraps]
-        self.numbers = self._reader()
+        self._angles = [
+            i for i, wraps in zip(self._from_q, are_angles(components), strict=True) if wraps
+        ]
+        self.read_list = self._make_reader()
 
     def read(self, state: Any) -> Array:
         """Return the q of an OMPL state, shape (nq,)."""
-        return np.array(self.numbers(state))
+        return np.array(self.read_list(state))
 
-    def _reader(self) -> Callable[[Any], list[float]]:
+    def _make_reader(self) -> Callable[[Any], list[float]]:
         is_vector = isinstance(self.ompl, ob.RealVectorStateSpace)
-        if self._held or (self._scale != 1).any():
-            return self._rescaled(is_vector=is_vector)
-        return itemgetter(slice(0, len(self._from_q))) if is_vector else self._values
+        if self._held_indices or (self._scale != 1).any():
+            return self._make_scaled_reader(is_vector=is_vector)
+        return itemgetter(slice(0, len(self._from_q))) if is_vector else self._read_values
 
-    def _values(self, state: Any) -> list[float]:
+    def _read_values(self, state: Any) -> list[float]:
         value = self.ompl.getValueAddressAtIndex
         return [value(state, i) for i in self._to_q]
 
-    def _rescaled(self, *, is_vector: bool) -> Callable[[Any], list[float]]:
+    def _make_scaled_reader(self, *, is_vector: bool) -> Callable[[Any], list[float]]:
         """Return a reader of states whose values are scaled or do not cover all of q."""
         count = len(self._from_q)
-        rest = self._rest.tolist()
+        start = self._start.tolist()
         lower, upper = self.lower[self._from_q].tolist(), self.upper[self._from_q].tolist()
-        places = list(zip(self._from_q, self._scale.tolist(), lower, upper, strict=True))
+        coordinates = list(zip(self._from_q, self._scale.tolist(), lower, upper, strict=True))
         value = self.ompl.getValueAddressAtIndex
         whole = slice(0, count)
 
         def read(state: Any) -> list[float]:
             values = state[whole] if is_vector else [value(state, i) for i in range(count)]
-            q = rest.copy()
-            for x, (i, scale, low, high) in zip(values, places, strict=True):
+            q = start.copy()
+            for x, (i, scale, low, high) in zip(values, coordinates, strict=True):
                 # Scaling and its inverse may move a limit by a rounding error.
                 q[i] = min(max(x / scale, low), high)
             return q
@@ -121,11 +128,11 @@ class SearchSpace:
         self.ompl.copyFromReals(state, (q[self._from_q] * self._scale).tolist())
         return state
 
-    def at_rest(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
+    def with_held_values(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
         """Return configurations, shape (m, nq), with held coordinates at their start values."""
-        resting = qs.copy()
-        resting[:, self._held] = self._rest[self._held]
-        return resting
+        configurations = qs.copy()
+        configurations[:, self._held_indices] = self._start[self._held_indices]
+        return configurations
 
     def checker(
         self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
@@ -135,42 +142,42 @@ class SearchSpace:
 
     def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether q, shape (nq,), is inside the search bounds, with all held rotations."""
-        if self._held:
-            turned = np.array(q)
-            turned[self._held] = self._rest[self._held]
-            if float(self.manifold.distance(turned, q)) > _SAME:
+        if self._held_indices:
+            with_start_rotations = np.array(q)
+            with_start_rotations[self._held_indices] = self._start[self._held_indices]
+            if float(self.manifold.distance(with_start_rotations, q)) > _ROTATION_TOLERANCE:
                 return False
         return bool(((q >= self.lower - 1e-9) & (q <= self.upper + 1e-9)).all())
 
-    def _assemble(self, parts: list[SpacePart]) -> Any:
-        spaces = [self._sub_space(part) for part in parts]
+    def _make_ompl_space(self, components: list[SpaceComponent]) -> Any:
+        spaces = [self._make_subspace(part) for part in components]
         if not self.is_mixed:
             return spaces[0]
-        compound = ob.CompoundStateSpace(spaces, [part.weight for part in parts])
+        compound = ob.CompoundStateSpace(spaces, [part.weight for part in components])
         compound.lock()
         # Projection for KPIECE and similar planners: the first part, which usually matters most.
         compound.registerDefaultProjection(ob.SubspaceProjectionEvaluator(compound, 0))
         return compound
 
-    def _sub_space(self, part: SpacePart) -> Any:
-        indices = part.indices
-        match part.kind:
+    def _make_subspace(self, component: SpaceComponent) -> Any:
+        indices = component.indices
+        match component.kind:
             case JointType.CONTINUOUS:
                 return ob.SO2StateSpace()
-            case JointType.PLANAR if part.turning_radius > 0:
-                space = ob.ReedsSheppStateSpace(part.turning_radius)
+            case JointType.PLANAR if component.turning_radius > 0:
+                space = ob.ReedsSheppStateSpace(component.turning_radius)
                 space.setBounds(self._bounds(indices[:2]))
             case JointType.PLANAR:
                 space = ob.SE2StateSpace()
                 space.setBounds(self._bounds(indices[:2]))
-                space.setSubspaceWeight(0, part.weights[0])
-                space.setSubspaceWeight(1, part.weights[1])
+                space.setSubspaceWeight(0, component.weights[0])
+                space.setSubspaceWeight(1, component.weights[1])
             case JointType.FLOATING:
                 space = ob.SE3StateSpace()
                 space.setBounds(self._bounds(indices[:3]))
                 # OMPL's distance on SO(3) is half the angle of the rotation.
-                space.setSubspaceWeight(0, part.weights[0])
-                space.setSubspaceWeight(1, 2.0 * part.weights[1])
+                space.setSubspaceWeight(0, component.weights[0])
+                space.setSubspaceWeight(1, 2.0 * component.weights[1])
             case _:
                 space = ob.RealVectorStateSpace(len(indices))
                 space.setBounds(self._bounds(indices))
@@ -187,28 +194,28 @@ class SearchSpace:
 
 def _search_bounds(group: JointGroup, limits: JointLimits, anchors: Array) -> tuple[Array, Array]:
     """Return position bounds, finite wherever OMPL requires that."""
-    nearest = np.minimum(-_REACH, anchors.min(axis=0) - _SURROUNDINGS)
-    furthest = np.maximum(_REACH, anchors.max(axis=0) + _SURROUNDINGS)
-    lower = np.where(np.isfinite(limits.lower), limits.lower, nearest)
-    upper = np.where(np.isfinite(limits.upper), limits.upper, furthest)
-    free = _unbounded(group)
-    lower[free], upper[free] = -np.inf, np.inf
-    return lower, np.maximum(upper, lower + _LEAST_WIDTH)
+    default_lower = np.minimum(-_DEFAULT_BOUND, anchors.min(axis=0) - _ANCHOR_MARGIN)
+    default_upper = np.maximum(_DEFAULT_BOUND, anchors.max(axis=0) + _ANCHOR_MARGIN)
+    lower = np.where(np.isfinite(limits.lower), limits.lower, default_lower)
+    upper = np.where(np.isfinite(limits.upper), limits.upper, default_upper)
+    unbounded = _unbounded_coordinates(group)
+    lower[unbounded], upper[unbounded] = -np.inf, np.inf
+    return lower, np.maximum(upper, lower + _MIN_WIDTH)
 
 
-def _unbounded(group: JointGroup) -> list[int]:
+def _unbounded_coordinates(group: JointGroup) -> list[int]:
     """Return the coordinates of q that have no bounds in OMPL: circles and quaternions."""
-    found: list[int] = []
+    indices: list[int] = []
     iq = 0
     for joint in group.joints:
         match joint.type:
             case JointType.CONTINUOUS:
-                found.append(iq)
+                indices.append(iq)
             case JointType.PLANAR:
-                found.append(iq + 2)
+                indices.append(iq + 2)
             case JointType.FLOATING:
-                found += range(iq, iq + 4)
+                indices += range(iq, iq + 4)
             case _:
                 pass
         iq += joint.num_positions
-    return found
+    return indices

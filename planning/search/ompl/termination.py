@@ -18,22 +18,22 @@ from typing import Any
 from planning.domain.request.deadline import Deadline
 from planning.search.collision_oracle import WatchedOracle
 
-_LEAST_STATES = 4_000
-_LEAST_QUESTIONS = 20_000
+_MIN_IMPROVEMENT_STATES = 4_000
+_MIN_IMPROVEMENT_EVALUATIONS = 20_000
 # Evaluations of this condition allowed per allowed state.
-_QUESTIONS_PER_STATE = 10
+_EVALUATIONS_PER_STATE = 10
 # Share of the remaining time that may go into improving the first solution.
-_IMPROVING_SHARE = 0.7
+_IMPROVEMENT_TIME_FRACTION = 0.7
 # Least interval between two reports of a better solution [s].
-_QUIET = 0.25
+_MIN_REPORT_INTERVAL = 0.25
 
 
 class TerminationCondition:
     """OMPL's termination condition; the deadline ends all planners.
 
     Attributes:
-        questions: Number of evaluations by the planner.
-        is_spent: Whether the planner was ended after the allowed number of checked states.
+        num_evaluations: Number of evaluations by the planner.
+        has_given_up: Whether the planner was ended after the allowed number of checked states.
     """
 
     def __init__(
@@ -41,9 +41,9 @@ class TerminationCondition:
         planner: Any,
         oracle: WatchedOracle,
         deadline: Deadline,
-        patience: Deadline,
-        most_states: float = math.inf,
-        on_better: Callable[[float], None] | None = None,
+        completion_deadline: Deadline,
+        max_states: float = math.inf,
+        on_improvement: Callable[[float], None] | None = None,
     ) -> None:
         """Observe a planner's best cost, if it has one, and the oracle's counter.
 
@@ -51,68 +51,76 @@ class TerminationCondition:
             planner: OMPL's planner.
             oracle: Collision oracle of the planner.
             deadline: End of the planner.
-            patience: Deadline of the oracle for a planner that has a solution.
-            most_states: States that it may check until it has a solution.
-            on_better: Callback with the best cost, at intervals, once there is one.
+            completion_deadline: Deadline of the oracle for a planner that has a solution.
+            max_states: States that it may check until it has a solution.
+            on_improvement: Callback with the best cost, at intervals, once there is one.
         """
-        self.questions = 0
-        self.is_spent = False
-        self._most_states = oracle.num_states + most_states
-        self._most_questions = _QUESTIONS_PER_STATE * most_states
+        self.num_evaluations = 0
+        self.has_given_up = False
+        self._max_states = oracle.num_states + max_states
+        self._max_evaluations = _EVALUATIONS_PER_STATE * max_states
         self._best_cost = getattr(planner, "bestCost", None)
         self._oracle = oracle
         self._deadline = deadline
-        self._patience = patience
-        self._on_better = on_better
-        self._told, self._next_told = math.inf, -math.inf
+        self._completion_deadline = completion_deadline
+        self._on_improvement = on_improvement
+        self._reported_cost, self._next_report_time = math.inf, -math.inf
         self._states_before = oracle.num_states
-        self._last_states = math.inf
-        self._last_questions = math.inf
+        self._improvement_max_states = math.inf
+        self._improvement_max_evaluations = math.inf
 
     def __call__(self) -> bool:
         """Return whether the planner is to end."""
-        self.questions += 1
+        self.num_evaluations += 1
         if self._deadline.is_over:
             return True
-        if math.isinf(self._last_questions) and self._has_spent_all():
-            self.is_spent = True
+        if math.isinf(self._improvement_max_evaluations) and self._has_reached_limits():
+            self.has_given_up = True
             return True
         if self._best_cost is None:
             return False
-        if math.isinf(self._last_questions):
+        if math.isinf(self._improvement_max_evaluations):
             if math.isfinite(self._best_cost().value()):
-                self.note_solution()
-                self.keep_solution()
+                self.begin_improvement()
+                self.extend_oracle_deadline()
             return False
-        if self._on_better is not None:
-            self._tell_better(self._best_cost().value(), self._on_better)
+        if self._on_improvement is not None:
+            self._report_improvement(self._best_cost().value(), self._on_improvement)
         return (
-            self._oracle.num_states >= self._last_states or self.questions >= self._last_questions
+            self._oracle.num_states >= self._improvement_max_states
+            or self.num_evaluations >= self._improvement_max_evaluations
         )
 
-    def let_go(self) -> None:
+    def release_planner(self) -> None:
         """Release the planner, which may keep this condition: a reference cycle otherwise."""
         self._best_cost = None
 
-    def note_solution(self) -> None:
+    def begin_improvement(self) -> None:
         """Set the amount of work that may still be spent on improving the first solution.
 
         If less time than that remains, a share of it is kept for the processing of the solution.
         """
-        self._deadline = self._deadline.share(_IMPROVING_SHARE)
-        spent = self._oracle.num_states - self._states_before
-        self._last_states = self._oracle.num_states + max(spent, _LEAST_STATES)
-        self._last_questions = self.questions + max(self.questions, _LEAST_QUESTIONS)
+        self._deadline = self._deadline.at_fraction(_IMPROVEMENT_TIME_FRACTION)
+        num_states_used = self._oracle.num_states - self._states_before
+        self._improvement_max_states = self._oracle.num_states + max(
+            num_states_used, _MIN_IMPROVEMENT_STATES
+        )
+        self._improvement_max_evaluations = self.num_evaluations + max(
+            self.num_evaluations, _MIN_IMPROVEMENT_EVALUATIONS
+        )
 
-    def keep_solution(self) -> None:
+    def extend_oracle_deadline(self) -> None:
         """Extend the oracle's deadline, so that no exception ends a planner that has a solution."""
-        self._oracle.heed(self._patience)
+        self._oracle.set_deadline(self._completion_deadline)
 
-    def _tell_better(self, cost: float, tell: Callable[[float], None]) -> None:
-        if cost < self._told and self._deadline.clock() >= self._next_told:
-            self._told, self._next_told = cost, self._deadline.clock() + _QUIET
-            tell(cost)
+    def _report_improvement(self, cost: float, report: Callable[[float], None]) -> None:
+        if cost < self._reported_cost and self._deadline.clock() >= self._next_report_time:
+            self._reported_cost, self._next_report_time = (
+                cost,
+                self._deadline.clock() + _MIN_REPORT_INTERVAL,
+            )
+            report(cost)
 
-    def _has_spent_all(self) -> bool:
-        has_checked = self._oracle.num_states >= self._most_states
-        return has_checked or self.questions >= self._most_questions
+    def _has_reached_limits(self) -> bool:
+        has_checked = self._oracle.num_states >= self._max_states
+        return has_checked or self.num_evaluations >= self._max_evaluations

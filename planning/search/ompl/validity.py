@@ -32,13 +32,13 @@ class WholeEdgeValidator(ob.MotionValidator):
     def __init__(self, ompl: Any, space: SearchSpace, edges: EdgeChecker) -> None:
         """Validate motions of an OMPL space information."""
         super().__init__(ompl)
-        self._numbers = space.numbers
+        self._read_list = space.read_list
         self._is_free = edges.is_whole_edge_free
 
     @override
     def checkMotion(self, arg0: Any, arg1: Any, /) -> bool:
         """Return whether the geodesic is free, its first state included."""
-        return self._is_free(self._numbers(arg0), self._numbers(arg1))
+        return self._is_free(self._read_list(arg0), self._read_list(arg1))
 
 
 def state_validity(space: SearchSpace, oracle: WatchedOracle) -> Callable[[Any], bool]:

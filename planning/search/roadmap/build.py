@@ -27,18 +27,18 @@ from planning.search.ompl.car_space import CarSpace
 from planning.search.ompl.objective import Objective
 from planning.search.ompl.projected_space import Residual
 from planning.search.ompl.spaces import SearchSpace
-from planning.search.projection import projected
+from planning.search.projection import project
 from planning.search.roadmap.local_planner import LocalPlanner
 from planning.search.roadmap.uniform_samples import uniform_samples
 from planning.search.space_options import bounded_limits, held_rotations, metric_weights
-from planning.search.verified_path import FINER
+from planning.search.verified_path import FINE_FACTOR
 
 # Most samples per requested state: where next to nothing is free, there are fewer states.
-_MOST_TRIES = 100
+_MAX_ROUNDS = 100
 # For a car, candidates per requested neighbour, of which the nearest by steering path are kept.
-_CANDIDATES = 5
+_CANDIDATES_PER_NEIGHBOUR = 5
 # Number of distances in one batch.
-_AT_ONCE = 50_000
+_BATCH_DISTANCES = 50_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,16 +72,16 @@ class RoadmapBuildRequest(Value):
         options: SearchOptions,
     ) -> "RoadmapBuildRequest":
         """Return the build request for a search's options; of the start held rotations count."""
-        held = held_rotations(group, options.spaces)
-        rest = np.zeros(group.num_positions)
-        rest[held] = start[held]
+        held_indices = held_rotations(group, options.spaces)
+        held_values = np.zeros(group.num_positions)
+        held_values[held_indices] = start[held_indices]
         return cls(
             group=group,
             limits=bounded_limits(group, limits, options.bounds),
             weights=metric_weights(group, options.weights),
-            held=tuple(held),
-            rest=rest,
-            resolution=options.resolution / FINER,
+            held=tuple(held_indices),
+            rest=held_values,
+            resolution=options.resolution / FINE_FACTOR,
             options=options.roadmap or RoadmapOptions(),
         )
 
@@ -99,7 +99,7 @@ class RoadmapBuildRequest(Value):
 
 
 def grow_roadmap(
-    recipe: RoadmapBuildRequest,
+    request: RoadmapBuildRequest,
     oracle: CollisionOracle,
     key: str,
     deadline: Deadline,
@@ -110,7 +110,7 @@ def grow_roadmap(
     Not promised: that all states are connected, or freedom between the checked samples of an edge.
 
     Args:
-        recipe: Build request.
+        request: Build request.
         oracle: Collision oracle.
         key: Key of the roadmap; equal keys, equal roadmaps.
         deadline: End of the construction.
@@ -121,99 +121,105 @@ def grow_roadmap(
         Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
-    watched = WatchedOracle(oracle, recipe.group, recipe.limits, deadline)
-    space = recipe.space
-    states = _free_states(recipe, space, watched, residual, deadline)
-    edges = space.checker(watched, recipe.resolution, recipe.metric.norm)
-    pairs = _nearest_pairs(recipe, edges, states, deadline)
-    between = LocalPlanner(edges, residual).between(states[pairs[:, 0]], states[pairs[:, 1]])
-    return _roadmap(key, states, pairs, between, watched.num_states)
+    watched = WatchedOracle(oracle, request.group, request.limits, deadline)
+    space = request.space
+    states = _free_states(request, space, watched, residual, deadline)
+    edges = space.checker(watched, request.resolution, request.metric.norm)
+    pairs = _nearest_pairs(request, edges, states, deadline)
+    connections = LocalPlanner(edges, residual).connections(
+        states[pairs[:, 0]], states[pairs[:, 1]]
+    )
+    return _assemble_roadmap(key, states, pairs, connections, watched.num_states)
 
 
-def _roadmap(
+def _assemble_roadmap(
     key: str,
     states: Array,
     pairs: Int32[np.ndarray, "m 2"],
-    between: list[Array | None],
+    connections: list[Array | None],
     num_states_checked: int,
 ) -> Roadmap:
     """Return the roadmap of states and edges; waypoints of bent edges become states as well."""
-    rows, joined, count = [states], list[list[int]](), len(states)
-    for (i, j), way in zip(pairs.tolist(), between, strict=True):
-        if way is None:
+    rows, edge_rows, count = [states], list[list[int]](), len(states)
+    for (i, j), waypoints in zip(pairs.tolist(), connections, strict=True):
+        if waypoints is None:
             continue
-        chain = [i, *range(count, count + len(way)), j]
-        joined += [sorted(pair) for pair in pairwise(chain)]
-        rows.append(way)
-        count += len(way)
-    edges = np.array(sorted(joined), dtype=np.int32).reshape(-1, 2)
+        chain = [i, *range(count, count + len(waypoints)), j]
+        edge_rows += [sorted(pair) for pair in pairwise(chain)]
+        rows.append(waypoints)
+        count += len(waypoints)
+    edges = np.array(sorted(edge_rows), dtype=np.int32).reshape(-1, 2)
     return Roadmap(key, np.concatenate(rows), edges, num_states_checked)
 
 
 def _free_states(
-    recipe: RoadmapBuildRequest,
+    request: RoadmapBuildRequest,
     space: SearchSpace,
     oracle: WatchedOracle,
     residual: Residual | None,
     deadline: Deadline,
 ) -> Array:
-    count = recipe.options.states
-    rng = np.random.default_rng(recipe.options.seed)
-    kept = np.empty((0, recipe.group.num_positions))
-    for _ in range(_MOST_TRIES):
-        samples = uniform_samples(recipe.group, space, count, rng)
+    count = request.options.states
+    rng = np.random.default_rng(request.options.seed)
+    states = np.empty((0, request.group.num_positions))
+    for _ in range(_MAX_ROUNDS):
+        samples = uniform_samples(request.group, space, count, rng)
         if residual is not None:
-            samples = _on_set(samples, space, residual, deadline)
-        kept = np.concatenate([kept, samples[oracle.are_free(samples)]])
-        if len(kept) >= count:
+            samples = _project_samples(samples, space, residual, deadline)
+        states = np.concatenate([states, samples[oracle.are_free(samples)]])
+        if len(states) >= count:
             break
-    return kept[:count]
+    return states[:count]
 
 
-def _on_set(samples: Array, space: SearchSpace, residual: Residual, deadline: Deadline) -> Array:
+def _project_samples(
+    samples: Array, space: SearchSpace, residual: Residual, deadline: Deadline
+) -> Array:
     """Return the projections of samples onto the set, without failures and those off the box."""
-    found: list[Array] = []
+    states: list[Array] = []
     for sample in samples:
         deadline.check("search")
-        q = projected(residual, sample)
+        q = project(residual, sample)
         if q is not None and space.contains(q):
-            found.append(np.clip(q, space.lower, space.upper))
-    return np.array(found).reshape(-1, samples.shape[1])
+            states.append(np.clip(q, space.lower, space.upper))
+    return np.array(states).reshape(-1, samples.shape[1])
 
 
 def _nearest_pairs(
-    recipe: RoadmapBuildRequest, edges: EdgeChecker, states: Array, deadline: Deadline
+    request: RoadmapBuildRequest, edges: EdgeChecker, states: Array, deadline: Deadline
 ) -> Int32[np.ndarray, "m 2"]:
     """Return pairs of each state and its nearest neighbours, every pair once, sorted."""
     count, manifold = len(states), edges.manifold
-    is_driven = isinstance(edges, SteeringEdgeChecker)
-    if is_driven:
+    is_steered = isinstance(edges, SteeringEdgeChecker)
+    if is_steered:
         # Lengths of steering paths are computed only for states that are near in the joint-space
         # metric.
-        manifold = Manifold(recipe.group.joints)
-    neighbours = recipe.options.neighbours
-    wanted = min(_CANDIDATES * neighbours if is_driven else neighbours, count - 1)
-    if wanted < 1:
+        manifold = Manifold(request.group.joints)
+    neighbours = request.options.neighbours
+    num_candidates = min(
+        _CANDIDATES_PER_NEIGHBOUR * neighbours if is_steered else neighbours, count - 1
+    )
+    if num_candidates < 1:
         return np.empty((0, 2), dtype=np.int32)
-    metric = recipe.metric
-    found: list[Indices] = []
-    for rows in np.array_split(np.arange(count), max(1, count * count // _AT_ONCE)):
+    metric = request.metric
+    pairs: list[Indices] = []
+    for rows in np.array_split(np.arange(count), max(1, count * count // _BATCH_DISTANCES)):
         deadline.check("search")
         distances = metric.norm(manifold.minus(states[None], states[rows, None]))
         distances[np.arange(len(rows)), rows] = np.inf
-        nearest = np.argpartition(distances, wanted - 1, axis=1)[:, :wanted]
-        if is_driven:
-            nearest = _nearest_driven(edges, states, rows, nearest, neighbours)
+        nearest = np.argpartition(distances, num_candidates - 1, axis=1)[:, :num_candidates]
+        if is_steered:
+            nearest = _nearest_by_steering(edges, states, rows, nearest, neighbours)
         ends = np.stack([np.repeat(rows, nearest.shape[1]), nearest.ravel()], axis=1)
-        found.append(np.sort(ends, axis=1))
-    return np.unique(np.concatenate(found), axis=0).astype(np.int32)
+        pairs.append(np.sort(ends, axis=1))
+    return np.unique(np.concatenate(pairs), axis=0).astype(np.int32)
 
 
-def _nearest_driven(
-    edges: EdgeChecker, states: Array, rows: Indices, near: Indices, wanted: int
+def _nearest_by_steering(
+    edges: EdgeChecker, states: Array, rows: Indices, candidates: Indices, num_neighbours: int
 ) -> Indices:
     """Return the neighbours of each row by length of steering path, of the near ones, (m, k)."""
-    ends = np.repeat(rows, near.shape[1])
-    lengths = edges.lengths(states[ends], states[near.ravel()]).reshape(near.shape)
-    order = np.argsort(lengths, axis=1, kind="stable")[:, :wanted]
-    return np.take_along_axis(near, order, axis=1)
+    ends = np.repeat(rows, candidates.shape[1])
+    lengths = edges.lengths(states[ends], states[candidates.ravel()]).reshape(candidates.shape)
+    order = np.argsort(lengths, axis=1, kind="stable")[:, :num_neighbours]
+    return np.take_along_axis(candidates, order, axis=1)

@@ -11,8 +11,8 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array, Indices
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.projected_space import STEP, Residual
-from planning.search.projection import way_along
+from planning.search.ompl.projected_space import SET_STEP, Residual
+from planning.search.projection import path_along_set
 
 
 class LocalPlanner:
@@ -39,16 +39,16 @@ class LocalPlanner:
         order = np.argsort(distances, kind="stable")
         if self._residual is None:
             return order[:count]
-        apart: list[int] = []
+        spread_rows: list[int] = []
         for row in order.tolist():
-            gaps = np.linalg.norm(states[apart] - states[row], axis=1)
-            if not (gaps < STEP).any():
-                apart.append(row)
-            if len(apart) == count:
+            gaps = np.linalg.norm(states[spread_rows] - states[row], axis=1)
+            if not (gaps < SET_STEP).any():
+                spread_rows.append(row)
+            if len(spread_rows) == count:
                 break
-        return np.array(apart, dtype=np.intp)
+        return np.array(spread_rows, dtype=np.intp)
 
-    def between(
+    def connections(
         self, q0s: Float64[np.ndarray, "m nq"], q1s: Float64[np.ndarray, "m nq"]
     ) -> list[Array | None]:
         """Return for each pair of rows the waypoints strictly between, shape (k, nq), mostly k = 0.
@@ -59,11 +59,13 @@ class LocalPlanner:
             Canceled: The request was canceled.
             DeadlineExceeded: The time has run out.
         """
-        nothing = np.empty((0, q0s.shape[1]))
+        no_waypoints = np.empty((0, q0s.shape[1]))
         return [
-            nothing if is_free else self._around(q0, q1)
+            no_waypoints if is_free else self._path_along_set(q0, q1)
             for q0, q1, is_free in zip(q0s, q1s, self._edges.are_free(q0s, q1s), strict=True)
         ]
 
-    def _around(self, q0: Array, q1: Array) -> Array | None:
-        return None if self._residual is None else way_along(self._residual, self._edges, q0, q1)
+    def _path_along_set(self, q0: Array, q1: Array) -> Array | None:
+        return (
+            None if self._residual is None else path_along_set(self._residual, self._edges, q0, q1)
+        )

@@ -3,17 +3,22 @@
 from planning.domain.planner.roadmap import Roadmap
 from planning.domain.report.search_report import RoadmapReport
 from planning.search.ompl.attempt import Attempt
-from planning.search.ompl.graph import exported
+from planning.search.ompl.graph import export_graph
 from planning.search.query import Query
 from planning.search.roadmap.shortest_roadmap_path import RoadmapPath, shortest_roadmap_path
 from planning.search.statistics import SearchStatistics
-from planning.search.verified_path import CheckResolution, VerifiedPath, coarse_checker, shortened
+from planning.search.verified_path import (
+    CheckResolution,
+    VerifiedPath,
+    coarse_checker,
+    shorten_and_verify,
+)
 
 NAME = "roadmap"
 
 
 def query_roadmap(
-    roadmap: Roadmap, query: Query, closeness: CheckResolution, tally: SearchStatistics
+    roadmap: Roadmap, query: Query, resolution: CheckResolution, statistics: SearchStatistics
 ) -> None:
     """Record the roadmap's path if it is better than the best so far, and the query's report.
 
@@ -21,20 +26,22 @@ def query_roadmap(
         Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
-    tally.roadmap = report_of(roadmap, "interrupted")
-    way = shortest_roadmap_path(roadmap, query, closeness.fine)
-    path = None if way.reason else _sound(way, query, closeness, tally)
-    reason = way.reason or ("blocked" if path is None else "")
-    if path is not None and tally.best is not None and tally.best.cost <= path.cost:
+    statistics.roadmap = make_roadmap_report(roadmap, "interrupted")
+    roadmap_path = shortest_roadmap_path(roadmap, query, resolution.fine)
+    path = None if roadmap_path.reason else _verify(roadmap_path, query, resolution, statistics)
+    reason = roadmap_path.reason or ("blocked" if path is None else "")
+    if path is not None and statistics.best is not None and statistics.best.cost <= path.cost:
         reason = "straight_line"
-    tally.roadmap = report_of(roadmap, reason)
+    statistics.roadmap = make_roadmap_report(roadmap, reason)
     if path is not None and not reason:
-        tally.best, tally.winner = path, NAME
+        statistics.best, statistics.best_planner = path, NAME
         if query.options.keep_graph:
-            tally.graph = exported(NAME, way.graph, query.space, way.waypoints)
+            statistics.graph = export_graph(
+                NAME, roadmap_path.graph, query.space, roadmap_path.waypoints
+            )
 
 
-def report_of(roadmap: Roadmap, reason: str) -> RoadmapReport:
+def make_roadmap_report(roadmap: Roadmap, reason: str) -> RoadmapReport:
     """Return a roadmap's report with the reason why it was not used; "" if it was."""
     return RoadmapReport(
         digest=roadmap.digest,
@@ -46,11 +53,16 @@ def report_of(roadmap: Roadmap, reason: str) -> RoadmapReport:
     )
 
 
-def _sound(
-    way: RoadmapPath, query: Query, closeness: CheckResolution, tally: SearchStatistics
+def _verify(
+    roadmap_path: RoadmapPath,
+    query: Query,
+    resolution: CheckResolution,
+    statistics: SearchStatistics,
 ) -> VerifiedPath | None:
-    coarse = coarse_checker(query, closeness.resolution)
-    found = Attempt("", way.waypoints, way.goal_row, {}, None, is_spent=False)
-    path = shortened(query, found, coarse, closeness)
-    tally.num_motions += coarse.num_motions
+    coarse = coarse_checker(query, resolution.search_resolution)
+    attempt_result = Attempt(
+        "", roadmap_path.waypoints, roadmap_path.goal_row, {}, None, has_given_up=False
+    )
+    path = shorten_and_verify(query, attempt_result, coarse, resolution)
+    statistics.num_motions += coarse.num_motions
     return path

@@ -14,20 +14,20 @@ from planning.domain.planner.roadmap import Roadmap
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.car_space import CarSpace
-from planning.search.ompl.graph import Graph, Steps, cheapest_ways, measured, traced
+from planning.search.ompl.graph import Graph, Steps, dijkstra, edge_cost_function, trace_path
 from planning.search.ompl.projected_space import ProjectedSpace
 from planning.search.query import Query
 from planning.search.roadmap.local_planner import LocalPlanner
-from planning.search.shortcut.polyline import unrolled
+from planning.search.shortcut.polyline import unwrap
 
 # The start and each goal are connected to near states, a batch at a time and the nearest first:
 # batch size, sufficient number of connections, and most states tried.
-_AT_ONCE = 5
-_ENOUGH = 3
-_MOST_TRIED = 30
+_LINK_BATCH = 5
+_SUFFICIENT_LINKS = 3
+_MAX_LINK_CANDIDATES = 30
 # Goals are connected in batches, the nearest to the start first; more of them if there is no path.
-_FIRST_PORTION = 3
-_PORTION = 8
+_FIRST_GOAL_BATCH = 3
+_GOAL_BATCH = 8
 
 
 @dataclass(frozen=True)
@@ -48,16 +48,16 @@ class RoadmapPath:
 
 
 @dataclass(frozen=True)
-class _Ends:
+class _RoadmapLinks:
     """Connections of the start and of some goals to a roadmap.
 
     Attributes:
-        out: Waypoints between the start and a state, by the state's row in the roadmap.
-        into: Goal connections likewise, by the goal's row among the goals.
+        start_links: Waypoints between the start and a state, by the state's row in the roadmap.
+        goal_links: Goal connections likewise, by the goal's row among the goals.
     """
 
-    out: dict[int, Array]
-    into: dict[int, dict[int, Array]]
+    start_links: dict[int, Array]
+    goal_links: dict[int, dict[int, Array]]
 
 
 def shortest_roadmap_path(roadmap: Roadmap, query: Query, edges: EdgeChecker) -> RoadmapPath:
@@ -73,89 +73,112 @@ def shortest_roadmap_path(roadmap: Roadmap, query: Query, edges: EdgeChecker) ->
         DeadlineExceeded: The time has run out.
     """
     space = query.space
-    joining = LocalPlanner(edges, space.residual if isinstance(space, ProjectedSpace) else None)
-    out = _links(roadmap, query.start, joining)
-    nothing = Graph(roadmap.states, [], [], lambda _: [])
-    none = np.empty((0, len(query.start)))
-    if not out:
-        return RoadmapPath("start_not_joined", nothing, none, -1)
-    way = RoadmapPath("goal_not_joined", nothing, none, -1)
-    cuts = range(_FIRST_PORTION, len(query.goals), _PORTION)
+    local_planner = LocalPlanner(
+        edges, space.residual if isinstance(space, ProjectedSpace) else None
+    )
+    start_links = _links(roadmap, query.start, local_planner)
+    empty_graph = Graph(roadmap.states, [], [], lambda _: [])
+    no_waypoints = np.empty((0, len(query.start)))
+    if not start_links:
+        return RoadmapPath("start_not_joined", empty_graph, no_waypoints, -1)
+    path = RoadmapPath("goal_not_joined", empty_graph, no_waypoints, -1)
+    cuts = range(_FIRST_GOAL_BATCH, len(query.goals), _GOAL_BATCH)
     for rows in np.split(np.arange(len(query.goals)), cuts):
-        links = {row: _links(roadmap, query.goals[row], joining) for row in rows.tolist()}
-        ends = _Ends(out, {row: into for row, into in links.items() if into})
-        if not ends.into:
+        goal_links = {
+            row: _links(roadmap, query.goals[row], local_planner) for row in rows.tolist()
+        }
+        roadmap_links = _RoadmapLinks(
+            start_links, {row: into for row, into in goal_links.items() if into}
+        )
+        if not roadmap_links.goal_links:
             continue
-        way = _cheapest(_joined_graph(roadmap, query, ends), query, ends, edges)
-        if not way.reason:
+        path = _cheapest_path(
+            _graph_with_links(roadmap, query, roadmap_links), query, roadmap_links, edges
+        )
+        if not path.reason:
             break
-    return way
+    return path
 
 
-def _links(roadmap: Roadmap, q: Array, joining: LocalPlanner) -> dict[int, Array]:
+def _links(roadmap: Roadmap, q: Array, local_planner: LocalPlanner) -> dict[int, Array]:
     """Return the rows of near states with a free connection, and the waypoints between."""
-    near = joining.nearest(roadmap.states, q, _MOST_TRIED)
-    found: dict[int, Array] = {}
-    for rows in np.split(near, range(_AT_ONCE, len(near), _AT_ONCE)):
-        between = joining.between(np.tile(q, (len(rows), 1)), roadmap.states[rows])
-        pairs = zip(rows.tolist(), between, strict=True)
-        found |= {row: waypoints for row, waypoints in pairs if waypoints is not None}
-        if len(found) >= _ENOUGH:
+    nearest = local_planner.nearest(roadmap.states, q, _MAX_LINK_CANDIDATES)
+    links: dict[int, Array] = {}
+    for rows in np.split(nearest, range(_LINK_BATCH, len(nearest), _LINK_BATCH)):
+        connections = local_planner.connections(np.tile(q, (len(rows), 1)), roadmap.states[rows])
+        pairs = zip(rows.tolist(), connections, strict=True)
+        links |= {row: waypoints for row, waypoints in pairs if waypoints is not None}
+        if len(links) >= _SUFFICIENT_LINKS:
             break
-    return found
+    return links
 
 
-def _joined_graph(roadmap: Roadmap, query: Query, ends: _Ends) -> Graph:
+def _graph_with_links(roadmap: Roadmap, query: Query, roadmap_links: _RoadmapLinks) -> Graph:
     """Return the roadmap with the start as its next row, and the goals after it."""
     start = len(roadmap.states)
-    out = list(ends.out)
-    into: dict[int, list[int]] = {}
-    for place, links in enumerate(ends.into.values()):
+    start_rows = list(roadmap_links.start_links)
+    goals_by_row: dict[int, list[int]] = {}
+    for index, links in enumerate(roadmap_links.goal_links.values()):
         for row in links:
-            into.setdefault(row, []).append(start + 1 + place)
+            goals_by_row.setdefault(row, []).append(start + 1 + index)
 
     def neighbours(row: int) -> list[int]:
         if row < start:
-            return [*roadmap.neighbours[row], *into.get(row, ())]
-        return out if row == start else []
+            return [*roadmap.neighbours[row], *goals_by_row.get(row, ())]
+        return start_rows if row == start else []
 
-    goals = list(range(start + 1, start + 1 + len(ends.into)))
-    qs = np.concatenate([roadmap.states, query.start[None], query.goals[list(ends.into)]])
+    goals = list(range(start + 1, start + 1 + len(roadmap_links.goal_links)))
+    qs = np.concatenate([
+        roadmap.states,
+        query.start[None],
+        query.goals[list(roadmap_links.goal_links)],
+    ])
     return Graph(qs, [start], goals, neighbours)
 
 
-def _cheapest(graph: Graph, query: Query, ends: _Ends, edges: EdgeChecker) -> RoadmapPath:
+def _cheapest_path(
+    graph: Graph, query: Query, roadmap_links: _RoadmapLinks, edges: EdgeChecker
+) -> RoadmapPath:
     goals = set(graph.goals)
-    for row, came_from in cheapest_ways(graph, _steps(graph, query, edges)):
+    for row, came_from in dijkstra(graph, _reduced_costs(graph, query, edges)):
         if row in goals:
-            goal_row = list(ends.into)[row - graph.goals[0]]
-            waypoints = _whole(graph, traced(came_from, row), ends.out, ends.into[goal_row])
-            waypoints = unrolled(waypoints, query.space.manifold)
+            goal_row = list(roadmap_links.goal_links)[row - graph.goals[0]]
+            waypoints = _waypoints_with_links(
+                graph,
+                trace_path(came_from, row),
+                roadmap_links.start_links,
+                roadmap_links.goal_links[goal_row],
+            )
+            waypoints = unwrap(waypoints, query.space.manifold)
             if isinstance(query.space, CarSpace):
-                waypoints = query.space.drives.threaded(waypoints)
+                waypoints = query.space.steering_paths.waypoints_through(waypoints)
             return RoadmapPath("", graph, waypoints, goal_row)
     return RoadmapPath("no_way", graph, np.empty((0, len(query.start))), -1)
 
 
-def _whole(graph: Graph, rows: list[int], out: dict[int, Array], into: dict[int, Array]) -> Array:
+def _waypoints_with_links(
+    graph: Graph, rows: list[int], start_links: dict[int, Array], goal_links: dict[int, Array]
+) -> Array:
     """Return the waypoints of a path, with those of the connections at both ends."""
-    first, last = out[rows[1]], into[rows[-2]][::-1]
+    first, last = start_links[rows[1]], goal_links[rows[-2]][::-1]
     parts = [graph.qs[rows[:1]], first, graph.qs[rows[1:-1]], last, graph.qs[rows[-1:]]]
     return np.concatenate(parts)
 
 
-def _steps(graph: Graph, query: Query, edges: EdgeChecker) -> Steps:
+def _reduced_costs(graph: Graph, query: Query, edges: EdgeChecker) -> Steps:
     """Return the costs of edges, reduced by the decrease of the lower bound to the nearest goal."""
     objective, manifold = query.objective, query.space.manifold
     if isinstance(edges, SteeringEdgeChecker):
         # For steering paths a lower bound takes longer to compute than it saves.
-        return measured(graph, edges.lengths)
-    costs = measured(graph, objective.edge_costs)
+        return edge_cost_function(graph, edges.lengths)
+    costs = edge_cost_function(graph, objective.edge_costs)
     if objective.name == "clearance":  # can be less than the length: no lower bound
         return costs
-    left = objective.norm(manifold.minus(graph.qs[graph.goals][:, None], graph.qs)).min(axis=0)
+    lower_bound = objective.norm(manifold.minus(graph.qs[graph.goals][:, None], graph.qs)).min(
+        axis=0
+    )
 
-    def steps(here: int, there: list[int]) -> list[float]:
-        return np.maximum(0.0, costs(here, there) + left[there] - left[here]).tolist()
+    def reduced_costs(here: int, there: list[int]) -> list[float]:
+        return np.maximum(0.0, costs(here, there) + lower_bound[there] - lower_bound[here]).tolist()
 
-    return steps
+    return reduced_costs

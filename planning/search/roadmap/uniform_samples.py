@@ -23,4 +23,4 @@ def uniform_samples(
             # The direction of a normal vector is uniform on the sphere.
             qs[:, iq : iq + 4] = rng.normal(size=(count, 4))
         iq += joint.num_positions
-    return space.at_rest(space.manifold.normalized(qs))
+    return space.with_held_values(space.manifold.normalized(qs))

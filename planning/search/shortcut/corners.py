@@ -6,12 +6,12 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.domain.curves.motion_samples import steps_of
 from planning.search.edges import EdgeChecker
-from planning.search.shortcut.polyline import distinct, path_measure
+from planning.search.shortcut.polyline import length_by_norm, without_repetitions
 
 # Shares of the edges at a corner that are cut off; an edge has a corner at each end.
-_SHARES = np.array([0.5, 0.25, 0.125])
+_CUT_FRACTIONS = np.array([0.5, 0.25, 0.125])
 # Least gain of an additional waypoint, as a share of the length.
-_LEAST_GAIN = 5e-3
+_MIN_GAIN = 5e-3
 
 
 def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array | None:
@@ -27,23 +27,27 @@ def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> A
     manifold = edges.manifold
     delta = manifold.minus(waypoints[1:], waypoints[:-1])
     steps = steps_of(delta, edges.resolution)
-    off = np.floor(_SHARES * steps[:, None]).astype(np.int64)
-    before = (steps[:-1, None] - off[:-1]) / steps[:-1, None]
-    after = off[1:] / steps[1:, None]
+    cut_steps = np.floor(_CUT_FRACTIONS * steps[:, None]).astype(np.int64)
+    before = (steps[:-1, None] - cut_steps[:-1]) / steps[:-1, None]
+    after = cut_steps[1:] / steps[1:, None]
     p = manifold.plus(waypoints[:-2, None], before[..., None] * delta[:-1, None])
     q = manifold.plus(waypoints[1:-1, None], after[..., None] * delta[1:, None])
     lengths = edges.lengths(waypoints[:-1], waypoints[1:])
-    around = (1 - before) * lengths[:-1, None] + after * lengths[1:, None]
-    flat = p.reshape(-1, p.shape[2]), q.reshape(-1, p.shape[2])
-    gains = around - edges.lengths(*flat).reshape(around.shape)
-    worth = (gains > _LEAST_GAIN * path_measure(waypoints, edges)) & (off[:-1] > 0) & (off[1:] > 0)
-    rows, columns = np.nonzero(worth)
+    corner_lengths = (1 - before) * lengths[:-1, None] + after * lengths[1:, None]
+    cuts = p.reshape(-1, p.shape[2]), q.reshape(-1, p.shape[2])
+    gains = corner_lengths - edges.lengths(*cuts).reshape(corner_lengths.shape)
+    is_worthwhile = (
+        (gains > _MIN_GAIN * length_by_norm(waypoints, edges))
+        & (cut_steps[:-1] > 0)
+        & (cut_steps[1:] > 0)
+    )
+    rows, columns = np.nonzero(is_worthwhile)
     if not len(rows):
         return None
     free = edges.are_free(p[rows, columns], q[rows, columns])
-    kept = np.zeros(gains.shape)
-    kept[rows[free], columns[free]] = gains[rows[free], columns[free]]
-    return _cut(waypoints, p, q, kept) if free.any() else None
+    free_gains = np.zeros(gains.shape)
+    free_gains[rows[free], columns[free]] = gains[rows[free], columns[free]]
+    return _cut(waypoints, p, q, free_gains) if free.any() else None
 
 
 def _cut(waypoints: Array, p: Array, q: Array, gains: Array) -> Array:
@@ -52,4 +56,4 @@ def _cut(waypoints: Array, p: Array, q: Array, gains: Array) -> Array:
     for k, best in enumerate(gains.argmax(axis=1)):
         is_cut = gains[k, best] > 0
         pieces.append(np.stack([p[k, best], q[k, best]]) if is_cut else waypoints[k + 1 : k + 2])
-    return distinct(np.concatenate([*pieces, waypoints[-1:]]))
+    return without_repetitions(np.concatenate([*pieces, waypoints[-1:]]))

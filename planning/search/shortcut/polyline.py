@@ -11,7 +11,7 @@ from planning.domain.robot.manifold import Manifold
 from planning.search.edges import EdgeChecker
 
 
-def path_measure(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
+def length_by_norm(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> float:
     """Return the sum of the edges' lengths by the checker's norm."""
     return float(edges.lengths(waypoints[:-1], waypoints[1:]).sum())
 
@@ -22,48 +22,50 @@ def path_length(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> f
     return float(np.sqrt(np.einsum("...v,...v->...", delta, delta)).sum())
 
 
-def distinct(waypoints: Float64[np.ndarray, "n nq"]) -> Array:
+def without_repetitions(waypoints: Float64[np.ndarray, "n nq"]) -> Array:
     """Return the path without waypoints that repeat the one before."""
     return waypoints[np.append(True, (waypoints[1:] != waypoints[:-1]).any(axis=1))]
 
 
-def unrolled(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> Array:
+def unwrap(waypoints: Float64[np.ndarray, "n nq"], manifold: Manifold) -> Array:
     """Return the path without jumps by full turns and without sign changes of a quaternion.
 
     The ends stay as they are: the last one may differ by full turns from the waypoint before it.
     """
     path = waypoints.copy()
-    if not manifold.is_vector:
+    if not manifold.is_vector_space:
         for i in range(1, len(path) - 1):
             path[i] = manifold.plus(path[i - 1], manifold.minus(path[i], path[i - 1]))
     return path
 
 
 @dataclass(frozen=True)
-class Points:
+class PolylinePoints:
     """Points on a polyline, in order, its waypoints among them.
 
     Attributes:
         qs: Shape (m, nq).
-        first: The first edge that each lies on, shape (m,).
-        last: The last one: the next edge for a waypoint, the same for a point between two.
+        first_edge: The first edge that each lies on, shape (m,).
+        last_edge: The last one: the next edge for a waypoint, the same for a point between two.
     """
 
     qs: Float64[np.ndarray, "m nq"]
-    first: Int64[np.ndarray, " m"]
-    last: Int64[np.ndarray, " m"]
+    first_edge: Int64[np.ndarray, " m"]
+    last_edge: Int64[np.ndarray, " m"]
 
     @property
-    def backwards(self) -> "Points":
+    def in_reverse(self) -> "PolylinePoints":
         """The same points in reverse order."""
-        return Points(self.qs[::-1], -self.last[::-1], -self.first[::-1])
+        return PolylinePoints(self.qs[::-1], -self.last_edge[::-1], -self.first_edge[::-1])
 
-    def share_edge(self, i: int, j: int) -> bool:
+    def are_on_one_edge(self, i: int, j: int) -> bool:
         """Return whether point i and a later point j lie on one edge."""
-        return bool(self.first[j] <= self.last[i])
+        return bool(self.first_edge[j] <= self.last_edge[i])
 
 
-def points_on(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, pieces: int) -> Points:
+def subdivide(
+    waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, max_parts: int
+) -> PolylinePoints:
     """Return the waypoints, and points that cut every edge into about equal pieces.
 
     Edges are cut at their checked samples: each piece of a free edge consists of the same samples,
@@ -72,14 +74,14 @@ def points_on(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, pieces
     """
     delta = edges.manifold.minus(waypoints[1:], waypoints[:-1])
     steps = steps_of(delta, edges.resolution)
-    parts = np.minimum(pieces, steps)
+    parts = np.minimum(max_parts, steps)
     edge = np.repeat(np.arange(len(delta)), parts)
     part = np.arange(len(edge)) - np.repeat(np.cumsum(parts) - parts, parts)
     sample = part * steps[edge] // parts[edge]
     qs = edges.manifold.plus(waypoints[edge], (sample / steps[edge])[:, None] * delta[edge])
     is_corner = sample == 0
     qs[is_corner] = waypoints[:-1]
-    return Points(
+    return PolylinePoints(
         np.concatenate([qs, waypoints[-1:]]),
         np.append(edge - is_corner, len(delta) - 1),
         np.append(edge, len(delta)),

@@ -20,19 +20,19 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
 from planning.search.edges import EdgeChecker
-from planning.search.shortcut.polyline import path_measure
+from planning.search.shortcut.polyline import length_by_norm
 
-_MOST_SWEEPS = 4
+_MAX_SWEEPS = 4
 # Least gain of a move for which a check is worthwhile, as a share of the length.
-_LEAST_GAIN = 3e-3
+_MIN_GAIN = 3e-3
 # Largest share of the way to the chord; 1 would mean to leave the waypoint out.
-_FURTHEST_WHOLE = 0.8
-_FIRST_WHOLE = 0.5
-_FURTHER, _NEARER = 2.0, 0.4
+_MAX_WHOLE_FRACTION = 0.8
+_FIRST_WHOLE_FRACTION = 0.5
+_STEP_GROWTH, _STEP_SHRINKAGE = 2.0, 0.4
 
 
 @dataclass(frozen=True)
-class _Tries:
+class _CandidateMoves:
     """Candidate moves of one sweep, by waypoint and moved coordinates (the whole, each block).
 
     Attributes:
@@ -46,7 +46,7 @@ class _Tries:
     gains: Float64[np.ndarray, "m k"]
 
 
-def relaxed(
+def relax(
     waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker, is_over: Callable[[], bool]
 ) -> Array:
     """Return a path that is no longer, of as many waypoints, with the same ends and free edges.
@@ -57,28 +57,28 @@ def relaxed(
         is_over: Called before each sweep.
     """
     path = waypoints
-    parts = _parts(edges.manifold)
-    reach = np.ones((len(path) - 2, len(parts)))
-    reach[:, 0] = _FIRST_WHOLE
-    for _ in range(_MOST_SWEEPS):
+    masks = _coordinate_masks(edges.manifold)
+    step_fractions = np.ones((len(path) - 2, len(masks)))
+    step_fractions[:, 0] = _FIRST_WHOLE_FRACTION
+    for _ in range(_MAX_SWEEPS):
         if len(path) < 3 or is_over():
             break
-        tries = _tries(path, reach, parts, edges)
-        rows, columns = np.nonzero(tries.gains > _LEAST_GAIN * path_measure(path, edges))
+        moves = _candidate_moves(path, step_fractions, masks, edges)
+        rows, columns = np.nonzero(moves.gains > _MIN_GAIN * length_by_norm(path, edges))
         if not len(rows):
             break
-        qs = tries.qs[rows, columns]
-        free = _fit(path, rows, qs, edges)
-        reach[rows, columns] *= np.where(free, _FURTHER, _NEARER)
-        reach = np.minimum(reach, 1.0)
-        reach[:, 0] = np.minimum(reach[:, 0], _FURTHEST_WHOLE)
-        gains = np.zeros(reach.shape)
-        gains[rows[free], columns[free]] = tries.gains[rows[free], columns[free]]
-        path = _given_way(path, tries, gains, edges)
+        qs = moves.qs[rows, columns]
+        free = _are_moves_free(path, rows, qs, edges)
+        step_fractions[rows, columns] *= np.where(free, _STEP_GROWTH, _STEP_SHRINKAGE)
+        step_fractions = np.minimum(step_fractions, 1.0)
+        step_fractions[:, 0] = np.minimum(step_fractions[:, 0], _MAX_WHOLE_FRACTION)
+        gains = np.zeros(step_fractions.shape)
+        gains[rows[free], columns[free]] = moves.gains[rows[free], columns[free]]
+        path = _apply_moves(path, moves, gains, edges)
     return path
 
 
-def _parts(manifold: Manifold) -> Array:
+def _coordinate_masks(manifold: Manifold) -> Array:
     """Return masks of the coordinates that move: all, and each block, shape (k, nv)."""
     rows = [np.ones(manifold.num_velocities)]
     offset = 0
@@ -91,30 +91,32 @@ def _parts(manifold: Manifold) -> Array:
     return np.array(rows if len(rows) > 2 else rows[:1])
 
 
-def _tries(path: Array, reach: Array, parts: Array, edges: EdgeChecker) -> _Tries:
+def _candidate_moves(
+    path: Array, step_fractions: Array, masks: Array, edges: EdgeChecker
+) -> _CandidateMoves:
     manifold = edges.manifold
     a, v, b = path[:-2], path[1:-1], path[2:]
     before, after = edges.lengths(a, v), edges.lengths(v, b)
     fractions = before / np.maximum(before + after, 1e-300)
-    pull = manifold.minus(edges.between(a, b, fractions), v)
-    steps = (reach[:, :, None] * parts) * pull[:, None]
+    to_chord = manifold.minus(edges.interpolate_pairs(a, b, fractions), v)
+    steps = (step_fractions[:, :, None] * masks) * to_chord[:, None]
     qs = manifold.plus(v[:, None], steps)
-    ways = edges.lengths(a[:, None], qs) + edges.lengths(qs, b[:, None])
-    return _Tries(steps, qs, (before + after)[:, None] - ways)
+    lengths = edges.lengths(a[:, None], qs) + edges.lengths(qs, b[:, None])
+    return _CandidateMoves(steps, qs, (before + after)[:, None] - lengths)
 
 
-def _fit(path: Array, rows: Any, qs: Array, edges: EdgeChecker) -> Any:
+def _are_moves_free(path: Array, rows: Any, qs: Array, edges: EdgeChecker) -> Any:
     """Return whether the edges from each q to the neighbours of an inner waypoint are free."""
     free = edges.are_free(np.concatenate([path[rows], qs]), np.concatenate([qs, path[rows + 2]]))
     return free[: len(rows)] & free[len(rows) :]
 
 
-def _given_way(path: Array, tries: _Tries, gains: Array, edges: EdgeChecker) -> Array:
+def _apply_moves(path: Array, moves: _CandidateMoves, gains: Array, edges: EdgeChecker) -> Array:
     """Return the path after the free moves with a gain: all together, or one waypoint at a time."""
     rows = np.flatnonzero(gains.max(axis=1) > 0)
     if not len(rows):
         return path
-    steps = np.where(gains[:, :, None] > 0, tries.steps, 0.0)[rows]
+    steps = np.where(gains[:, :, None] > 0, moves.steps, 0.0)[rows]
     whole, blocks = steps[:, 0], steps[:, 1:].sum(axis=1)
     together = edges.manifold.plus(
         path[rows + 1], np.where(np.abs(whole) > np.abs(blocks), whole, blocks)
@@ -124,27 +126,27 @@ def _given_way(path: Array, tries: _Tries, gains: Array, edges: EdgeChecker) -> 
     is_changed = np.zeros(len(path) - 1, dtype=bool)
     is_changed[rows] = is_changed[rows + 1] = True
     changed = np.flatnonzero(is_changed)
-    is_shorter = path_measure(new, edges) < path_measure(path, edges)
+    is_shorter = length_by_norm(new, edges) < length_by_norm(path, edges)
     if is_shorter and edges.are_free(new[changed], new[changed + 1]).all():
         return new
     best = gains[rows].argmax(axis=1)
-    return _one_by_one(path, rows, together, tries.qs[rows, best], edges)
+    return _apply_one_by_one(path, rows, together, moves.qs[rows, best], edges)
 
 
-def _one_by_one(
+def _apply_one_by_one(
     path: Array, rows: Any, together: Array, single: Array, edges: EdgeChecker
 ) -> Array:
     """Return the path with waypoints moved whose neighbours stay, those of largest gain first."""
     a, b = path[rows], path[rows + 2]
-    is_free = _fit(path, rows, together, edges)
+    is_free = _are_moves_free(path, rows, together, edges)
     qs = np.where(is_free[:, None], together, single)
     before = edges.lengths(a, path[rows + 1]) + edges.lengths(path[rows + 1], b)
     gains = before - edges.lengths(a, qs) - edges.lengths(qs, b)
     new = path.copy()
-    is_taken = np.zeros(len(path) + 1, dtype=bool)
+    is_moved = np.zeros(len(path) + 1, dtype=bool)
     for k in np.argsort(-gains, kind="stable"):
         here = rows[k] + 1
-        if gains[k] > 0 and not is_taken[here - 1 : here + 2].any():
+        if gains[k] > 0 and not is_moved[here - 1 : here + 2].any():
             new[here] = qs[k]
-            is_taken[here] = True
+            is_moved[here] = True
     return new

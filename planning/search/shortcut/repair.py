@@ -14,14 +14,14 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.attempt import attempt
+from planning.search.ompl.attempt import run_planner
 from planning.search.ompl.car_space import CarSpace
 from planning.search.query import Query
 
 # Time budget after a cancel, all edges together [s].
-_BRIEF = 0.3
+_CANCELED_REPAIR_TIME = 0.3
 # Checked states per edge: counts and not seconds decide, unless the request was canceled.
-_MOST_STATES = 4_000
+_MAX_STATES = 4_000
 
 
 def repair_path(
@@ -42,22 +42,26 @@ def repair_path(
     """
     if isinstance(query.space, CarSpace):
         return None
-    brief = query.patience.within(_BRIEF) if query.is_hurried else query.deadline
-    found = [waypoints[:1]]
-    with query.oracle.until(query.patience):
+    repair_deadline = (
+        query.completion_deadline.within(_CANCELED_REPAIR_TIME)
+        if query.is_canceled_keeping_best
+        else query.deadline
+    )
+    pieces = [waypoints[:1]]
+    with query.oracle.with_deadline(query.completion_deadline):
         free = edges.are_free(waypoints[:-1], waypoints[1:])
         for ends, is_free in zip(pairwise(waypoints), free, strict=True):
-            way = np.stack(ends)
+            edge_path = np.stack(ends)
             if not is_free:
-                around = _between(query, way, brief.remaining)
-                way = attempt(around, edges, edges, seed).waypoints
-            if not len(way):
+                edge_query = _make_edge_query(query, edge_path, repair_deadline.remaining)
+                edge_path = run_planner(edge_query, edges, edges, seed).waypoints
+            if not len(edge_path):
                 return None
-            found.append(way[1:])
-    return np.concatenate(found)
+            pieces.append(edge_path[1:])
+    return np.concatenate(pieces)
 
 
-def _between(query: Query, ends: Array, seconds: float) -> Query:
+def _make_edge_query(query: Query, ends: Array, seconds: float) -> Query:
     """Return the search problem from one waypoint to the next."""
     return replace(
         query,
@@ -65,7 +69,7 @@ def _between(query: Query, ends: Array, seconds: float) -> Query:
         goals=ends[1:],
         planner="RRTConnect",
         parameters={},
-        deadline=query.patience,
+        deadline=query.completion_deadline,
         options=replace(
             query.options,
             setup_time=None,
@@ -73,6 +77,6 @@ def _between(query: Query, ends: Array, seconds: float) -> Query:
             keep_graph=False,
             approximate=False,
         ),
-        most_states=_MOST_STATES,
-        on_better=None,
+        max_states=_MAX_STATES,
+        on_improvement=None,
     )

@@ -9,10 +9,10 @@ from planning.search.edges import EdgeChecker
 from planning.search.query import Query
 
 # Edges checked between two checks of the time budget.
-_AT_ONCE = 256
+_BATCH_EDGES = 256
 
 
-def interpolated(
+def resample_within_budget(
     query: Query, edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_states: int
 ) -> tuple[Array, bool] | None:
     """Return at least `num_states` waypoints and True, or the given ones and False if time is up.
@@ -35,10 +35,10 @@ def interpolated(
         if budget is None:
             dense = resample(edges, waypoints, num_states)
             return (dense, True) if edges.are_free(dense[:-1], dense[1:]).all() else None
-        brief = query.patience.within(budget)
+        resampling_deadline = query.completion_deadline.within(budget)
         try:
-            with query.oracle.until(brief):
-                brief.check("search")
+            with query.oracle.with_deadline(resampling_deadline):
+                resampling_deadline.check("search")
                 dense = resample(edges, waypoints, num_states)
                 is_free = _are_free(edges, dense)
         except DeadlineExceeded:
@@ -75,9 +75,11 @@ def _are_free(edges: EdgeChecker, path: Array) -> bool:
     Raises:
         DeadlineExceeded: The time has run out.
     """
-    begins = range(0, len(path) - 1, _AT_ONCE)
+    begins = range(0, len(path) - 1, _BATCH_EDGES)
     verdicts = [
-        edges.are_free(path[i : min(i + _AT_ONCE, len(path) - 1)], path[i + 1 : i + 1 + _AT_ONCE])
+        edges.are_free(
+            path[i : min(i + _BATCH_EDGES, len(path) - 1)], path[i + 1 : i + 1 + _BATCH_EDGES]
+        )
         for i in begins
     ]
     return bool(np.concatenate(verdicts).all())

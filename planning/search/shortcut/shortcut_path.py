@@ -24,11 +24,11 @@ from planning.errors import DeadlineExceeded
 from planning.search.edges import EdgeChecker
 from planning.search.shortcut.backtracking import backtrack
 from planning.search.shortcut.corners import cut_corners
-from planning.search.shortcut.relax import relaxed
+from planning.search.shortcut.relax import relax
 from planning.search.shortcut.vertex_skipping import skip_vertices, tighten
 
 # Number of rounds of relaxation and corner cutting.
-_MOST_CUTS = 3
+_NUM_ROUNDS = 3
 
 
 def shortcut(
@@ -54,8 +54,8 @@ def shortcut(
     path = skip_vertices(waypoints, fine, is_over)
     if path is None:
         return None
-    stages = [tighten, *[_relaxed_by(coarse, is_over), cut_corners] * _MOST_CUTS]
-    stages.append(_relaxed_by(coarse, is_over))
+    stages = [tighten, *[_relaxation_stage(coarse, is_over), cut_corners] * _NUM_ROUNDS]
+    stages.append(_relaxation_stage(coarse, is_over))
     try:
         for stage in stages:
             if len(path) < 3 or is_over():
@@ -70,10 +70,10 @@ def shortcut(
     return path
 
 
-def _relaxed_by(
+def _relaxation_stage(
     coarse: EdgeChecker, is_over: Callable[[], bool]
 ) -> Callable[[Array, EdgeChecker], Array | None]:
-    def relax(path: Array, fine: EdgeChecker) -> Array | None:
-        return backtrack(relaxed(path, coarse, is_over), path, fine)
+    def relax_and_backtrack(path: Array, fine: EdgeChecker) -> Array | None:
+        return backtrack(relax(path, coarse, is_over), path, fine)
 
-    return relax
+    return relax_and_backtrack

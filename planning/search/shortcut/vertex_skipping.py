@@ -12,9 +12,9 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 from planning.search.edges import EdgeChecker
-from planning.search.shortcut.polyline import Points, points_on
+from planning.search.shortcut.polyline import PolylinePoints, subdivide
 
-_PIECES = 4
+_PARTS_PER_EDGE = 4
 
 
 def skip_vertices(
@@ -58,16 +58,16 @@ def tighten(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> Array
     It may leave the given path at points on its edges too, like a rope pulled around a corner from
     the goal's side; `skip_vertices` starts at the other end.
     """
-    points = points_on(waypoints, edges, _PIECES).backwards
+    points = subdivide(waypoints, edges, _PARTS_PER_EDGE).in_reverse
     chain = [0]
     while chain[-1] < len(points.qs) - 1:
         chain.append(_furthest(points, chain[-1], edges))
     return np.ascontiguousarray(points.qs[chain][::-1])
 
 
-def _furthest(points: Points, here: int, edges: EdgeChecker) -> int:
+def _furthest(points: PolylinePoints, here: int, edges: EdgeChecker) -> int:
     there = len(points.qs) - 1
-    while not points.share_edge(here, there) and not edges.is_free(
+    while not points.are_on_one_edge(here, there) and not edges.is_free(
         points.qs[there], points.qs[here]
     ):
         there -= 1

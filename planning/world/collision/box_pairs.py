@@ -25,7 +25,7 @@ class BoxPairs:
         boxes: Every box that is in a pair.
         rows: Rows of both boxes in `boxes`, shape (n, 2).
         halves: Half sizes of `boxes` [m].
-        index: Row by Drake's ids, in either order.
+        row_by_ids: Row by Drake's ids, in either order.
     """
 
     ids: tuple[tuple[GeometryId, GeometryId], ...]
@@ -33,39 +33,41 @@ class BoxPairs:
     boxes: tuple[GeometryId, ...]
     rows: Int[np.ndarray, "n 2"]
     halves: Float64[np.ndarray, "k 3"]
-    index: dict[tuple[GeometryId, GeometryId], int]
+    row_by_ids: dict[tuple[GeometryId, GeometryId], int]
 
     def within(
-        self, query: Any, reach: float | Float64[np.ndarray, " n"]
+        self, query: Any, max_distance: float | Float64[np.ndarray, " n"]
     ) -> dict[int, tuple[float, Array]]:
-        """Return distance and nearest points of the pairs that are at most `reach` apart [m].
+        """Return distance and nearest points of pairs at most `max_distance` apart [m].
 
         Distances of boxes that overlap are negative, or zero if they touch; their points are
         undefined.
 
         Args:
             query: Drake's query object, at the model's present state.
-            reach: Largest distance [m], one for all pairs or one a pair.
+            max_distance: Largest distance [m], one for all pairs or one a pair.
         """
         if not self.ids:
             return {}
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self.boxes])
         a, b = self.rows.T
-        near = np.flatnonzero(np.maximum(self._gaps(poses, a, b), self._gaps(poses, b, a)) <= reach)
+        near = np.flatnonzero(
+            np.maximum(self._ball_gaps(poses, a, b), self._ball_gaps(poses, b, a)) <= max_distance
+        )
         if len(near) == 0:
             return {}
         a, b = self.rows[near].T
-        placed = self.halves[a], poses[a], self.halves[b], poses[b]
-        distances, points = signed_box_distances(*placed)
-        kept = np.flatnonzero(distances <= np.broadcast_to(reach, len(self.ids))[near])
-        return {int(near[i]): (float(distances[i]), points[i]) for i in kept}
+        boxes_and_poses = self.halves[a], poses[a], self.halves[b], poses[b]
+        distances, points = signed_box_distances(*boxes_and_poses)
+        is_within = np.flatnonzero(distances <= np.broadcast_to(max_distance, len(self.ids))[near])
+        return {int(near[i]): (float(distances[i]), points[i]) for i in is_within}
 
-    def _gaps(self, poses: Array, a: Any, b: Any) -> Array:
+    def _ball_gaps(self, poses: Array, a: Any, b: Any) -> Array:
         """Return lower bounds on the distances of boxes b from the balls around boxes a [m]."""
-        away = poses[a, :3, 3] - poses[b, :3, 3]
-        local = np.einsum("nji,nj->ni", poses[b, :3, :3], away)
-        beyond = np.maximum(np.abs(local) - self.halves[b], 0.0)
-        return np.linalg.norm(beyond, axis=1) - np.linalg.norm(self.halves[a], axis=1)
+        offsets = poses[a, :3, 3] - poses[b, :3, 3]
+        local = np.einsum("nji,nj->ni", poses[b, :3, :3], offsets)
+        excess = np.maximum(np.abs(local) - self.halves[b], 0.0)
+        return np.linalg.norm(excess, axis=1) - np.linalg.norm(self.halves[a], axis=1)
 
 
 def signed_box_distances(
@@ -87,34 +89,34 @@ def signed_box_distances(
     return np.where(gaps <= 0, gaps, distances), points
 
 
-_read: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[RobotDiagram, BoxPairs] = WeakKeyDictionary()
 
 
 def box_pairs_of(model: DrakeModel) -> BoxPairs:
     """Return the model's pairs of boxes, cached by model."""
-    found = _read.get(model.diagram)
-    if found is None:
-        found = _read[model.diagram] = _pairs(model)
-    return found
+    pairs = _cache.get(model.diagram)
+    if pairs is None:
+        pairs = _cache[model.diagram] = _pairs(model)
+    return pairs
 
 
 def _pairs(model: DrakeModel) -> BoxPairs:
     inspector: Any = model.scene_graph.model_inspector()
-    every = inspector.GetAllGeometryIds(Role.kProximity)
-    known = {i for i in every if isinstance(inspector.GetShape(i), Box)}
+    geometries = inspector.GetAllGeometryIds(Role.kProximity)
+    box_ids = {i for i in geometries if isinstance(inspector.GetShape(i), Box)}
     pairs: list[tuple[GeometryId, GeometryId]] = [
-        (a, b) for a, b in candidates_of(model).pairs_of_drake if a in known and b in known
+        (a, b) for a, b in candidates_of(model).drake_pairs if a in box_ids and b in box_ids
     ]
     boxes = sorted({i for pair in pairs for i in pair})
-    place = {i: k for k, i in enumerate(boxes)}
+    row_of = {i: k for k, i in enumerate(boxes)}
     halves = [inspector.GetShape(i).size() / 2 for i in boxes]
     return BoxPairs(
         ids=tuple(pairs),
         bodies=tuple((_body(model, a), _body(model, b)) for a, b in pairs),
         boxes=tuple(boxes),
-        rows=np.array([[place[a], place[b]] for a, b in pairs], dtype=np.intp).reshape(-1, 2),
+        rows=np.array([[row_of[a], row_of[b]] for a, b in pairs], dtype=np.intp).reshape(-1, 2),
         halves=np.array(halves, dtype=np.float64).reshape(-1, 3),
-        index={both: i for i, (a, b) in enumerate(pairs) for both in ((a, b), (b, a))},
+        row_by_ids={both: i for i, (a, b) in enumerate(pairs) for both in ((a, b), (b, a))},
     )
 
 

@@ -14,9 +14,9 @@ from planning.domain.curves import motion_samples
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.world.collision.distance_rounding import TrueLengths, farther
+from planning.world.collision.distance_rounding import DistanceLowerBounds, inflated_query_distance
 from planning.world.collision.drake_distance import distances_within
-from planning.world.collision.half_spaces import leave_out_half_spaces
+from planning.world.collision.half_spaces import exclude_half_spaces
 from planning.world.collision.margins import PairMargins
 from planning.world.collision.measured_pairs import MeasuredMargins, measured_pairs_of
 from planning.world.collision.near_static import NearStatic
@@ -24,12 +24,12 @@ from planning.world.collision.shape_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
 
 # With more pairs than this the nearest one is searched nearby first [m]: a far search takes longer.
-_MANY = 10_000
-_HORIZONS = (0.01, 0.1, 0.5)
+_MANY_PAIRS = 10_000
+_QUERY_DISTANCES = (0.01, 0.1, 0.5)
 
 
 # Largest difference between two measurements of one distance [m].
-_SAME = 1e-9
+_DISTANCE_TOLERANCE = 1e-9
 
 
 class DrakeCollisionOracle:
@@ -41,42 +41,46 @@ class DrakeCollisionOracle:
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
         margins: PairMargins,
-        bare: Callable[[], SceneGraphCollisionChecker] | None = None,
+        make_checker: Callable[[], SceneGraphCollisionChecker] | None = None,
     ) -> None:
-        """Check every pair against `margins`; `bare` makes the model's checker."""
+        """Check every pair against `margins`; `make_checker` makes the model's checker."""
         self._model = model
         self._manifold = Manifold.of(group.joints)
-        self._checker: Any = bare().Clone() if bare else make_collision_checker(model)
+        self._checker: Any = (
+            make_checker().Clone() if make_checker else make_collision_checker(model)
+        )
         if margins.largest > 0 or margins.by_pair:
             _apply_margins(self._checker, model, margins)
-        self._measured = MeasuredMargins(model, margins)
-        self._standing = DistanceProbe(model, margins) if len(model.standing) else None
-        self._full = model.follow(np.array(state))
+        self._measured_margins = MeasuredMargins(model, margins)
+        self._static_probe = DistanceProbe(model, margins) if len(model.static_objects) else None
+        self._full = model.apply_couplings(np.array(state))
         self._indices = model.position_indices(group)
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
         self._full[self._indices] = q
-        self._model.follow(self._full)
+        self._model.apply_couplings(self._full)
         free = bool(self._checker.CheckConfigCollisionFree(self._full))
-        return free and self._is_kept(self._full)
+        return free and self._keeps_measured_margins(self._full)
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
         full = np.repeat(self._full[None], len(qs), axis=0)
         full[:, self._indices] = qs
-        self._model.follow(full)
+        self._model.apply_couplings(full)
         verdicts = self._checker.CheckConfigsCollisionFree(list(full), parallelize=Parallelism(1))
         free = np.array(verdicts, dtype=bool)
-        for i in np.flatnonzero(free) if self._measured.is_needed or self._standing else ():
-            free[i] = self._is_kept(full[i])
+        for i in (
+            np.flatnonzero(free) if self._measured_margins.is_needed or self._static_probe else ()
+        ):
+            free[i] = self._keeps_measured_margins(full[i])
         return free
 
-    def _is_kept(self, full: Array) -> bool:
+    def _keeps_measured_margins(self, full: Array) -> bool:
         """Return whether the pairs outside of Drake's checker keep their margins."""
-        if not self._measured.are_kept(full):
+        if not self._measured_margins.are_satisfied(full):
             return False
-        return self._standing is None or self._standing.keeps_standing(full)
+        return self._static_probe is None or self._static_probe.keeps_static_margins(full)
 
     def is_motion_free(
         self,
@@ -103,14 +107,14 @@ class DistanceProbe:
     """Signed distance queries of pairs of bodies; one context, one thread."""
 
     def __init__(
-        self, model: DrakeModel, margins: PairMargins, near: NearStatic | None = None
+        self, model: DrakeModel, margins: PairMargins, near_static: NearStatic | None = None
     ) -> None:
         """Use a given context of the model, or make one, which takes longer than a query."""
         self._model = model
         self._margins = margins
-        self._near = near or NearStatic(model)
-        self._ours = measured_pairs_of(model)
-        self._lengths = TrueLengths(model)
+        self._near_static = near_static or NearStatic(model)
+        self._measured_pairs = measured_pairs_of(model)
+        self._lower_bounds = DistanceLowerBounds(model)
 
     def pairs_within(
         self,
@@ -130,7 +134,9 @@ class DistanceProbe:
                 are, by up to 0.1 mm. That takes longer.
         """
         nearest: dict[tuple[str, str], BodyPair] = {}
-        for _, (body_a, body_b), length, points in self._measured(full, distance, exactly=exactly):
+        for _, (body_a, body_b), length, points in self._geometry_distances(
+            full, distance, exactly=exactly
+        ):
             names = (body_a, body_b) if body_a < body_b else (body_b, body_a)
             if names in nearest and nearest[names].distance <= length:
                 continue
@@ -141,46 +147,66 @@ class DistanceProbe:
         self, full: Float64[np.ndarray, " num_positions"], distance: float
     ) -> list[tuple[tuple[Any, Any], tuple[str, str], float]]:
         """Return Drake's ids, bodies and distance of geometries at most `distance` apart [m]."""
-        return [(ids, bodies, length) for ids, bodies, length, _ in self._measured(full, distance)]
+        return [
+            (ids, bodies, length)
+            for ids, bodies, length, _ in self._geometry_distances(full, distance)
+        ]
 
     def nearest_within(
-        self, full: Float64[np.ndarray, " num_positions"], horizon: float, least: float = 0.0
+        self,
+        full: Float64[np.ndarray, " num_positions"],
+        max_distance: float,
+        include_within: float = 0.0,
     ) -> tuple[BodyPair, ...]:
-        """Return the nearest pair within a horizon [m], and all pairs as near as `least` [m].
+        """Return the nearest pair within a horizon [m], and all pairs within `include_within` [m].
 
         No distance is larger than the true one. Drake's may be; they bound the search for true
         ones, which take longer.
         """
-        met: tuple[BodyPair, ...] = ()
-        for reach in self._reaches(full, least, horizon):
-            met = self.pairs_within(full, reach)
-            if met:
+        pairs: tuple[BodyPair, ...] = ()
+        for query_distance in self._query_distances(full, include_within, max_distance):
+            pairs = self.pairs_within(full, query_distance)
+            if pairs:
                 break
-        reach = max(least, met[0].distance + _SAME, 0.0) if met else least
-        return self.pairs_within(full, reach, exactly=True)
+        query_distance = (
+            max(include_within, pairs[0].distance + _DISTANCE_TOLERANCE, 0.0)
+            if pairs
+            else include_within
+        )
+        return self.pairs_within(full, query_distance, exactly=True)
 
-    def _reaches(self, full: Array, least: float, horizon: float) -> Iterator[float]:
+    def _query_distances(
+        self, full: Array, include_within: float, max_distance: float
+    ) -> Iterator[float]:
         """Yield query distances [m], from near to far where there are many pairs."""
-        if len(candidates_of(self._model).rows) > _MANY:
-            yield from (max(least, reach) for reach in _HORIZONS if reach < horizon)
-        self._near.go_to(full)
-        yield min(max(least, farther(self._near.surely_within())), horizon)
+        if len(candidates_of(self._model).rows) > _MANY_PAIRS:
+            yield from (
+                max(include_within, reach) for reach in _QUERY_DISTANCES if reach < max_distance
+            )
+        self._near_static.set_positions(full)
+        yield min(
+            max(include_within, inflated_query_distance(self._near_static.nearest_upper_bound())),
+            max_distance,
+        )
 
     def violations(self, full: Float64[np.ndarray, " num_positions"]) -> tuple[BodyPair, ...]:
         """Return every pair of bodies that is nearer than its margin, nearest first."""
         found = self.pairs_within(full, max(self._margins.largest, 1e-9), exactly=True)
         return tuple(pair for pair in found if pair.distance < self._margins.of(*pair.bodies))
 
-    def keeps_standing(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
+    def keeps_static_margins(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
         """Return whether all pairs with objects outside of the model keep their margins."""
-        standing, reach = self._model.standing.rows, max(self._margins.largest, 1e-9)
+        static_rows, query_distance = (
+            self._model.static_objects.rows,
+            max(self._margins.largest, 1e-9),
+        )
         return all(
             length > self._margins.of(*bodies)
-            for _, bodies, length, _ in self._measured(full, reach)
-            if not standing.keys().isdisjoint(bodies)
+            for _, bodies, length, _ in self._geometry_distances(full, query_distance)
+            if not static_rows.keys().isdisjoint(bodies)
         )
 
-    def _measured(
+    def _geometry_distances(
         self, full: Array, distance: float, *, exactly: bool = False
     ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
         """Yield ids, bodies, distance and nearest points of the geometries within `distance` [m].
@@ -188,35 +214,43 @@ class DistanceProbe:
         Pairs that Drake does not measure exactly are measured here; the overlap of boxes is
         Drake's.
         """
-        self._near.go_to(full)
-        for rows, is_first in self._near.shown_within(distance):
-            yield from self._measured_here(rows, distance, is_first=is_first, exactly=exactly)
+        self._near_static.set_positions(full)
+        for rows, is_first in self._near_static.register_within(distance):
+            yield from self._batch_distances(rows, distance, is_first=is_first, exactly=exactly)
 
-    def _measured_here(
+    def _batch_distances(
         self, rows: list[int], distance: float, *, is_first: bool, exactly: bool
     ) -> Iterator[tuple[tuple[Any, Any], tuple[str, str], float, Array]]:
         """Yield the same for the objects in some rows, and at first for the model's own pairs."""
-        query, near, chosen = self._near.query, self._near, set(rows)
+        query, near_static, chosen = self._near_static.query, self._near_static, set(rows)
         overlapping: set[tuple[Any, Any]] = set()
-        reach = farther(distance) if exactly else distance
-        for found in distances_within(query, reach):
-            ids = found.id_A, found.id_B
-            standing = {near.row(i) for i in ids} - {None}
-            is_asked = standing <= chosen if standing else is_first
-            bodies = near.bodies(ids) if is_asked else None
-            is_ours = near.are_boxes(ids) and found.distance > 0
-            if bodies and not is_ours and self._ours.is_for_drake(ids, found.distance):
+        query_distance = inflated_query_distance(distance) if exactly else distance
+        for drake_pair in distances_within(query, query_distance):
+            ids = drake_pair.id_A, drake_pair.id_B
+            static_rows = {near_static.row(i) for i in ids} - {None}
+            is_in_batch = static_rows <= chosen if static_rows else is_first
+            bodies = near_static.bodies(ids) if is_in_batch else None
+            is_measured_here = near_static.are_boxes(ids) and drake_pair.distance > 0
+            if (
+                bodies
+                and not is_measured_here
+                and self._measured_pairs.uses_drake_distance(ids, drake_pair.distance)
+            ):
                 overlapping.add(ids)
-                length = self._lengths.of(found, query) if exactly else float(found.distance)
+                length = (
+                    self._lower_bounds.lower_bound(drake_pair, query)
+                    if exactly
+                    else float(drake_pair.distance)
+                )
                 if length > distance:
                     continue
-                p_wa = query.GetPoseInWorld(found.id_A).multiply(found.p_ACa)
-                p_wb = query.GetPoseInWorld(found.id_B).multiply(found.p_BCb)
+                p_wa = query.GetPoseInWorld(drake_pair.id_A).multiply(drake_pair.p_ACa)
+                p_wb = query.GetPoseInWorld(drake_pair.id_B).multiply(drake_pair.p_BCb)
                 yield ids, bodies, length, np.array([p_wa, p_wb])
-        ours = self._ours.within(query, distance) if is_first else ()
-        for own in chain(ours, near.boxes_within(rows, distance)):
-            if own.ids not in overlapping and own.ids[::-1] not in overlapping:
-                yield own.ids, own.bodies, own.length, own.points
+        measured = self._measured_pairs.within(query, distance) if is_first else ()
+        for pair in chain(measured, near_static.boxes_within(rows, distance)):
+            if pair.ids not in overlapping and pair.ids[::-1] not in overlapping:
+                yield pair.ids, pair.bodies, pair.distance, pair.points
 
 
 def make_collision_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
@@ -225,9 +259,9 @@ def make_collision_checker(model: DrakeModel) -> SceneGraphCollisionChecker:
     Making one takes longer than many plans; copying it does not.
     """
     plant = model.plant
-    movers = [plant.get_joint(index).child_body() for index in model.joint_indices.values()]
-    held = [plant.get_body(model.bodies[name]) for name in model.owners]
-    robots = sorted({body.model_instance() for body in [*movers, *held]}, key=int)
+    moving_bodies = [plant.get_joint(index).child_body() for index in model.joint_indices.values()]
+    attached_bodies = [plant.get_body(model.bodies[name]) for name in model.owners]
+    robots = sorted({body.model_instance() for body in [*moving_bodies, *attached_bodies]}, key=int)
     return distance_checker(model, robots)
 
 
@@ -242,21 +276,21 @@ def distance_checker(model: DrakeModel, robots: list[Any]) -> SceneGraphCollisio
         )
     )
 
-    def leave_out(diagram: Any, contexts: Any) -> None:
+    def exclude(diagram: Any, contexts: Any) -> None:
         graph = diagram.scene_graph()
-        leave_out_half_spaces(graph, graph.GetMyMutableContextFromRoot(contexts.model_context()))
+        exclude_half_spaces(graph, graph.GetMyMutableContextFromRoot(contexts.model_context()))
 
-    checker.PerformOperationAgainstAllModelContexts(leave_out)
+    checker.PerformOperationAgainstAllModelContexts(exclude)
     return checker
 
 
 def _apply_margins(checker: Any, model: DrakeModel, margins: PairMargins) -> None:
     """Set the margin of every pair of bodies as padding of Drake's checker."""
-    named = [
+    named_bodies = [
         (int(index), name, checker.IsPartOfRobot(index)) for index, name in model.body_names.items()
     ]
     padding = np.array(checker.GetPaddingMatrix())
-    for (i, a, a_moves), (j, b, b_moves) in combinations(named, 2):
+    for (i, a, a_moves), (j, b, b_moves) in combinations(named_bodies, 2):
         if a_moves or b_moves:
             padding[i, j] = padding[j, i] = margins.of(a, b)
     checker.SetPaddingMatrix(padding)

@@ -29,12 +29,12 @@ class HalfSpaceHeights:
         self._plant_context = model.plant.GetMyMutableContextFromRoot(self._context)
         self._query_context = model.scene_graph.GetMyContextFromRoot(self._context)
 
-    def at(
-        self, full: Float64[np.ndarray, " num_positions"], reach: float | Array
+    def heights_within(
+        self, full: Float64[np.ndarray, " num_positions"], max_height: float | Array
     ) -> tuple[
         Int[np.ndarray, " m"], Float64[np.ndarray, " m"], Float64[np.ndarray, "m num_positions"]
     ]:
-        """Return the rows of pairs at most `reach` high [m], their heights, and gradients by q.
+        """Return rows of pairs at most `max_height` high [m], their heights, and gradients by q.
 
         Two half spaces have no gradient, and are left out.
         """
@@ -44,7 +44,7 @@ class HalfSpaceHeights:
         rows: list[int] = []
         heights: list[float] = []
         gradients = [np.zeros((0, model.plant.num_positions()))]
-        for row, height, points in self._pairs.within(query, reach):
+        for row, height, points in self._pairs.within(query, max_height):
             if np.isfinite(height):
                 rows.append(row)
                 heights.append(height)
@@ -54,17 +54,19 @@ class HalfSpaceHeights:
     def _gradient(self, query: Any, ids: tuple[GeometryId, GeometryId], points: Array) -> Array:
         a, b = ids
         is_a_flat = isinstance(self._inspector.GetShape(a), HalfSpace)
-        ground, other = (a, b) if is_a_flat else (b, a)
+        half_space, other = (a, b) if is_a_flat else (b, a)
         lowest = points[1 if is_a_flat else 0]
-        up = query.GetPoseInWorld(ground).rotation().matrix()[:, 2]
-        return up @ (self._rate(other, lowest) - self._rate(ground, lowest))
+        normal = query.GetPoseInWorld(half_space).rotation().matrix()[:, 2]
+        return normal @ (
+            self._point_jacobian(other, lowest) - self._point_jacobian(half_space, lowest)
+        )
 
-    def _rate(self, geometry: GeometryId, point: Array) -> Array:
+    def _point_jacobian(self, geometry: GeometryId, point: Array) -> Array:
         """Return the Jacobian of a body's point that is at p_WP now, shape (3, num_positions)."""
         plant: Any = self._model.plant
         frame = plant.GetBodyFromFrameId(self._inspector.GetFrameId(geometry)).body_frame()
-        at = frame.CalcPoseInWorld(self._plant_context).inverse().multiply(point)
+        p_BP = frame.CalcPoseInWorld(self._plant_context).inverse().multiply(point)
         world = plant.world_frame()
         return plant.CalcJacobianTranslationalVelocity(
-            self._plant_context, JacobianWrtVariable.kQDot, frame, at, world, world
+            self._plant_context, JacobianWrtVariable.kQDot, frame, p_BP, world, world
         )

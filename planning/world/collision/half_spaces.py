@@ -40,28 +40,28 @@ class HalfSpacePairs:
         ids: Drake's ids of both.
         bodies: Full names of their bodies.
         shapes: Both shapes of every pair.
-        index: Row by Drake's ids, in either order.
+        row_by_ids: Row by Drake's ids, in either order.
     """
 
     ids: tuple[Ids, ...]
     bodies: tuple[tuple[str, str], ...]
     shapes: tuple[tuple[ConvexShape, ConvexShape], ...]
-    index: dict[Ids, int]
+    row_by_ids: dict[Ids, int]
 
     def within(
-        self, query: Any, reach: float | Float64[np.ndarray, " n"]
+        self, query: Any, max_distance: float | Float64[np.ndarray, " n"]
     ) -> Iterator[tuple[int, float, Array]]:
-        """Yield row, signed distance and nearest points of pairs at most `reach` apart [m].
+        """Yield row, signed distance and nearest points of pairs at most `max_distance` apart [m].
 
         Args:
             query: Drake's query object, at the model's present state.
-            reach: Largest distance [m], one for all pairs or one a pair.
+            max_distance: Largest distance [m], one for all pairs or one a pair.
         """
-        reaches = np.broadcast_to(reach, len(self.ids))
+        max_distances = np.broadcast_to(max_distance, len(self.ids))
         for row, (ids, shapes) in enumerate(zip(self.ids, self.shapes, strict=True)):
             poses = [query.GetPoseInWorld(i).GetAsMatrix4() for i in ids]
             distance, points = height(shapes, (poses[0], poses[1]))
-            if distance <= reaches[row]:
+            if distance <= max_distances[row]:
                 yield row, distance, points
 
 
@@ -79,16 +79,16 @@ def height(
     a, b = (shape.kind is ShapeKind.HALF_SPACE for shape in shapes)
     if a and b:
         return -np.inf, np.array([pose[:3, 3] for pose in poses])
-    ground, other = (poses[0], poses[1]) if a else (poses[1], poses[0])
-    up = ground[:3, 2]
-    point = farthest_point(shapes[1] if a else shapes[0], -up @ other[:3, :3])
-    lowest = other[:3, :3] @ point + other[:3, 3]
-    above = float(up @ (lowest - ground[:3, 3]))
-    foot = lowest - above * up
-    return above, np.array([foot, lowest] if a else [lowest, foot])
+    half_space_pose, other_pose = (poses[0], poses[1]) if a else (poses[1], poses[0])
+    normal = half_space_pose[:3, 2]
+    point = farthest_point(shapes[1] if a else shapes[0], -normal @ other_pose[:3, :3])
+    lowest = other_pose[:3, :3] @ point + other_pose[:3, 3]
+    signed_height = float(normal @ (lowest - half_space_pose[:3, 3]))
+    foot = lowest - signed_height * normal
+    return signed_height, np.array([foot, lowest] if a else [lowest, foot])
 
 
-_read: WeakKeyDictionary[RobotDiagram, HalfSpacePairs] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[RobotDiagram, HalfSpacePairs] = WeakKeyDictionary()
 
 
 def half_space_pairs_of(model: DrakeModel) -> HalfSpacePairs:
@@ -97,10 +97,10 @@ def half_space_pairs_of(model: DrakeModel) -> HalfSpacePairs:
     Raises:
         ModelInvalid: A shape in such a pair is of a kind that cannot be measured.
     """
-    found = _read.get(model.diagram)
-    if found is None:
-        found = _read[model.diagram] = _pairs(model)
-    return found
+    pairs = _cache.get(model.diagram)
+    if pairs is None:
+        pairs = _cache[model.diagram] = _pairs(model)
+    return pairs
 
 
 def has_half_space(inspector: Any, pair: Ids) -> bool:
@@ -108,7 +108,7 @@ def has_half_space(inspector: Any, pair: Ids) -> bool:
     return any(isinstance(inspector.GetShape(i), HalfSpace) for i in pair)
 
 
-def has_half_space_that_moves(model: DrakeModel) -> bool:
+def has_moving_half_space(model: DrakeModel) -> bool:
     """Return whether a half space is fixed to a body of the model that moves."""
     plant, inspector = model.plant, model.scene_graph.model_inspector()
     fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
@@ -120,42 +120,44 @@ def has_half_space_that_moves(model: DrakeModel) -> bool:
     )
 
 
-def measurable(inspector: Any, geometry: GeometryId) -> ConvexShape:
+def resolve_convex_shape(inspector: Any, geometry: GeometryId) -> ConvexShape:
     """Return a geometry's shape as one whose height over a half space can be computed.
 
     Raises:
         ModelInvalid: It is of another kind.
     """
     shape = inspector.GetShape(geometry)
-    known = convex_shape(shape)
-    if known is None:
+    convex = convex_shape(shape)
+    if convex is None:
         message = f"a shape of kind {type(shape).__name__!r} cannot be held over a half space"
         raise ModelInvalid(message, {"reason": message})
-    return known
+    return convex
 
 
-def leave_out_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
+def exclude_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
     """Filter half spaces from Drake's distance queries, in one scene graph context only."""
     inspector: Any = scene_graph.model_inspector()
-    every = list(inspector.GetAllGeometryIds(Role.kProximity))
-    flat = [i for i in every if isinstance(inspector.GetShape(i), HalfSpace)]
-    if flat:
+    geometries = list(inspector.GetAllGeometryIds(Role.kProximity))
+    half_spaces = [i for i in geometries if isinstance(inspector.GetShape(i), HalfSpace)]
+    if half_spaces:
         declaration = CollisionFilterDeclaration()
-        declaration.ExcludeBetween(GeometrySet(flat), GeometrySet(every))
+        declaration.ExcludeBetween(GeometrySet(half_spaces), GeometrySet(geometries))
         scene_graph.collision_filter_manager(context).Apply(declaration)
 
 
 def _pairs(model: DrakeModel) -> HalfSpacePairs:
     inspector: Any = model.scene_graph.model_inspector()
-    every = inspector.GetAllGeometryIds(Role.kProximity)
-    flat = {i for i in every if isinstance(inspector.GetShape(i), HalfSpace)}
-    pairs = candidates_of(model).pairs_of_drake if flat else []
-    ids: list[Ids] = [pair for pair in pairs if not flat.isdisjoint(pair)]
+    geometries = inspector.GetAllGeometryIds(Role.kProximity)
+    half_spaces = {i for i in geometries if isinstance(inspector.GetShape(i), HalfSpace)}
+    pairs = candidates_of(model).drake_pairs if half_spaces else []
+    ids: list[Ids] = [pair for pair in pairs if not half_spaces.isdisjoint(pair)]
     return HalfSpacePairs(
         ids=tuple(ids),
         bodies=tuple((_body(model, a), _body(model, b)) for a, b in ids),
-        shapes=tuple((measurable(inspector, a), measurable(inspector, b)) for a, b in ids),
-        index={both: i for i, (a, b) in enumerate(ids) for both in ((a, b), (b, a))},
+        shapes=tuple(
+            (resolve_convex_shape(inspector, a), resolve_convex_shape(inspector, b)) for a, b in ids
+        ),
+        row_by_ids={both: i for i, (a, b) in enumerate(ids) for both in ((a, b), (b, a))},
     )
 
 

@@ -9,7 +9,7 @@ from jaxtyping import Int
 from planning.domain.value import Value
 
 # Margin that any two bodies keep in any configuration [m].
-_GONE = -1e3
+_IGNORED_MARGIN = -1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +38,14 @@ class PairMargins(Value):
             return exception
         return 0.0 if self.are_of_one_robot(body_a, body_b) else self.default
 
-    def without(self, body: str, others: Iterable[str]) -> "PairMargins":
+    def ignoring(self, body: str, others: Iterable[str]) -> "PairMargins":
         """Return margins under which a body is ignored: it may overlap any of the others."""
-        gone = {(min(body, other), max(body, other)): _GONE for other in others if other != body}
-        return replace(self, by_pair={**self.by_pair, **gone})
+        ignored = {
+            (min(body, other), max(body, other)): _IGNORED_MARGIN
+            for other in others
+            if other != body
+        }
+        return replace(self, by_pair={**self.by_pair, **ignored})
 
     def are_of_one_robot(self, body_a: str, body_b: str) -> bool:
         """Return whether two bodies are parts of one robot, or attached to it."""

@@ -20,19 +20,19 @@ from planning.world.drake_model import DrakeModel
 
 
 @dataclass(frozen=True)
-class Distance:
+class GeometryDistance:
     """Signed distance of one pair of geometries, with nearest points.
 
     Attributes:
         ids: Drake's ids of both geometries.
         bodies: Full names of their bodies.
-        length: The signed distance [m].
+        distance: The signed distance [m].
         points: p_WA and p_WB of the nearest points [m], shape (2, 3).
     """
 
     ids: tuple[GeometryId, GeometryId]
     bodies: tuple[str, str]
-    length: float
+    distance: float
     points: Float64[np.ndarray, "2 3"]
 
 
@@ -43,17 +43,17 @@ class MeasuredPairs:
     boxes: BoxPairs
     half_spaces: HalfSpacePairs
 
-    def is_for_drake(self, ids: tuple[GeometryId, GeometryId], distance: float) -> bool:
+    def uses_drake_distance(self, ids: tuple[GeometryId, GeometryId], distance: float) -> bool:
         """Return whether Drake's distance [m] is used: the penetration depth of boxes."""
-        return distance <= 0 or ids not in self.boxes.index
+        return distance <= 0 or ids not in self.boxes.row_by_ids
 
-    def within(self, query: Any, distance: float) -> Iterator[Distance]:
+    def within(self, query: Any, distance: float) -> Iterator[GeometryDistance]:
         """Yield the pairs at most `distance` apart [m], at the state of `query`."""
-        boxes, flats = self.boxes, self.half_spaces
+        boxes, half_spaces = self.boxes, self.half_spaces
         for row, (length, points) in boxes.within(query, distance).items():
-            yield Distance(boxes.ids[row], boxes.bodies[row], length, points)
-        for row, length, points in flats.within(query, distance):
-            yield Distance(flats.ids[row], flats.bodies[row], length, points)
+            yield GeometryDistance(boxes.ids[row], boxes.bodies[row], length, points)
+        for row, length, points in half_spaces.within(query, distance):
+            yield GeometryDistance(half_spaces.ids[row], half_spaces.bodies[row], length, points)
 
 
 def measured_pairs_of(model: DrakeModel) -> MeasuredPairs:
@@ -75,27 +75,27 @@ class MeasuredMargins:
     def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
         """Read the margin of every pair."""
         self._model, self._pairs = model, measured_pairs_of(model)
-        self._of_boxes, self._of_half_spaces = (
+        self._box_margins, self._half_space_margins = (
             np.array([margins.of(*pair) for pair in pairs.bodies], dtype=np.float64)
             for pairs in (self._pairs.boxes, self._pairs.half_spaces)
         )
-        self._has_box_margins = bool((self._of_boxes > 0).any())
-        self.is_needed = self._has_box_margins or len(self._of_half_spaces) > 0
+        self._has_box_margins = bool((self._box_margins > 0).any())
+        self.is_needed = self._has_box_margins or len(self._half_space_margins) > 0
 
-    def are_kept(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
+    def are_satisfied(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
         """Return whether all pairs keep their margins; contact with a half space is a violation."""
         if not self.is_needed:
             return True
         self._model.plant.SetPositions(self._plant_context, full)
         query = self._model.scene_graph.get_query_output_port().Eval(self._query_context)
-        demanded = self._of_half_spaces
-        for row, length, _ in self._pairs.half_spaces.within(query, demanded):
-            if length < demanded[row] or length <= 0:
+        half_space_margins = self._half_space_margins
+        for row, length, _ in self._pairs.half_spaces.within(query, half_space_margins):
+            if length < half_space_margins[row] or length <= 0:
                 return False
         if not self._has_box_margins:
             return True
-        found = self._pairs.boxes.within(query, self._of_boxes)
-        return all(length >= self._of_boxes[row] for row, (length, _) in found.items())
+        box_distances = self._pairs.boxes.within(query, self._box_margins)
+        return all(length >= self._box_margins[row] for row, (length, _) in box_distances.items())
 
     @cached_property
     def _context(self) -> Any:

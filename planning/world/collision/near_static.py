@@ -17,16 +17,16 @@ from pydrake.systems.framework import Context
 
 from planning.domain.arrays import Array, Indices
 from planning.world.collision.box_pairs import signed_box_distances
-from planning.world.collision.measured_pairs import Distance
+from planning.world.collision.measured_pairs import GeometryDistance
 from planning.world.collision.shape_pairs import candidates_of
-from planning.world.contexts import measuring_context
+from planning.world.contexts import make_query_context
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.convex_shapes import convex_shape
 
 type Ids = tuple[GeometryId, GeometryId]
 
 # Number of registrations after which a new context is made.
-MOST_SHOWN = 96
+MAX_REGISTERED = 96
 
 
 class NearStatic:
@@ -39,76 +39,79 @@ class NearStatic:
     def __init__(self, model: DrakeModel, context: Context | None = None) -> None:
         """Make the context, with the shapes of Drake's model, or use a given one of it."""
         self._model = model
-        self._shown: set[int] = set()
+        self._registered: set[int] = set()
         self._last_gaps: tuple[bytes, tuple[Array, Array]] | None = None
-        self._enter(context or measuring_context(model))
+        self._use_context(context or make_query_context(model))
 
     @property
     def query(self) -> Any:
-        """Drake's query object, at the configuration of `go_to`."""
+        """Drake's query object, at the configuration of `set_positions`."""
         return self._model.scene_graph.get_query_output_port().Eval(self._query_context)
 
-    def go_to(self, full: Float64[np.ndarray, " num_positions"]) -> None:
+    def set_positions(self, full: Float64[np.ndarray, " num_positions"]) -> None:
         """Set the model's full configuration."""
         self._model.plant.SetPositions(self.plant_context, full)
 
-    def shown_within(self, reach: float) -> Iterator[tuple[list[int], bool]]:
-        """Register the objects that may be within `reach` [m] of a moving shape, in batches.
+    def register_within(self, max_distance: float) -> Iterator[tuple[list[int], bool]]:
+        """Register the objects that may be within `max_distance` [m] of a moving shape, in batches.
 
         Yields:
             Rows of `StaticObjects` registered now and not earlier in this call, and whether this is
             the first batch; at least one batch, and most often one.
         """
-        rows = self._rows_within(reach)
-        if len(rows) <= MOST_SHOWN:
-            self.show(rows.tolist())
+        rows = self._rows_within(max_distance)
+        if len(rows) <= MAX_REGISTERED:
+            self.register(rows.tolist())
             yield rows.tolist(), True
             return
-        for i, some in enumerate(batched(rows.tolist(), MOST_SHOWN)):
-            self.show(some)
-            yield list(some), i == 0
+        for i, batch in enumerate(batched(rows.tolist(), MAX_REGISTERED)):
+            self.register(batch)
+            yield list(batch), i == 0
 
-    def show(self, rows: Sequence[int]) -> None:
+    def register(self, rows: Sequence[int]) -> None:
         """Register some objects with Drake, at most 96; those already registered may stay."""
-        new = [row for row in rows if row not in self._shown]
-        if len(self._shown) + len(new) > MOST_SHOWN:
+        new = [row for row in rows if row not in self._registered]
+        if len(self._registered) + len(new) > MAX_REGISTERED:
             full = self._model.plant.GetPositions(self.plant_context)
-            self._enter(measuring_context(self._model))
-            self.go_to(full)
+            self._use_context(make_query_context(self._model))
+            self.set_positions(full)
             new = list(rows)
         graph: Any = self._model.scene_graph
         source = self._model.plant.get_source_id()
         context: Any = self._query_context
         for row in new:
-            instance = self._model.standing.instance(row)
+            instance = self._model.static_objects.geometry_instance(row)
             graph.RegisterGeometry(context, source, graph.world_frame_id(), instance)
-        self._shown.update(new)
+        self._registered.update(new)
 
-    def show_ids(self, pairs: Sequence[Ids]) -> bool:
+    def register_pairs(self, pairs: Sequence[Ids]) -> bool:
         """Register the objects of some pairs, by our ids; return whether they were few enough."""
-        row_of = self._model.standing.row_of
+        row_of = self._model.static_objects.row_of
         rows = sorted({row_of[i] for pair in pairs for i in pair if i in row_of})
-        self.show(rows[:MOST_SHOWN])
-        return len(rows) <= MOST_SHOWN
+        self.register(rows[:MAX_REGISTERED])
+        return len(rows) <= MAX_REGISTERED
 
     def drake_ids(self, ids: Ids) -> Ids:
         """Return Drake's ids of a pair by ours."""
-        standing = self._model.standing
+        static_objects = self._model.static_objects
         a, b = (
-            standing.instance(standing.row_of[i]).id() if i in standing.row_of else i for i in ids
+            static_objects.geometry_instance(static_objects.row_of[i]).id()
+            if i in static_objects.row_of
+            else i
+            for i in ids
         )
         return a, b
 
     def own_ids(self, ids: Ids) -> Ids:
         """Return our ids of a pair by Drake's."""
-        standing = self._model.standing
-        rows = standing.drake_rows
-        a, b = (standing.ids[rows[i]] if i in rows else i for i in ids)
+        static_objects = self._model.static_objects
+        rows = static_objects.drake_rows
+        a, b = (static_objects.ids[rows[i]] if i in rows else i for i in ids)
         return a, b
 
     def row(self, geometry: GeometryId) -> int | None:
         """Return the row of an object by Drake's id, or None if it is a shape of the model."""
-        return self._model.standing.drake_rows.get(geometry)
+        return self._model.static_objects.drake_rows.get(geometry)
 
     def bodies(self, ids: Ids) -> tuple[str, str] | None:
         """Return full names of the bodies of a pair; None if the pair is not checked.
@@ -118,15 +121,15 @@ class NearStatic:
         rows = [self.row(i) for i in ids]
         if rows == [None, None]:
             return self._names[ids[0]], self._names[ids[1]]
-        known = [i for i, row in zip(ids, rows, strict=True) if row is None]
-        if not known or known[0] not in self._moving:
+        model_ids = [i for i, row in zip(ids, rows, strict=True) if row is None]
+        if not model_ids or model_ids[0] not in self._moving:
             return None
-        things = self._model.standing.things
+        objects = self._model.static_objects.objects
         a, b = (
-            self._names[i] if row is None else things[row].name
+            self._names[i] if row is None else objects[row].name
             for i, row in zip(ids, rows, strict=True)
         )
-        return None if frozenset((a, b)) in self._model.standing.allowed else (a, b)
+        return None if frozenset((a, b)) in self._model.static_objects.allowed else (a, b)
 
     def are_boxes(self, ids: Ids) -> bool:
         """Return whether both are boxes, at least one of them a registered object."""
@@ -134,14 +137,14 @@ class NearStatic:
         return rows != [None, None] and all(
             i in self._boxes
             if row is None
-            else isinstance(self._model.standing.drake_shapes[row], Box)
+            else isinstance(self._model.static_objects.drake_shapes[row], Box)
             for i, row in zip(ids, rows, strict=True)
         )
 
-    def boxes_within(self, rows: Sequence[int], reach: float) -> Iterator[Distance]:
-        """Yield pairs of boxes at most `reach` apart [m], one of them an object of these rows."""
-        standing = self._model.standing
-        boxes = [row for row in rows if isinstance(standing.drake_shapes[row], Box)]
+    def boxes_within(self, rows: Sequence[int], max_distance: float) -> Iterator[GeometryDistance]:
+        """Yield pairs of boxes at most `max_distance` apart [m], one an object of these rows."""
+        static_objects = self._model.static_objects
+        boxes = [row for row in rows if isinstance(static_objects.drake_shapes[row], Box)]
         own = list(self._boxes)
         if not boxes or not own:
             return
@@ -149,55 +152,55 @@ class NearStatic:
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in own])
         halves = np.array([self._boxes[i] for i in own])
         for row in boxes:
-            x = np.broadcast_to(standing.poses[row].GetAsMatrix4(), poses.shape)
-            half = np.broadcast_to(standing.shapes[row].size, halves.shape)
+            x = np.broadcast_to(static_objects.poses[row].GetAsMatrix4(), poses.shape)
+            half = np.broadcast_to(static_objects.shapes[row].size, halves.shape)
             lengths, points = signed_box_distances(halves, poses, half, x)
-            for k in np.flatnonzero(lengths <= reach).tolist():
-                ids = own[k], standing.instance(row).id()
+            for k in np.flatnonzero(lengths <= max_distance).tolist():
+                ids = own[k], static_objects.geometry_instance(row).id()
                 names = self.bodies(ids)
                 if names is not None:
-                    yield Distance(ids, names, float(lengths[k]), points[k])
+                    yield GeometryDistance(ids, names, float(lengths[k]), points[k])
 
-    def surely_within(self) -> float:
+    def nearest_upper_bound(self) -> float:
         """Return an upper bound on the distance to the nearest object [m]; infinite if none."""
-        if not len(self._model.standing) or not self._moving:
+        if not len(self._model.static_objects) or not self._moving:
             return float("inf")
-        gaps, sizes = self._gaps()
+        gaps, sizes = self._ball_gaps()
         return float((gaps + sizes).min())
 
-    def are_beyond(self, rows: Collection[int], reach: float) -> bool:
-        """Return whether objects certainly are farther than `reach` [m] from all moving shapes."""
+    def are_farther_than(self, rows: Collection[int], distance: float) -> bool:
+        """Return whether objects surely are farther than `distance` [m] from all moving shapes."""
         if not rows or not self._moving:
             return True
-        return bool((self._gaps()[0][:, list(rows)] > reach).all())
+        return bool((self._ball_gaps()[0][:, list(rows)] > distance).all())
 
-    def _rows_within(self, reach: float) -> Indices:
-        if not len(self._model.standing) or not self._moving:
+    def _rows_within(self, max_distance: float) -> Indices:
+        if not len(self._model.static_objects) or not self._moving:
             return np.zeros(0, dtype=np.intp)
-        return np.flatnonzero(self._gaps()[0].min(axis=0) <= reach)
+        return np.flatnonzero(self._ball_gaps()[0].min(axis=0) <= max_distance)
 
-    def _gaps(self) -> tuple[Array, Array]:
+    def _ball_gaps(self) -> tuple[Array, Array]:
         """Return gaps of bounding balls, moving shapes by objects, and twice sums of radii [m]."""
-        here = self._model.plant.GetPositions(self.plant_context).tobytes()
-        if self._last_gaps is None or self._last_gaps[0] != here:
-            self._last_gaps = here, self._gaps_here()
+        positions = self._model.plant.GetPositions(self.plant_context).tobytes()
+        if self._last_gaps is None or self._last_gaps[0] != positions:
+            self._last_gaps = positions, self._compute_ball_gaps()
         return self._last_gaps[1]
 
-    def _gaps_here(self) -> tuple[Array, Array]:
+    def _compute_ball_gaps(self) -> tuple[Array, Array]:
         query = self.query
         own_centers, own_radii = self._balls
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self._moving])
-        here = np.einsum("nij,nj->ni", poses[:, :3, :3], own_centers) + poses[:, :3, 3]
-        there, radii = self._model.standing.balls
-        squares = np.zeros((len(here), len(there)))
+        moving_centers = np.einsum("nij,nj->ni", poses[:, :3, :3], own_centers) + poses[:, :3, 3]
+        static_centers, radii = self._model.static_objects.balls
+        squares = np.zeros((len(moving_centers), len(static_centers)))
         for axis in range(3):  # one after the other: a table of all three is slow to go through
-            squares += (here[:, None, axis] - there[None, :, axis]) ** 2
-        sizes = own_radii[:, None] + radii[None]
-        return np.sqrt(squares) - sizes, 2 * sizes
+            squares += (moving_centers[:, None, axis] - static_centers[None, :, axis]) ** 2
+        radius_sums = own_radii[:, None] + radii[None]
+        return np.sqrt(squares) - radius_sums, 2 * radius_sums
 
-    def _enter(self, context: Context) -> None:
+    def _use_context(self, context: Context) -> None:
         model = self._model
-        self._shown.clear()
+        self._registered.clear()
         self._context = context
         self.plant_context = model.plant.GetMyMutableContextFromRoot(context)
         self._query_context = model.scene_graph.GetMyMutableContextFromRoot(context)

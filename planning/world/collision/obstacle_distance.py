@@ -9,7 +9,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.world.world import World
 
 # Upper end of reported distances: farther obstacles count as this far [m].
-_FAR = 0.3
+_MAX_REPORTED_DISTANCE = 0.3
 
 
 def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Array]:
@@ -30,10 +30,10 @@ def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Arr
             min(
                 (
                     pair.distance
-                    for pair in probe.pairs_within(q, _FAR)
+                    for pair in probe.pairs_within(q, _MAX_REPORTED_DISTANCE)
                     if sum(name.startswith(prefix) for name in pair.bodies) == 1
                 ),
-                default=_FAR,
+                default=_MAX_REPORTED_DISTANCE,
             )
             for q in full
         ])

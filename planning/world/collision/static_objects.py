@@ -33,7 +33,7 @@ class StaticObjects:
     """Table of the objects outside of Drake's model; empty for most scenes.
 
     Attributes:
-        things: The scene's objects, meshes as the copies of their files.
+        objects: The scene's objects, meshes as the copies of their files.
         ids: An id each for pairs of shapes; larger than all ids of Drake's shapes.
         drake_shapes: Their geometry as Drake's shapes.
         shapes: Their geometry as the kernel's shapes.
@@ -42,7 +42,7 @@ class StaticObjects:
         allowed: Pairs of bodies, one of them here, that may touch.
     """
 
-    things: tuple[SceneObject, ...] = ()
+    objects: tuple[SceneObject, ...] = ()
     ids: tuple[GeometryId, ...] = ()
     drake_shapes: tuple[Any, ...] = ()
     shapes: tuple[ConvexShape, ...] = ()
@@ -52,12 +52,12 @@ class StaticObjects:
 
     def __len__(self) -> int:
         """Return the number of objects."""
-        return len(self.things)
+        return len(self.objects)
 
     @cached_property
     def rows(self) -> dict[str, int]:
         """Row of each object by its name."""
-        return {thing.name: row for row, thing in enumerate(self.things)}
+        return {thing.name: row for row, thing in enumerate(self.objects)}
 
     @cached_property
     def row_of(self) -> dict[GeometryId, int]:
@@ -75,46 +75,46 @@ class StaticObjects:
     def balls(self) -> tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, " n"]]:
         """Bounding balls: centres in world, and radii [m]."""
         local = [shape.ball for shape in self.shapes]
-        centers = [_at(x, p) for x, (p, _) in zip(self.poses, local, strict=True)]
+        centers = [_in_world(x, p) for x, (p, _) in zip(self.poses, local, strict=True)]
         return np.array(centers).reshape(-1, 3), np.array([radius for _, radius in local])
 
-    def make_ready(self) -> None:
+    def precompute(self) -> None:
         """Compute now what the first edit or the first query would wait for."""
         _ = self.balls, self.rows, self.row_of, self.meshes
 
-    def moved(
+    def with_moved_objects(
         self,
-        things: Sequence[SceneObject],
+        objects: Sequence[SceneObject],
         poses: Mapping[int, RigidTransform],
         frames: Mapping[str, RigidTransform],
     ) -> "StaticObjects":
         """Return the same objects with some of them moved.
 
         Args:
-            things: All of them, in the same order, from the present scene.
+            objects: All of them, in the same order, from the present scene.
             poses: X_WO of the moved ones, by row.
             frames: As the attribute `frames`.
         """
-        placed = tuple(poses.get(row, x) for row, x in enumerate(self.poses))
-        after = replace(self, things=tuple(things), poses=placed, frames=frames)
+        moved_poses = tuple(poses.get(row, x) for row, x in enumerate(self.poses))
+        after = replace(self, objects=tuple(objects), poses=moved_poses, frames=frames)
         # Reuse the cached properties that the move does not change.
         after.__dict__.update(row_of=self.row_of, rows=self.rows, meshes=self.meshes)
         centers, radii = self.balls
         centers = centers.copy()
         for row, x in poses.items():
-            centers[row] = _at(x, self.shapes[row].ball[0])
+            centers[row] = _in_world(x, self.shapes[row].ball[0])
         after.__dict__["balls"] = centers, radii
         return after
 
-    def instance(self, row: int) -> GeometryInstance:
+    def geometry_instance(self, row: int) -> GeometryInstance:
         """Return an object as Drake's geometry instance, with the same id each time."""
-        found = self._instances.get(row)
-        if found is None:
-            found = GeometryInstance(self.poses[row], self.drake_shapes[row], f"standing_{row}")
-            found.set_proximity_properties(ProximityProperties())
-            self._instances[row] = found
-            self.drake_rows[found.id()] = row
-        return found
+        instance = self._instances.get(row)
+        if instance is None:
+            instance = GeometryInstance(self.poses[row], self.drake_shapes[row], f"standing_{row}")
+            instance.set_proximity_properties(ProximityProperties())
+            self._instances[row] = instance
+            self.drake_rows[instance.id()] = row
+        return instance
 
     @cached_property
     def drake_rows(self) -> dict[GeometryId, int]:
@@ -126,7 +126,7 @@ class StaticObjects:
         return {}
 
 
-def _at(x: RigidTransform, p: Array) -> Array:
+def _in_world(x: RigidTransform, p: Array) -> Array:
     """Return a point in world; most are their frame's origin, which needs no product."""
-    moved: Array = x.multiply(p) if p.any() else x.translation()
-    return moved
+    p_W: Array = x.multiply(p) if p.any() else x.translation()
+    return p_W

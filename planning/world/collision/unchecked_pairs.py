@@ -12,7 +12,7 @@ from planning.world.collision.shape_pairs import candidates_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
 
-_found: WeakKeyDictionary[StaticObjects, tuple[UncheckedPair, ...]] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[StaticObjects, tuple[UncheckedPair, ...]] = WeakKeyDictionary()
 
 
 def unchecked_pairs(model: DrakeModel) -> tuple[UncheckedPair, ...]:
@@ -21,73 +21,75 @@ def unchecked_pairs(model: DrakeModel) -> tuple[UncheckedPair, ...]:
     Objects that stand in the world are not checked against each other either; of these pairs, which
     grow with the square of the objects, only those with a body of a robot are listed.
     """
-    found = _found.get(model.standing)
+    found = _cache.get(model.static_objects)
     if found is None:
-        pairs = [*_of_plant(model), *_of_standing(model)]
-        found = _found[model.standing] = tuple(sorted(pairs, key=lambda pair: pair.bodies))
+        pairs = [*_plant_pairs(model), *_static_pairs(model)]
+        found = _cache[model.static_objects] = tuple(sorted(pairs, key=lambda pair: pair.bodies))
     return found
 
 
-def share_unchecked(before: DrakeModel, after: DrakeModel) -> None:
+def copy_unchecked_pairs(before: DrakeModel, after: DrakeModel) -> None:
     """Copy the cached pairs of one model, if known, to another with objects moved."""
-    if before.standing in _found:
-        _found[after.standing] = _found[before.standing]
+    if before.static_objects in _cache:
+        _cache[after.static_objects] = _cache[before.static_objects]
 
 
-def _of_plant(model: DrakeModel) -> list[UncheckedPair]:
+def _plant_pairs(model: DrakeModel) -> list[UncheckedPair]:
     candidates = candidates_of(model)
     bodies = np.array([int(body) for body in candidates.bodies], dtype=np.int64)
     a, b = bodies[candidates.rows].T
     count = model.plant.num_bodies()
-    looked_at = {frozenset(divmod(pair, count)) for pair in np.unique(a * count + b).tolist()}
-    shaped = sorted({body for body in _shaped(model) if BodyIndex(body) in model.body_names})
-    clusters = _clusters(model.plant, shaped)
+    checked = {frozenset(divmod(pair, count)) for pair in np.unique(a * count + b).tolist()}
+    shaped_bodies = sorted({
+        body for body in _bodies_with_shapes(model) if BodyIndex(body) in model.body_names
+    })
+    clusters = _weld_clusters(model.plant, shaped_bodies)
     world = clusters[int(model.plant.world_body().index())]
     found: list[UncheckedPair] = []
-    for a, b in combinations(shaped, 2):
-        if frozenset((a, b)) in looked_at:
+    for a, b in combinations(shaped_bodies, 2):
+        if frozenset((a, b)) in checked:
             continue
         both = sorted((model.body_names[BodyIndex(a)], model.body_names[BodyIndex(b)]))
-        known = model.reasons.get(frozenset(both))
-        if known is None:
+        reason = model.unchecked_reasons.get(frozenset(both))
+        if reason is None:
             is_fixed = clusters[a] == world and clusters[b] == world
             if is_fixed and not any("::" in name for name in both):
                 continue
-            known = _of_welds(is_welded=clusters[a] == clusters[b], is_fixed=is_fixed)
-        found.append(UncheckedPair((both[0], both[1]), *known))
+            reason = _weld_reason(is_welded=clusters[a] == clusters[b], is_fixed=is_fixed)
+        found.append(UncheckedPair((both[0], both[1]), *reason))
     return found
 
 
-def _of_standing(model: DrakeModel) -> list[UncheckedPair]:
+def _static_pairs(model: DrakeModel) -> list[UncheckedPair]:
     """Return the pairs of a robot's body and an object outside of the plant."""
-    standing = model.standing
-    if not len(standing):
+    static_objects = model.static_objects
+    if not len(static_objects):
         return []
     found = [
-        UncheckedPair((min(pair), max(pair)), *model.reasons[pair])
-        for pair in standing.allowed
-        if pair in model.reasons and len(pair) == 2
+        UncheckedPair((min(pair), max(pair)), *model.unchecked_reasons[pair])
+        for pair in static_objects.allowed
+        if pair in model.unchecked_reasons and len(pair) == 2
     ]
     plant = model.plant
     fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
-    names = [model.body_names[BodyIndex(body)] for body in _shaped(model) & fixed]
+    names = [model.body_names[BodyIndex(body)] for body in _bodies_with_shapes(model) & fixed]
     for name in (name for name in names if "::" in name):
-        known = _of_welds(is_welded=True, is_fixed=True)
+        reason = _weld_reason(is_welded=True, is_fixed=True)
         found += [
-            UncheckedPair((min(name, other), max(name, other)), *known)
-            for other in standing.rows
-            if frozenset((name, other)) not in model.reasons
+            UncheckedPair((min(name, other), max(name, other)), *reason)
+            for other in static_objects.rows
+            if frozenset((name, other)) not in model.unchecked_reasons
         ]
     return found
 
 
-def _shaped(model: DrakeModel) -> set[int]:
+def _bodies_with_shapes(model: DrakeModel) -> set[int]:
     """Return the bodies of the plant that have collision shapes."""
     candidates = candidates_of(model)
-    return {int(body) for body in candidates.bodies[: candidates.num_of_drake]}
+    return {int(body) for body in candidates.bodies[: candidates.num_drake_shapes]}
 
 
-def _of_welds(*, is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]:
+def _weld_reason(*, is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]:
     if is_fixed:
         return "welded_to_world", "both stand in the world"
     if is_welded:
@@ -95,11 +97,11 @@ def _of_welds(*, is_welded: bool, is_fixed: bool) -> tuple[UncheckedReason, str]
     return "allowed", "the robot's description filters them"
 
 
-def _clusters(plant: Any, shaped: list[int]) -> dict[int, int]:
+def _weld_clusters(plant: Any, shaped_bodies: list[int]) -> dict[int, int]:
     """Return a cluster index for every body, equal for bodies that are welded together."""
-    found: dict[int, int] = {}
-    for index in [int(plant.world_body().index()), *shaped]:
-        if index not in found:
+    clusters: dict[int, int] = {}
+    for index in [int(plant.world_body().index()), *shaped_bodies]:
+        if index not in clusters:
             for body in plant.GetBodiesWeldedTo(plant.get_body(BodyIndex(index))):
-                found[int(body.index())] = index
-    return found
+                clusters[int(body.index())] = index
+    return clusters

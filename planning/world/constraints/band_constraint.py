@@ -14,15 +14,15 @@ from jaxtyping import Bool, Float64
 from planning.domain.curves.motion_samples import is_motion_free
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.world.constraints.compiled_constraint import FINEST, ConstraintValue, suggested_step
-from planning.world.constraints.pair_nearness import PairNearness
+from planning.world.constraints.compiled_constraint import MIN_STEP, ConstraintValue, suggested_step
+from planning.world.constraints.pair_nearness import PairProximity
 from planning.world.world import World
 
 # Preferred margin: this share of the band, and no more than this [m].
-_SHARE, _MOST = 0.1, 2e-3
+_MARGIN_FRACTION, _MAX_MARGIN = 0.1, 2e-3
 # Largest distance that is measured, beyond `max` [m].
-_HORIZON = 1.0
-_HALVINGS = 18
+_MEASURED_BEYOND = 1.0
+_NUM_BISECTIONS = 18
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class BandConstraint:
         pairs: Full names, sorted within each pair.
         min: Smallest distance [m].
         max: Largest distance [m], maybe infinite.
-        room: Margin at both bounds in addition to the constraint [m].
+        margin: Margin at both bounds in addition to the constraint [m].
     """
 
     label: str
@@ -45,59 +45,61 @@ class BandConstraint:
     pairs: frozenset[tuple[str, str]]
     min: float
     max: float
-    room: float = 0.0
+    margin: float = 0.0
 
     @property
-    def wish(self) -> float:
+    def preferred_margin(self) -> float:
         """Preferred margin of a search [m]."""
-        return min(_SHARE * (self.max - self.min), _MOST)
+        return min(_MARGIN_FRACTION * (self.max - self.min), _MAX_MARGIN)
 
     @property
     def step(self) -> float:
         """Largest distance between samples of an edge [rad or m]."""
-        return suggested_step(self.room) if np.isfinite(self.max) else 4 * FINEST
+        return suggested_step(self.margin) if np.isfinite(self.max) else 4 * MIN_STEP
 
-    def leaving(self, room: float) -> "BandConstraint":
+    def tightened(self, margin: float) -> "BandConstraint":
         """Return the constraint tightened by a margin [m]."""
-        return replace(self, room=room)
+        return replace(self, margin=margin)
 
-    def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
+    def value(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
         """Return the smallest distance [m] within a metre beyond the band, by bisection.
 
         Drake's own distances are not used (docs/decisions/0006): they may be too large.
         """
-        low, high = 0.0, (self.max if np.isfinite(self.max) else self.min) + _HORIZON
-        for _ in range(_HALVINGS):
+        low, high = 0.0, (self.max if np.isfinite(self.max) else self.min) + _MEASURED_BEYOND
+        for _ in range(_NUM_BISECTIONS):
             middle = (low + high) / 2
-            nearness = PairNearness(self.world, self.group, self.pairs, middle)
-            low, high = (low, middle) if nearness.are_near(q[None])[0] else (middle, high)
+            proximity = PairProximity(self.world, self.group, self.pairs, middle)
+            low, high = (low, middle) if proximity.are_near(q[None])[0] else (middle, high)
         return ConstraintValue(high, self.min if high < self.max else self.max, "m")
 
-    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+    def are_satisfied(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row that does not collide is within the band with its margin."""
-        kept = ~self._too_near.are_near(qs)
-        if np.isfinite(self.max) and kept.any():
-            kept[kept] = self._near.are_near(qs[kept])
-        return kept
+        is_satisfied = ~self._min_proximity.are_near(qs)
+        if np.isfinite(self.max) and is_satisfied.any():
+            is_satisfied[is_satisfied] = self._max_proximity.are_near(qs[is_satisfied])
+        return is_satisfied
 
-    def is_motion_kept(
+    def is_motion_satisfied(
         self,
         origin: Float64[np.ndarray, " nq"],
         displacement: Float64[np.ndarray, " nv"],
         resolution: float,
     ) -> bool:
-        """Return whether `are_kept` holds at every sample of a motion; in fewer calls."""
-        if not self._too_near.is_none_near_along(origin, displacement, resolution):
+        """Return whether `are_satisfied` holds at every sample of a motion; in fewer calls."""
+        if not self._min_proximity.is_motion_clear(origin, displacement, resolution):
             return False
         if not np.isfinite(self.max):
             return True
         motion = origin, displacement
-        return is_motion_free(Manifold(self.group.joints), self._near.are_near, motion, resolution)
+        return is_motion_free(
+            Manifold(self.group.joints), self._max_proximity.are_near, motion, resolution
+        )
 
     @cached_property
-    def _too_near(self) -> PairNearness:
-        return PairNearness(self.world, self.group, self.pairs, self.min + self.room)
+    def _min_proximity(self) -> PairProximity:
+        return PairProximity(self.world, self.group, self.pairs, self.min + self.margin)
 
     @cached_property
-    def _near(self) -> PairNearness:
-        return PairNearness(self.world, self.group, self.pairs, self.max - self.room)
+    def _max_proximity(self) -> PairProximity:
+        return PairProximity(self.world, self.group, self.pairs, self.max - self.margin)

@@ -36,7 +36,7 @@ def banded_pairs(
 def moved_bodies(model: DrakeModel, group: JointGroup) -> set[str]:
     """Return the full names of the bodies that the group moves, mimic joints included."""
     velocities = set(model.velocity_indices(group).tolist())
-    velocities |= {c.follower_velocity for c in model.following(group)}
+    velocities |= {c.follower_velocity for c in model.followers_of(group)}
     joints = [model.plant.get_joint(i) for i in model.plant.GetJointIndices()]
     moving = [
         joint.index()

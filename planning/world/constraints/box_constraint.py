@@ -9,13 +9,13 @@ from jaxtyping import Bool, Float64
 from planning.domain.arrays import Array
 from planning.domain.geometry import rotation
 from planning.domain.geometry.pose import Pose
-from planning.world.constraints.compiled_constraint import DUST, ConstraintValue, suggested_step
+from planning.world.constraints.compiled_constraint import ROUNDING, ConstraintValue, suggested_step
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 # Preferred margin: this share of the thinnest side, and no more than this [m].
-_SHARE, _MOST = 0.1, 4e-3
+_MARGIN_FRACTION, _MAX_MARGIN = 0.1, 4e-3
 # Thickness below which random samples miss a box [m].
-_THIN = 0.2
+_MAX_THIN_WIDTH = 0.2
 
 
 @dataclass(frozen=True)
@@ -24,70 +24,74 @@ class BoxConstraint:
 
     Attributes:
         label: For messages.
-        motion: Kinematics of the frame.
+        kinematics: Kinematics of the frame.
         pose: X_WB.
         half: Half side lengths, infinite along unbounded axes [m], shape (3,).
         is_inside: Whether the origin stays inside, or outside.
-        room: Margin in addition to the constraint [m].
+        margin: Margin in addition to the constraint [m].
     """
 
     label: str
-    motion: ToolKinematics
+    kinematics: ToolKinematics
     pose: Pose
     half: Float64[np.ndarray, "3"]
     is_inside: bool
-    room: float = 0.0
+    margin: float = 0.0
 
     @property
-    def wish(self) -> float:
+    def preferred_margin(self) -> float:
         """Preferred margin of a search [m]."""
-        return min(_SHARE * float(self.half.min()), _MOST) if self.is_inside else _MOST / 2
+        return (
+            min(_MARGIN_FRACTION * float(self.half.min()), _MAX_MARGIN)
+            if self.is_inside
+            else _MAX_MARGIN / 2
+        )
 
     @property
     def step(self) -> float:
         """Largest distance between samples of an edge [rad or m]."""
-        return suggested_step(self.room)
+        return suggested_step(self.margin)
 
     @property
     def is_thin(self) -> bool:
         """Whether the box is too thin to be sampled, so that samples must be projected onto it."""
-        return self.is_inside and float(self.half.min()) < _THIN / 2
+        return self.is_inside and float(self.half.min()) < _MAX_THIN_WIDTH / 2
 
-    def leaving(self, room: float) -> "BoxConstraint":
+    def tightened(self, margin: float) -> "BoxConstraint":
         """Return the constraint tightened by a margin [m]."""
-        return replace(self, room=room)
+        return replace(self, margin=margin)
 
-    def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
+    def value(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
         """Return the signed distance [m] beyond the faces, or inside them for `keep_out`."""
-        return ConstraintValue(-float(self.spares(q[None])[0]), 0.0, "m")
+        return ConstraintValue(-float(self.signed_margins(q[None])[0]), 0.0, "m")
 
-    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
-        """Return whether each row is on the right side with the margin `room`."""
-        return self.spares(qs) >= self.room - DUST
+    def are_satisfied(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+        """Return whether each row is on the right side with the margin `margin`."""
+        return self.signed_margins(qs) >= self.margin - ROUNDING
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3"]:
-        """Return the origin's excess over the box shrunk by twice `room`, along its axes [m]."""
-        local = self.local(q[None])[0]
-        return np.sign(local) * np.maximum(np.abs(local) - (self.half - 2 * self.room), 0.0)
+        """Return the origin's excess over the box shrunk by twice `margin`, along its axes [m]."""
+        local = self.origins_in_box(q[None])[0]
+        return np.sign(local) * np.maximum(np.abs(local) - (self.half - 2 * self.margin), 0.0)
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "3 nv"]:
         """Return the derivative of `residual`."""
-        moves = self._rotation.T @ self.motion.by_v(q[None])[0, 3:]
-        return np.where(self.residual(q)[:, None] != 0, moves, 0.0)
+        position_jacobian = self._rotation.T @ self.kinematics.velocity_jacobians(q[None])[0, 3:]
+        return np.where(self.residual(q)[:, None] != 0, position_jacobian, 0.0)
 
     @cached_property
     def _rotation(self) -> Array:
         return rotation.matrix(self.pose.quaternion)
 
-    def local(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m 3"]:
+    def origins_in_box(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, "m 3"]:
         """Return each row's origin in the box frame B [m]."""
-        return (self.motion.poses(qs)[1] - self.pose.position) @ self._rotation
+        return (self.kinematics.poses(qs)[1] - self.pose.position) @ self._rotation
 
-    def spares(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
+    def signed_margins(self, qs: Float64[np.ndarray, "m nq"]) -> Float64[np.ndarray, " m"]:
         """Return the signed margin of each row: distance from the faces, positive if kept [m]."""
-        beyond = np.abs(self.local(qs)) - self.half
-        worst = beyond.max(axis=1)
+        excess = np.abs(self.origins_in_box(qs)) - self.half
+        worst = excess.max(axis=1)
         if self.is_inside:
             return -worst
-        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+        outside = np.linalg.norm(np.maximum(excess, 0.0), axis=1)
         return np.where(worst > 0, outside, worst)

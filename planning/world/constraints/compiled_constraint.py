@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 # Tolerance of a violation, for rounding [rad or m]; the certifier has the same.
-DUST = 1e-6
+ROUNDING = 1e-6
 # Smallest distance between samples of an edge, for any margin [rad or m].
-FINEST = 2e-3
+MIN_STEP = 2e-3
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class CompiledConstraint(Protocol):
     Attributes:
         label: For messages.
         step: Largest distance between samples of an edge [rad or m].
-        wish: Preferred margin of a search, so that the certifier can prove the constraint
-            between samples, in the unit of the reading.
+        preferred_margin: Preferred margin of a search, so that the certifier can prove the
+            constraint between samples, in the unit of the reading.
     """
 
     @property
@@ -51,23 +51,23 @@ class CompiledConstraint(Protocol):
         ...
 
     @property
-    def wish(self) -> float:
+    def preferred_margin(self) -> float:
         """Preferred margin of a search, in the unit of the reading."""
         ...
 
-    def leaving(self, room: float) -> "CompiledConstraint":
+    def tightened(self, margin: float) -> "CompiledConstraint":
         """Return the constraint tightened by a margin."""
         ...
 
-    def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
+    def value(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
         """Return the constraint's value and bound at q, shape (nq,), without the margin."""
         ...
 
-    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+    def are_satisfied(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row keeps the constraint with its margin."""
         ...
 
 
-def suggested_step(room: float) -> float:
-    """Return the largest distance between samples that a margin `room` allows [rad or m]."""
-    return max(2 * room, FINEST)
+def suggested_step(margin: float) -> float:
+    """Return the largest distance between samples that a margin `margin` allows [rad or m]."""
+    return max(2 * margin, MIN_STEP)

@@ -8,9 +8,9 @@ from planning.domain.curves import motion_samples
 from planning.domain.robot.manifold import Manifold
 from planning.world.constraints.band_constraint import BandConstraint
 from planning.world.constraints.compiled_constraint import CompiledConstraint
-from planning.world.world import CollisionJudge
+from planning.world.world import CollisionChecker
 
-_MOST_REMEMBERED = 100_000
+_MAX_CACHED = 100_000
 
 
 class ConstrainedOracle:
@@ -20,33 +20,36 @@ class ConstrainedOracle:
     """
 
     def __init__(
-        self, inner: CollisionJudge, manifold: Manifold, rules: tuple[CompiledConstraint, ...]
+        self,
+        inner: CollisionChecker,
+        manifold: Manifold,
+        constraints: tuple[CompiledConstraint, ...],
     ) -> None:
         """Combine a collision checker with compiled constraints."""
-        self._inner, self._manifold, self._rules = inner, manifold, rules
+        self._inner, self._manifold, self._constraints = inner, manifold, constraints
         # A planner checks every state of its tree again when it extends it.
-        self._free: set[bytes] = set()
+        self._known_free: set[bytes] = set()
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether the group at q, shape (nq,), is free and keeps the constraints."""
         key = q.tobytes()
-        if key in self._free:
+        if key in self._known_free:
             return True
         is_free = self._inner.is_free(q) and all(
-            bool(rule.are_kept(q[None])[0]) for rule in self._rules
+            bool(constraint.are_satisfied(q[None])[0]) for constraint in self._constraints
         )
-        if is_free and len(self._free) < _MOST_REMEMBERED:
-            self._free.add(key)
+        if is_free and len(self._known_free) < _MAX_CACHED:
+            self._known_free.add(key)
         return is_free
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
         free = self._inner.are_free(qs)
-        for rule in self._rules:
+        for constraint in self._constraints:
             rows = np.flatnonzero(free)
             if not len(rows):
                 break
-            free[rows] = rule.are_kept(qs[rows])
+            free[rows] = constraint.are_satisfied(qs[rows])
         return free
 
     def is_motion_free(
@@ -56,9 +59,9 @@ class ConstrainedOracle:
         resolution: float,
     ) -> bool:
         """Return whether every sample of a motion is free and keeps the constraints."""
-        return self._inner.is_motion_free(origin, displacement, resolution) and self._is_ruled(
+        return self._inner.is_motion_free(
             origin, displacement, resolution
-        )
+        ) and self._satisfies_constraints(origin, displacement, resolution)
 
     def are_motions_free(
         self,
@@ -69,17 +72,20 @@ class ConstrainedOracle:
         """Return the same for each pair of rows."""
         free = self._inner.are_motions_free(origins, displacements, resolution)
         for row in np.flatnonzero(free):
-            free[row] = self._is_ruled(origins[row], displacements[row], resolution)
+            free[row] = self._satisfies_constraints(origins[row], displacements[row], resolution)
         return free
 
-    def _is_ruled(self, origin: Array, displacement: Array, resolution: float) -> bool:
-        return all(self._is_kept(rule, origin, displacement, resolution) for rule in self._rules)
+    def _satisfies_constraints(self, origin: Array, displacement: Array, resolution: float) -> bool:
+        return all(
+            self._satisfies(constraint, origin, displacement, resolution)
+            for constraint in self._constraints
+        )
 
-    def _is_kept(
-        self, rule: CompiledConstraint, origin: Array, displacement: Array, resolution: float
+    def _satisfies(
+        self, constraint: CompiledConstraint, origin: Array, displacement: Array, resolution: float
     ) -> bool:
-        finer = min(resolution, rule.step)
-        if isinstance(rule, BandConstraint):
-            return rule.is_motion_kept(origin, displacement, finer)
+        step = min(resolution, constraint.step)
+        if isinstance(constraint, BandConstraint):
+            return constraint.is_motion_satisfied(origin, displacement, step)
         motion = origin, displacement
-        return motion_samples.is_motion_free(self._manifold, rule.are_kept, motion, finer)
+        return motion_samples.is_motion_free(self._manifold, constraint.are_satisfied, motion, step)

@@ -47,7 +47,7 @@ class ConstraintCompiler:
     group: JointGroup
     start: Float64[np.ndarray, " nq"]
 
-    def rule(self, index: int, constraint: PathConstraint) -> CompiledConstraint:
+    def compile_constraint(self, index: int, constraint: PathConstraint) -> CompiledConstraint:
         """Return the compiled constraint of the path constraint with this index in the request.
 
         Raises:
@@ -64,10 +64,12 @@ class ConstraintCompiler:
                     label, self.world, self.group, pairs, constraint.min, constraint.max
                 )
             case KeepOut() | KeepIn() | PositionBand():
-                motion = ToolKinematics(self.world, self.group, constraint.frame)
+                kinematics = ToolKinematics(self.world, self.group, constraint.frame)
                 is_inside = not isinstance(constraint, KeepOut)
                 half = constraint.box.size / 2
-                return BoxConstraint(label, motion, self._box_pose(constraint.box), half, is_inside)
+                return BoxConstraint(
+                    label, kinematics, self._box_pose(constraint.box), half, is_inside
+                )
             case OrientationCone():
                 return self._cone(label, constraint)
             case LockedJoints() | TightLimits():
@@ -83,8 +85,8 @@ class ConstraintCompiler:
         return self._reference(box.reference) @ box.pose
 
     def _cone(self, label: str, cone: OrientationCone) -> ConeConstraint:
-        turn = rotation.matrix(self._reference(cone.reference).quaternion)
-        direction = turn @ cone.direction
+        R_WF = rotation.matrix(self._reference(cone.reference).quaternion)
+        direction = R_WF @ cone.direction
         return ConeConstraint(
             label,
             ToolKinematics(self.world, self.group, cone.frame),
@@ -102,13 +104,13 @@ class ConstraintCompiler:
                 label, Manifold(joints), self.start, locked, self.group.velocity_names
             )
         lower = np.full(self.group.num_positions, -np.inf)
-        upper, circle = -lower, np.zeros(len(lower), dtype=bool)
+        upper, is_circle = -lower, np.zeros(len(lower), dtype=bool)
         names = self.group.position_names
         for name, (low, high) in constraint.limits.items():
             lower[names.index(name)], upper[names.index(name)] = low, high
         iq = 0
         for joint in joints:
             if any(joint.wraps):
-                circle[iq : iq + joint.num_positions] = joint.wraps
+                is_circle[iq : iq + joint.num_positions] = joint.wraps
             iq += joint.num_positions
-        return LimitConstraint(label, lower, upper, circle, names)
+        return LimitConstraint(label, lower, upper, is_circle, names)

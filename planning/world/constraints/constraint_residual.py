@@ -13,17 +13,19 @@ from planning.world.constraints.cone_constraint import ConeConstraint
 class ConstraintResidual:
     """Stacked residuals of some constraints; zero where all hold with their margins."""
 
-    rules: tuple[BoxConstraint | ConeConstraint, ...]
+    constraints: tuple[BoxConstraint | ConeConstraint, ...]
 
     @property
     def size(self) -> int:
         """Number of residuals."""
-        return sum(3 if isinstance(rule, BoxConstraint) else 1 for rule in self.rules)
+        return sum(
+            3 if isinstance(constraint, BoxConstraint) else 1 for constraint in self.constraints
+        )
 
     def residual(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, " size"]:
         """Return the residuals at q, shape (nq,) [m or rad]."""
-        return np.concatenate([rule.residual(q) for rule in self.rules])
+        return np.concatenate([constraint.residual(q) for constraint in self.constraints])
 
     def jacobian(self, q: Float64[np.ndarray, " nq"]) -> Float64[np.ndarray, "size nv"]:
         """Return the Jacobian of the residuals, zero in the rows that vanish."""
-        return np.concatenate([rule.jacobian(q) for rule in self.rules])
+        return np.concatenate([constraint.jacobian(q) for constraint in self.constraints])

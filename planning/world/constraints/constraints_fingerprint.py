@@ -20,41 +20,43 @@ from planning.world.constraints.cone_constraint import ConeConstraint
 from planning.world.constraints.joint_constraints import LimitConstraint, LockConstraint
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.constraints.predicate_constraint import PredicateConstraint
-from planning.world.fingerprint import probes
+from planning.world.fingerprint import probe_configurations
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 
 
-def constraints_fingerprint(rules: PathConstraints) -> str:
+def constraints_fingerprint(constraints: PathConstraints) -> str:
     """Return the sha256 of all constraints, their margins included.
 
     Raises:
         ProblemInvalid: One is a predicate, which has no content to digest.
     """
-    return digest([_told(rule, rules.group) for rule in rules.rules])
+    return digest([
+        _constraint_content(constraint, constraints.group) for constraint in constraints.constraints
+    ])
 
 
-def _told(rule: CompiledConstraint, group: JointGroup) -> list[Any]:
-    match rule:
+def _constraint_content(constraint: CompiledConstraint, group: JointGroup) -> list[Any]:
+    match constraint:
         case BandConstraint():
-            pairs = [list(pair) for pair in sorted(rule.pairs)]
-            return ["band", pairs, rule.min, rule.max, rule.room]
+            pairs = [list(pair) for pair in sorted(constraint.pairs)]
+            return ["band", pairs, constraint.min, constraint.max, constraint.margin]
         case BoxConstraint():
-            box = [rule.pose, rule.half, rule.is_inside, rule.room]
-            return ["box", *_motion(rule.motion, group), *box]
+            box = [constraint.pose, constraint.half, constraint.is_inside, constraint.margin]
+            return ["box", *_frame_content(constraint.kinematics, group), *box]
         case ConeConstraint():
-            cone = [rule.axis, rule.direction, rule.tolerance, rule.room]
-            return ["cone", *_motion(rule.motion, group), *cone]
+            cone = [constraint.axis, constraint.direction, constraint.tolerance, constraint.margin]
+            return ["cone", *_frame_content(constraint.kinematics, group), *cone]
         case LockConstraint():
-            return ["lock", *_locked(rule, group)]
+            return ["lock", *_locked_content(constraint, group)]
         case LimitConstraint():
-            return ["limits", rule.lower, rule.upper]
+            return ["limits", constraint.lower, constraint.upper]
         case PredicateConstraint():
-            raise predicates_refused(rule.label)
+            raise predicate_error(constraint.label)
         case _:
-            raise TypeError(rule.label)
+            raise TypeError(constraint.label)
 
 
-def predicates_refused(label: str) -> ProblemInvalid:
+def predicate_error(label: str) -> ProblemInvalid:
     """Return the error for a predicate in a request for a stored roadmap."""
     field = "search.roadmap"
     message = (
@@ -64,18 +66,18 @@ def predicates_refused(label: str) -> ProblemInvalid:
     return ProblemInvalid(message, {"field": field, "constraint": label})
 
 
-def _motion(motion: ToolKinematics, group: JointGroup) -> list[Any]:
+def _frame_content(kinematics: ToolKinematics, group: JointGroup) -> list[Any]:
     """Return the pose of a frame on its body: the frame's name does not determine it."""
-    return list(motion.poses(probes(group)))
+    return list(kinematics.poses(probe_configurations(group)))
 
 
-def _locked(rule: LockConstraint, group: JointGroup) -> list[Any]:
+def _locked_content(constraint: LockConstraint, group: JointGroup) -> list[Any]:
     """Return the locked coordinates and their values."""
-    found: list[Any] = []
+    content: list[Any] = []
     iq = iv = 0
     for joint in group.joints:
-        if rule.locked[iv : iv + joint.num_velocities].any():
-            found.append([joint.name, np.array(rule.start[iq : iq + joint.num_positions])])
+        if constraint.locked[iv : iv + joint.num_velocities].any():
+            content.append([joint.name, np.array(constraint.start[iq : iq + joint.num_positions])])
         iq += joint.num_positions
         iv += joint.num_velocities
-    return found
+    return content

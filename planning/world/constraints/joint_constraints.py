@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float64
 
 from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
-from planning.world.constraints.compiled_constraint import DUST, ConstraintValue
+from planning.world.constraints.compiled_constraint import ROUNDING, ConstraintValue
 
 
 @dataclass(frozen=True)
@@ -27,23 +27,23 @@ class LockConstraint:
     start: Float64[np.ndarray, " nq"]
     locked: Bool[np.ndarray, " nv"]
     names: tuple[str, ...]
-    wish: float = 0.0
+    preferred_margin: float = 0.0
     step: float = np.inf
 
-    def leaving(self, room: float) -> "LockConstraint":
+    def tightened(self, margin: float) -> "LockConstraint":
         """Return itself: locked coordinates need no margin."""
-        del room
+        del margin
         return self
 
-    def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
+    def value(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
         """Return the largest distance of a locked coordinate from the start [rad or m]."""
-        return _worst(self._away(q[None])[0], self.names)
+        return _worst(self._distances_from_start(q[None])[0], self.names)
 
-    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+    def are_satisfied(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether all locked coordinates are at the start."""
-        return self._away(qs).max(axis=1) <= DUST
+        return self._distances_from_start(qs).max(axis=1) <= ROUNDING
 
-    def _away(self, qs: Array) -> Array:
+    def _distances_from_start(self, qs: Array) -> Array:
         """Return the distance of every coordinate from its locked value, shape (m, nv)."""
         return np.abs(self.manifold.minus(qs, self.start)) * self.locked
 
@@ -65,31 +65,33 @@ class LimitConstraint:
     upper: Float64[np.ndarray, " nq"]
     is_circle: Bool[np.ndarray, " nq"]
     names: tuple[str, ...]
-    wish: float = 0.0
+    preferred_margin: float = 0.0
     step: float = np.inf
 
-    def leaving(self, room: float) -> "LimitConstraint":
+    def tightened(self, margin: float) -> "LimitConstraint":
         """Return itself: bounds of coordinates hold along edges whose ends keep them."""
-        del room
+        del margin
         return self
 
-    def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
+    def value(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
         """Return the largest excess of a coordinate over its bounds [rad or m]."""
         return _worst(self._excess(q[None])[0], self.names)
 
-    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+    def are_satisfied(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether all bounds are kept."""
-        return self._excess(qs).max(axis=1) <= DUST
+        return self._excess(qs).max(axis=1) <= ROUNDING
 
     def _excess(self, qs: Array) -> Array:
         """Return the excess of every coordinate over its bounds, shape (m, nq)."""
-        at = qs.copy()
-        turning = self.is_circle & np.isfinite(self.lower)
-        middle = (self.lower[turning] + self.upper[turning]) / 2
-        at[:, turning] = middle + np.remainder(qs[:, turning] - middle + np.pi, 2 * np.pi) - np.pi
-        return np.maximum(self.lower - at, at - self.upper)
+        wrapped = qs.copy()
+        is_wrapped = self.is_circle & np.isfinite(self.lower)
+        middle = (self.lower[is_wrapped] + self.upper[is_wrapped]) / 2
+        wrapped[:, is_wrapped] = (
+            middle + np.remainder(qs[:, is_wrapped] - middle + np.pi, 2 * np.pi) - np.pi
+        )
+        return np.maximum(self.lower - wrapped, wrapped - self.upper)
 
 
 def _worst(amounts: Array, names: tuple[str, ...]) -> ConstraintValue:
     worst = int(np.argmax(amounts))
-    return ConstraintValue(float(amounts[worst]), DUST, "rad or m", names[worst])
+    return ConstraintValue(float(amounts[worst]), ROUNDING, "rad or m", names[worst])

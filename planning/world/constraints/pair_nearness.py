@@ -12,12 +12,12 @@ from planning.domain.robot.manifold import Manifold
 from planning.kernel.native import native
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_scene import kernel_scene_of
-from planning.world.world import CollisionJudge, World
+from planning.world.world import CollisionChecker, World
 
-_FREE, _COLLIDING, _UNSURE = 0, 1, 2
+_FREE, _COLLIDING, _UNDECIDED = 0, 1, 2
 
 
-class PairNearness:
+class PairProximity:
     """Test of collision-free configurations: whether a pair is nearer than a distance.
 
     It is a collision check with that distance as the pairs' margin, and margin 0 for all other
@@ -31,32 +31,32 @@ class PairNearness:
         """Prepare for pairs, by full names in sorted order, and a distance [m]."""
         self._world, self._group = world, group
         self._manifold = Manifold(group.joints)
-        self._is_straight = group.num_positions == group.num_velocities
+        self._has_linear_motions = group.num_positions == group.num_velocities
         self._margins = PairMargins(0.0, dict.fromkeys(sorted(pairs), distance))
         scene, module = kernel_scene_of(world.drake), native()
         self._checker: Any = None
         if scene is not None and module is not None:
-            demands = scene.demands(self._margins)
+            thresholds = scene.thresholds(self._margins)
             self._checker = module.Checker(
                 scene.native,
                 world.drake.position_indices(group).astype(np.int64),
                 world.drake.velocity_indices(group).astype(np.int64),
-                world.drake.follow(np.array(world.state)),
-                np.column_stack([demands, demands]),
+                world.drake.apply_couplings(np.array(world.state)),
+                np.column_stack([thresholds, thresholds]),
             )
 
     def are_near(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether a pair is near at each row; undefined for a row in collision."""
         if self._checker is None:
-            return ~self._judge.are_free(qs)
+            return ~self._exact_checker.are_free(qs)
         verdicts = self._checker.judge(np.ascontiguousarray(qs))
-        near = verdicts == _COLLIDING
-        unsure = verdicts == _UNSURE
-        if unsure.any():
-            near[unsure] = ~self._judge.are_free(qs[unsure])
-        return near
+        is_near = verdicts == _COLLIDING
+        undecided = verdicts == _UNDECIDED
+        if undecided.any():
+            is_near[undecided] = ~self._exact_checker.are_free(qs[undecided])
+        return is_near
 
-    def is_none_near_along(
+    def is_motion_clear(
         self,
         origin: Float64[np.ndarray, " nq"],
         displacement: Float64[np.ndarray, " nv"],
@@ -64,14 +64,14 @@ class PairNearness:
     ) -> bool:
         """Return whether no pair is near at any sample of a motion."""
         if self._checker is None:
-            return self._judge.is_motion_free(origin, displacement, resolution)
-        if self._is_straight:
+            return self._exact_checker.is_motion_free(origin, displacement, resolution)
+        if self._has_linear_motions:
             verdict = self._checker.judge_motion(origin, displacement, resolution)
-            if verdict != _UNSURE:
+            if verdict != _UNDECIDED:
                 return verdict == _FREE
         batches = sample_batches(self._manifold, (origin, displacement), resolution)
         return not any(self.are_near(qs).any() for qs in batches)
 
     @cached_property
-    def _judge(self) -> CollisionJudge:
+    def _exact_checker(self) -> CollisionChecker:
         return self._world.collision_oracle(self._group, self._margins)

@@ -22,12 +22,12 @@ from planning.world.constraints.constraint_compiler import ConstraintCompiler
 from planning.world.constraints.constraint_residual import ConstraintResidual
 from planning.world.constraints.joint_constraints import LimitConstraint, LockConstraint
 from planning.world.constraints.validate_constraints import validate_constraints
-from planning.world.world import CollisionJudge, World
+from planning.world.world import CollisionChecker, World
 
 # Shares of a constraint's preferred margin that are tried, the largest first.
-_SHARES = (1.0, 0.25)
+_MARGIN_FRACTIONS = (1.0, 0.25)
 # A straight step much longer than a band is thick leaves it, in most directions.
-_STRIDES, _SHORTEST_STRIDE = 2.5, 0.02
+_STEP_PER_WIDTH, _MIN_STEP = 2.5, 0.02
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class PathConstraints:
 
     Attributes:
         group: Group of the configurations.
-        rules: One compiled constraint for each path constraint, in their order.
+        constraints: One compiled constraint for each path constraint, in their order.
         locked: Names of joints that keep their start positions.
     """
 
     group: JointGroup
-    rules: tuple[CompiledConstraint, ...]
+    constraints: tuple[CompiledConstraint, ...]
     locked: frozenset[str]
 
     @classmethod
@@ -60,67 +60,75 @@ class PathConstraints:
         """
         validate_constraints(world, group, constraints)
         compiler = ConstraintCompiler(world, group, start)
-        rules = tuple(compiler.rule(i, c) for i, c in enumerate(constraints))
-        locks = [c.joints for c in constraints if isinstance(c, LockedJoints)]
-        return cls(group, rules, frozenset(name for names in locks for name in names))
+        compiled = tuple(compiler.compile_constraint(i, c) for i, c in enumerate(constraints))
+        locked_joints = [c.joints for c in constraints if isinstance(c, LockedJoints)]
+        return cls(group, compiled, frozenset(name for names in locked_joints for name in names))
 
     def violations(self, q: Float64[np.ndarray, " nq"]) -> list[dict[str, Any]]:
         """Return the constraints that q, shape (nq,), violates, as evidence."""
-        broken = [rule for rule in self.rules if not rule.are_kept(q[None])[0]]
-        readings = [(rule.label, rule.reading(q)) for rule in broken]
+        violated = [rule for rule in self.constraints if not rule.are_satisfied(q[None])[0]]
+        values = [(rule.label, rule.value(q)) for rule in violated]
         return [
             {
                 "constraint": label,
-                "value": reading.value,
-                "bound": reading.bound,
-                "unit": reading.unit,
-                **({"joint": reading.joint} if reading.joint else {}),
+                "value": value.value,
+                "bound": value.bound,
+                "unit": value.unit,
+                **({"joint": value.joint} if value.joint else {}),
             }
-            for label, reading in readings
+            for label, value in values
         ]
 
-    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+    def are_satisfied(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return whether each row satisfies every constraint."""
-        kept = np.ones(len(qs), dtype=bool)
-        for rule in self.rules:
-            kept[kept] = rule.are_kept(qs[kept])
-        return kept
+        is_satisfied = np.ones(len(qs), dtype=bool)
+        for constraint in self.constraints:
+            is_satisfied[is_satisfied] = constraint.are_satisfied(qs[is_satisfied])
+        return is_satisfied
 
-    def leaving_room(
+    def tightened(
         self, start: Float64[np.ndarray, " nq"], goals: Float64[np.ndarray, "n nq"]
     ) -> "PathConstraints":
         """Return constraints tightened by the largest margins that the start and a goal keep."""
-        rules: list[CompiledConstraint] = []
+        tightened_constraints: list[CompiledConstraint] = []
         rows = goals
-        for rule in self.rules:
-            chosen = rule
-            for share in _SHARES if rule.wish > 0 else ():
-                wished = rule.leaving(share * rule.wish)
-                kept = wished.are_kept(rows)
-                if kept.any() and wished.are_kept(start[None])[0]:
-                    chosen, rows = wished, rows[kept]
+        for constraint in self.constraints:
+            chosen = constraint
+            for fraction in _MARGIN_FRACTIONS if constraint.preferred_margin > 0 else ():
+                candidate = constraint.tightened(fraction * constraint.preferred_margin)
+                is_satisfied = candidate.are_satisfied(rows)
+                if is_satisfied.any() and candidate.are_satisfied(start[None])[0]:
+                    chosen, rows = candidate, rows[is_satisfied]
                     break
-            rules.append(chosen)
-        return replace(self, rules=tuple(rules))
+            tightened_constraints.append(chosen)
+        return replace(self, constraints=tuple(tightened_constraints))
 
     @property
-    def roomy(self) -> "PathConstraints":
+    def fully_tightened(self) -> "PathConstraints":
         """The constraints tightened by their whole preferred margins, for any start and goals."""
-        return replace(self, rules=tuple(rule.leaving(rule.wish) for rule in self.rules))
+        return replace(
+            self,
+            constraints=tuple(
+                constraint.tightened(constraint.preferred_margin) for constraint in self.constraints
+            ),
+        )
 
     def without(self, index: int) -> "PathConstraints":
         """Return all constraints but one."""
-        rules = self.rules[:index] + self.rules[index + 1 :]
-        held = [rule.locked for rule in rules if isinstance(rule, LockConstraint)]
+        constraints = self.constraints[:index] + self.constraints[index + 1 :]
+        lock_flags = [rule.locked for rule in constraints if isinstance(rule, LockConstraint)]
         owners = [joint.name for joint in self.group.joints for _ in joint.velocity_names]
         locked = {
-            name for flags in held for name, is_held in zip(owners, flags, strict=True) if is_held
+            name
+            for flags in lock_flags
+            for name, is_locked in zip(owners, flags, strict=True)
+            if is_locked
         }
-        return replace(self, rules=rules, locked=frozenset(locked))
+        return replace(self, constraints=constraints, locked=frozenset(locked))
 
-    def oracle(self, inner: CollisionJudge) -> ConstrainedOracle:
+    def oracle(self, inner: CollisionChecker) -> ConstrainedOracle:
         """Return the checker of collisions and constraints."""
-        return ConstrainedOracle(inner, Manifold(self.group.joints), self.rules)
+        return ConstrainedOracle(inner, Manifold(self.group.joints), self.constraints)
 
     def limits(self, limits: JointLimits) -> JointLimits:
         """Return position limits intersected with the bounds of the constraints.
@@ -129,16 +137,19 @@ class PathConstraints:
             ProblemInvalid: The intersection is empty.
         """
         lower, upper = np.array(limits.lower), np.array(limits.upper)
-        for rule in self.rules:
-            if isinstance(rule, LimitConstraint):
-                lower, upper = np.maximum(lower, rule.lower), np.minimum(upper, rule.upper)
+        for constraint in self.constraints:
+            if isinstance(constraint, LimitConstraint):
+                lower, upper = (
+                    np.maximum(lower, constraint.lower),
+                    np.minimum(upper, constraint.upper),
+                )
         empty = [self.group.position_names[i] for i in np.flatnonzero(lower > upper)]
         if empty:
             message = f"path_constraints leave no position for {empty} within the robot's limits"
             raise ProblemInvalid(message, {"field": "path_constraints", "joints": empty})
         return replace(limits, lower=lower, upper=upper)
 
-    def fixing(self, limits: JointLimits) -> JointLimits:
+    def limits_with_locks(self, limits: JointLimits) -> JointLimits:
         """Return `limits` of these constraints with locked joints fixed to one position.
 
         Floating joints are left free: bounds on a quaternion's components do not bound a rotation.
@@ -148,17 +159,21 @@ class PathConstraints:
         """
         tight = self.limits(limits)
         lower, upper = np.array(tight.lower), np.array(tight.upper)
-        for rule in self.rules:
-            if isinstance(rule, LockConstraint):
-                fixed = _positions_of(self.group, self.locked)
-                lower[fixed] = upper[fixed] = rule.start[fixed]
+        for constraint in self.constraints:
+            if isinstance(constraint, LockConstraint):
+                fixed = _is_position_of(self.group, self.locked)
+                lower[fixed] = upper[fixed] = constraint.start[fixed]
         return replace(tight, lower=lower, upper=upper)
 
     @property
-    def stride(self) -> float:
+    def suggested_step(self) -> float:
         """Suggested step of a planner (range), from the thinnest distance band [rad or m]."""
-        widths = [rule.max - rule.min for rule in self.rules if isinstance(rule, BandConstraint)]
-        return max(_STRIDES * min(widths, default=np.inf), _SHORTEST_STRIDE)
+        widths = [
+            constraint.max - constraint.min
+            for constraint in self.constraints
+            if isinstance(constraint, BandConstraint)
+        ]
+        return max(_STEP_PER_WIDTH * min(widths, default=np.inf), _MIN_STEP)
 
     @property
     def residual(self) -> ConstraintResidual | None:
@@ -167,16 +182,18 @@ class PathConstraints:
         Only for joints that neither wrap nor float: OMPL projects in R^n.
         """
         thin = [
-            r for r in self.rules if isinstance(r, BoxConstraint | ConeConstraint) and r.is_thin
+            r
+            for r in self.constraints
+            if isinstance(r, BoxConstraint | ConeConstraint) and r.is_thin
         ]
         return (
             ConstraintResidual(tuple(thin))
-            if thin and Manifold(self.group.joints).is_vector
+            if thin and Manifold(self.group.joints).is_vector_space
             else None
         )
 
 
-def _positions_of(group: JointGroup, names: frozenset[str]) -> Any:
+def _is_position_of(group: JointGroup, names: frozenset[str]) -> Any:
     """Return which coordinates of q are those of some joints, except floating joints."""
     return np.array(
         [

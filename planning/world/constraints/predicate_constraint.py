@@ -23,17 +23,17 @@ class PredicateConstraint:
     label: str
     predicate: Callable[[Array], bool]
     step: float
-    wish: float = 0.0
+    preferred_margin: float = 0.0
 
-    def leaving(self, room: float) -> "PredicateConstraint":
+    def tightened(self, margin: float) -> "PredicateConstraint":
         """Return itself: a predicate has no signed margin."""
-        del room
+        del margin
         return self
 
-    def reading(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
+    def value(self, q: Float64[np.ndarray, " nq"]) -> ConstraintValue:
         """Return 0 if accepted and 1 if not."""
         return ConstraintValue(0.0 if self.predicate(q) else 1.0, 0.0, "1")
 
-    def are_kept(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
+    def are_satisfied(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the predicate's result for each row."""
         return np.array([bool(self.predicate(q)) for q in qs], dtype=bool)

@@ -32,53 +32,59 @@ def validate_constraints(
         ProblemInvalid: A number is invalid; evidence has the `field`.
     """
     for i, constraint in enumerate(constraints):
-        _require(world, group, constraint, f"path_constraints.{i}")
+        _validate_constraint(world, group, constraint, f"path_constraints.{i}")
 
 
-def _require(world: World, group: JointGroup, constraint: PathConstraint, field: str) -> None:
+def _validate_constraint(
+    world: World, group: JointGroup, constraint: PathConstraint, field: str
+) -> None:
     match constraint:
         case DistanceBand():
             names = [*(constraint.bodies or ()), *(constraint.to or ())]
-            _require_names("body", names, world.drake.all_bodies)
-            _demand(0 <= constraint.min < constraint.max, field, "0 <= min < max is needed")
+            _validate_names("body", names, world.drake.all_bodies)
+            _raise_unless(0 <= constraint.min < constraint.max, field, "0 <= min < max is needed")
             banded_pairs(world, group, constraint, field)
         case KeepOut() | KeepIn() | PositionBand():
-            world.require_frame(constraint.frame)
-            _require_box(world, constraint.box, field, is_solid=isinstance(constraint, KeepOut))
+            world.validate_frame(constraint.frame)
+            _validate_box(world, constraint.box, field, is_solid=isinstance(constraint, KeepOut))
         case OrientationCone():
-            world.require_frame(constraint.frame)
-            world.require_frame(constraint.reference)
+            world.validate_frame(constraint.frame)
+            world.validate_frame(constraint.reference)
             for name in ("axis", "direction"):
                 length = float(np.linalg.norm(getattr(constraint, name)))
-                _demand(1e-9 < length < np.inf, field, f"{name} must not be zero")
+                _raise_unless(1e-9 < length < np.inf, field, f"{name} must not be zero")
             is_angle = 0 < constraint.tolerance <= np.pi
-            _demand(is_angle, field, "tolerance must be an angle above 0 and at most pi")
+            _raise_unless(is_angle, field, "tolerance must be an angle above 0 and at most pi")
         case LockedJoints():
-            _require_names("joint", constraint.joints, [joint.name for joint in group.joints])
+            _validate_names("joint", constraint.joints, [joint.name for joint in group.joints])
         case TightLimits():
-            _require_names("joint", constraint.limits, group.position_names)
+            _validate_names("joint", constraint.limits, group.position_names)
             is_ordered = all(low <= high for low, high in constraint.limits.values())
-            _demand(is_ordered, field, "the lower limit must not exceed the upper one")
+            _raise_unless(is_ordered, field, "the lower limit must not exceed the upper one")
         case PathPredicate():
             is_positive = 0 < constraint.resolution < np.inf
-            _demand(is_positive, field, "resolution must be positive")
+            _raise_unless(is_positive, field, "resolution must be positive")
 
 
-def _require_box(world: World, box: PlacedBox, field: str, *, is_solid: bool) -> None:
-    world.require_frame(box.reference)
-    _demand(bool((box.size > 0).all()), field, "every side of the box must be longer than 0")
-    _demand(bool(np.isfinite(box.size).any()), field, "at least one side of the box must be finite")
+def _validate_box(world: World, box: PlacedBox, field: str, *, is_solid: bool) -> None:
+    world.validate_frame(box.reference)
+    _raise_unless(bool((box.size > 0).all()), field, "every side of the box must be longer than 0")
+    _raise_unless(
+        bool(np.isfinite(box.size).any()), field, "at least one side of the box must be finite"
+    )
     if is_solid:
-        _demand(bool(np.isfinite(box.size).all()), field, "every side of the box must be finite")
+        _raise_unless(
+            bool(np.isfinite(box.size).all()), field, "every side of the box must be finite"
+        )
 
 
-def _require_names(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
+def _validate_names(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
     listed = list(known)
     for name in names:
         if name not in listed:
             raise UnknownName.among(kind, name, listed)
 
 
-def _demand(holds: bool, field: str, message: str) -> None:  # noqa: FBT001
-    if not holds:
+def _raise_unless(is_valid: bool, field: str, message: str) -> None:  # noqa: FBT001
+    if not is_valid:
         raise ProblemInvalid(f"{field}: {message}", {"field": field})

@@ -14,11 +14,11 @@ type Step = str | int
 type Schema = Mapping[str, Any]
 
 _UNKNOWN_FIELD, _MISSING_FIELD = "extra_forbidden", "missing"
-_LONGEST = 500
+_MAX_MESSAGE_LENGTH = 500
 # Depth of nested unions: `positions` by joint, each a number or several.
-_MOST_UNIONS = 4
+_MAX_UNION_DEPTH = 4
 # Number of faults with suggested names: a search for names takes a tenth of a millisecond each.
-_MOST_EXPLAINED = 1000
+_MAX_EXPLAINED = 1000
 
 
 @dataclass(frozen=True)
@@ -49,52 +49,52 @@ class Fault:
         return "".join(f"/{step}" for step in steps)
 
 
-def faults_of(found: Sequence[Mapping[str, Any]], document: Any, schema: Schema) -> list[Fault]:
+def faults_of(errors: Sequence[Mapping[str, Any]], document: Any, schema: Schema) -> list[Fault]:
     """Return the faults of a document, without those of union branches that it does not mean.
 
     Args:
-        found: Pydantic's list of errors; their locations begin at the document's root.
+        errors: Pydantic's list of errors; their locations begin at the document's root.
         document: The validated document.
         schema: JSON schema of its model.
     """
-    for depth in range(_MOST_UNIONS):
-        found = _of_meant_branches(found, document, depth)
-    first = [_fault(one, document, schema) for one in found[:_MOST_EXPLAINED]]
+    for depth in range(_MAX_UNION_DEPTH):
+        errors = _errors_of_likely_branches(errors, document, depth)
+    first = [_fault(one, document, schema) for one in errors[:_MAX_EXPLAINED]]
     rest = [
         Fault(_real_steps(one, document), message_of(one), one["type"])
-        for one in found[_MOST_EXPLAINED:]
+        for one in errors[_MAX_EXPLAINED:]
     ]
-    return [_explained(fault, first) for fault in first] + rest
+    return [_with_misspelling(fault, first) for fault in first] + rest
 
 
-def _explained(fault: Fault, faults: Sequence[Fault]) -> Fault:
+def _with_misspelling(fault: Fault, faults: Sequence[Fault]) -> Fault:
     """Return the fault of a missing field with the misspelt field that was likely meant."""
     if fault.type != _MISSING_FIELD:
         return fault
     for other in faults:
-        is_beside = other.steps[:-1] == fault.steps[:-1]
-        if is_beside and other.nearest[:1] == fault.steps[-1:]:
-            return replace(fault, message=f"{fault.message}: {other.message}"[:_LONGEST])
+        is_sibling = other.steps[:-1] == fault.steps[:-1]
+        if is_sibling and other.nearest[:1] == fault.steps[-1:]:
+            return replace(fault, message=f"{fault.message}: {other.message}"[:_MAX_MESSAGE_LENGTH])
     return fault
 
 
-def _fault(found: Mapping[str, Any], document: Any, schema: Schema) -> Fault:
-    steps = _real_steps(found, document)
-    if found["type"] == _UNKNOWN_FIELD and steps:
+def _fault(error: Mapping[str, Any], document: Any, schema: Schema) -> Fault:
+    steps = _real_steps(error, document)
+    if error["type"] == _UNKNOWN_FIELD and steps:
         known = fields_at(schema, document, steps[:-1])
         unknown = UnknownName.among("field", str(steps[-1])[:80], known)
         nearest = tuple(unknown.evidence["nearest"])
-        return Fault(steps, unknown.detail[:_LONGEST], found["type"], nearest)
-    return Fault(steps, message_of(found), found["type"])
+        return Fault(steps, unknown.detail[:_MAX_MESSAGE_LENGTH], error["type"], nearest)
+    return Fault(steps, message_of(error), error["type"])
 
 
-def message_of(found: Mapping[str, Any]) -> str:
+def message_of(error: Mapping[str, Any]) -> str:
     """Return the message of one of pydantic's errors."""
-    return str(found["msg"]).removeprefix("Value error, ")[:_LONGEST]
+    return str(error["msg"]).removeprefix("Value error, ")[:_MAX_MESSAGE_LENGTH]
 
 
-def _of_meant_branches(
-    found: Sequence[Mapping[str, Any]], document: Any, depth: int
+def _errors_of_likely_branches(
+    errors: Sequence[Mapping[str, Any]], document: Any, depth: int
 ) -> list[Mapping[str, Any]]:
     """Return the faults of the most likely branch of each union.
 
@@ -102,44 +102,44 @@ def _of_meant_branches(
     those the fewest faults.
     """
     branches: dict[tuple[Step, ...], list[Mapping[str, Any]]] = {}
-    forks = [_fork(one, document, depth) for one in found]
-    for one, fork in zip(found, forks, strict=True):
+    error_branches = [_union_branch(one, document, depth) for one in errors]
+    for one, fork in zip(errors, error_branches, strict=True):
         if fork is not None:
             branches.setdefault(fork, []).append(one)
     best: dict[tuple[Step, ...], tuple[Step, ...]] = {}
     for fork in branches:
         union = fork[:-1]
         best[union] = min(
-            best.get(union, fork), fork, key=lambda at: _strangeness(at, branches[at])
+            best.get(union, fork), fork, key=lambda at: _branch_rank(at, branches[at])
         )
-    kept = zip(found, forks, strict=True)
-    return [one for one, fork in kept if fork is None or best[fork[:-1]] == fork]
+    pairs = zip(errors, error_branches, strict=True)
+    return [one for one, fork in pairs if fork is None or best[fork[:-1]] == fork]
 
 
-def _strangeness(fork: tuple[Step, ...], faults: Sequence[Mapping[str, Any]]) -> tuple[bool, int]:
+def _branch_rank(branch: tuple[Step, ...], faults: Sequence[Mapping[str, Any]]) -> tuple[bool, int]:
     is_of_another_kind = any(
-        len(one["loc"]) == len(fork) and str(one["type"]).endswith("_type") for one in faults
+        len(one["loc"]) == len(branch) and str(one["type"]).endswith("_type") for one in faults
     )
     return is_of_another_kind, len(faults)
 
 
-def _fork(found: Mapping[str, Any], document: Any, depth: int) -> tuple[Step, ...] | None:
+def _union_branch(error: Mapping[str, Any], document: Any, depth: int) -> tuple[Step, ...] | None:
     """Return the location of a union branch, inside `depth` others; None where there is none."""
-    location, left = found["loc"], depth
+    location, remaining_depth = error["loc"], depth
     for i, step in enumerate(location):
         if _has(document, step):
             document = document[step]
-        elif not _is_field(found, i):
-            if left == 0:
+        elif not _is_field(error, i):
+            if remaining_depth == 0:
                 return tuple(location[: i + 1])
-            left -= 1
+            remaining_depth -= 1
     return None
 
 
-def _is_field(found: Mapping[str, Any], i: int) -> bool:
+def _is_field(error: Mapping[str, Any], i: int) -> bool:
     """Return whether a step that the document does not have is a field, not a branch."""
-    is_last = i == len(found["loc"]) - 1
-    return is_last and found["type"] in (_UNKNOWN_FIELD, _MISSING_FIELD)
+    is_last = i == len(error["loc"]) - 1
+    return is_last and error["type"] in (_UNKNOWN_FIELD, _MISSING_FIELD)
 
 
 def _has(document: Any, step: Step) -> bool:
@@ -148,29 +148,29 @@ def _has(document: Any, step: Step) -> bool:
     return isinstance(document, list) and isinstance(step, int) and 0 <= step < len(document)
 
 
-def _real_steps(found: Mapping[str, Any], document: Any) -> tuple[Step, ...]:
+def _real_steps(error: Mapping[str, Any], document: Any) -> tuple[Step, ...]:
     """Return the location of a fault without pydantic's artificial steps."""
     real: list[Step] = []
-    for i, step in enumerate(found["loc"]):
+    for i, step in enumerate(error["loc"]):
         if _has(document, step):
             document = document[step]
             real.append(step)
-        elif _is_field(found, i):
+        elif _is_field(error, i):
             real.append(step)
     return tuple(real)
 
 
 def fields_at(schema: Schema, document: Any, steps: Sequence[Step]) -> list[str]:
     """Return the fields that a part of a document may have, by the JSON schema of the whole."""
-    meant = list(_meant(schema, document, schema))
+    schemas = list(_matching_schemas(schema, document, schema))
     for step in steps:
         document = document[step] if _has(document, step) else None
-        below = [child for part in meant for child in _below(part, step)]
-        meant = [one for child in below for one in _meant(child, document, schema)]
-    return sorted({name for part in meant for name in part.get("properties", {})})
+        below = [child for part in schemas for child in _child_schemas(part, step)]
+        schemas = [one for child in below for one in _matching_schemas(child, document, schema)]
+    return sorted({name for part in schemas for name in part.get("properties", {})})
 
 
-def _below(part: Schema, step: Step) -> Iterator[Schema]:
+def _child_schemas(part: Schema, step: Step) -> Iterator[Schema]:
     inner = part.get("items") if isinstance(step, int) else None
     if inner is None and isinstance(step, str):
         inner = part.get("properties", {}).get(step, part.get("additionalProperties"))
@@ -178,20 +178,20 @@ def _below(part: Schema, step: Step) -> Iterator[Schema]:
         yield inner
 
 
-def _meant(part: Schema, document: Any, root: Schema) -> Iterator[Schema]:
+def _matching_schemas(part: Schema, document: Any, root: Schema) -> Iterator[Schema]:
     """Yield the schemas of a union that a document can mean, by their required constants."""
     if "$ref" in part:
         name = str(part["$ref"]).rsplit("/", 1)[-1]
-        yield from _meant(root["$defs"][name], document, root)
+        yield from _matching_schemas(root["$defs"][name], document, root)
         return
     unions = [branch for kind in ("anyOf", "oneOf", "allOf") for branch in part.get(kind, [])]
     for branch in unions:
-        yield from _meant(branch, document, root)
-    if not unions and not _is_other(part, document):
+        yield from _matching_schemas(branch, document, root)
+    if not unions and not _contradicts_constants(part, document):
         yield part
 
 
-def _is_other(part: Schema, document: Any) -> bool:
+def _contradicts_constants(part: Schema, document: Any) -> bool:
     properties = part.get("properties", {})
     return isinstance(document, Mapping) and any(
         "const" in field and name in document and document[name] != field["const"]

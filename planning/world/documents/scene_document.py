@@ -53,7 +53,7 @@ class PoseDocument(StrictModel):
     rpy: Triple | None = Field(default=None, description="roll, pitch, yaw about fixed axes [rad]")
 
     @model_validator(mode="after")
-    def _one_rotation(self) -> "PoseDocument":
+    def _check_rotation(self) -> "PoseDocument":
         if self.quaternion is not None and self.rpy is not None:
             message = "give `quaternion` or `rpy`, not both"
             raise ValueError(message)
@@ -142,7 +142,7 @@ class ObjectDocument(StrictModel):
     )
 
     @model_validator(mode="after")
-    def _can_weigh(self) -> "ObjectDocument":
+    def _check_mass(self) -> "ObjectDocument":
         if self.center_of_mass is not None and self.mass is None:
             message = "`center_of_mass` means nothing without a `mass`"
             raise ValueError(message)

@@ -16,7 +16,7 @@ from planning.domain.scene.scene_operation import (
     SceneOperation,
     SetPositions,
 )
-from planning.domain.scene.scene_tree import Hold, hold_of, parents
+from planning.domain.scene.scene_tree import RootAncestor, parents, root_ancestor
 from planning.errors import InputError, SceneEditImpossible, SceneInvalid, UnknownName
 from planning.world.loading.robot_cache import RobotCache
 from planning.world.models.model_library import ModelLibrary
@@ -76,15 +76,15 @@ def _editor(operation: SceneOperation) -> Editor:  # noqa: C901, PLR0911  (one c
 
 
 def _add(operation: AddObject, scene: Scene, robots: RobotCache) -> Scene:
-    thing = operation.thing
+    thing = operation.scene_object
     names = [entry.name for entry in (*scene.robots, *scene.objects, *scene.frames)]
     if thing.name in {*names, "world"}:
         message = f"the name {thing.name!r} is taken; robots, objects and frames share names"
         raise SceneEditImpossible(message, {"name": thing.name, "known": sorted(names)})
     added = replace(scene, objects=(*scene.objects, thing))
     if thing.attached is not None:
-        _require_robots_frame(added, robots, thing.attached.frame)
-        _require_bodies(added, robots, thing.attached.touch or ())
+        _resolve_robot_frame(added, robots, thing.attached.frame)
+        _validate_bodies(added, robots, thing.attached.touch or ())
     return added
 
 
@@ -98,18 +98,21 @@ def _move(operation: MoveObject, scene: Scene, _: RobotCache) -> Scene:
 
 def _remove(operation: RemoveObject, scene: Scene, _: RobotCache) -> Scene:
     name = _object(scene, operation.name).name
-    above = parents(scene)
-    hanging = {name}
-    while more := {n for n, (parent, _) in above.items() if parent in hanging} - hanging:
-        hanging |= more
-    held = sorted(thing.name for thing in scene.objects if thing.name in hanging - {name})
-    if held:
-        message = f"{held} hang on frames of {name!r}; detach them first"
-        raise SceneEditImpossible(message, {"name": name, "attached": held})
+    parent_of = parents(scene)
+    descendants = {name}
+    while (
+        children := {n for n, (parent, _) in parent_of.items() if parent in descendants}
+        - descendants
+    ):
+        descendants |= children
+    attached = sorted(thing.name for thing in scene.objects if thing.name in descendants - {name})
+    if attached:
+        message = f"{attached} hang on frames of {name!r}; detach them first"
+        raise SceneEditImpossible(message, {"name": name, "attached": attached})
     return replace(
         scene,
         objects=tuple(_without_touch(thing, name) for thing in scene.objects if thing.name != name),
-        frames=tuple(frame for frame in scene.frames if frame.name not in hanging),
+        frames=tuple(frame for frame in scene.frames if frame.name not in descendants),
         allowed_collisions=tuple(pair for pair in scene.allowed_collisions if name not in pair),
         margins=tuple(entry for entry in scene.margins if name not in entry.bodies),
         files={of: files for of, files in scene.files.items() if of != name},
@@ -125,15 +128,15 @@ def _attach(operation: AttachObject, scene: Scene, robots: RobotCache) -> Scene:
         movable = sorted(entry.name for entry in scene.objects if entry.movable)
         message = f"{thing.name!r} is not `movable`, so it cannot be attached; movable: {movable}"
         raise SceneEditImpossible(message, {"name": thing.name, "movable": movable})
-    hold = _require_robots_frame(scene, robots, operation.frame)
-    _require_bodies(scene, robots, operation.touch or ())
+    root = _resolve_robot_frame(scene, robots, operation.frame)
+    _validate_bodies(scene, robots, operation.touch or ())
     pose = operation.pose
     if pose is None:
-        x_wf = robots.frame_pose(scene, hold.root) @ hold.pose
+        x_wf = robots.frame_pose(scene, root.root) @ root.pose
         pose = x_wf.inverse @ thing.pose
-    held = replace(thing, pose=pose, attached=Attachment(operation.frame, operation.touch))
-    edited = _with_object(scene, held)
-    hold_of(held.name, parents(edited))  # raises if it is its own ancestor
+    attached = replace(thing, pose=pose, attached=Attachment(operation.frame, operation.touch))
+    edited = _with_object(scene, attached)
+    root_ancestor(attached.name, parents(edited))  # raises if it is its own ancestor
     return edited
 
 
@@ -143,8 +146,8 @@ def _detach(operation: DetachObject, scene: Scene, robots: RobotCache) -> Scene:
         attached = sorted(entry.name for entry in scene.objects if entry.attached)
         message = f"{thing.name!r} is not attached to anything; attached: {attached}"
         raise SceneEditImpossible(message, {"name": thing.name, "attached": attached})
-    hold = hold_of(thing.name, parents(scene))
-    pose = robots.frame_pose(scene, hold.root) @ hold.pose
+    root = root_ancestor(thing.name, parents(scene))
+    pose = robots.frame_pose(scene, root.root) @ root.pose
     return _with_object(scene, replace(thing, pose=pose, attached=None))
 
 
@@ -153,19 +156,19 @@ def _set_positions(operation: SetPositions, scene: Scene, robots: RobotCache) ->
     if operation.robot not in names:
         raise UnknownName.among("scene robot", operation.robot, names)
     i = names.index(operation.robot)
-    placed = robots.placed(scene, i, operation.positions)
+    placed = robots.with_positions(scene, i, operation.positions)
     return replace(scene, robots=(*scene.robots[:i], placed, *scene.robots[i + 1 :]))
 
 
 def _allow(operation: AllowPair, scene: Scene, robots: RobotCache) -> Scene:
-    _require_bodies(scene, robots, operation.pair)
+    _validate_bodies(scene, robots, operation.pair)
     if any(set(pair) == set(operation.pair) for pair in scene.allowed_collisions):
         return scene
     return replace(scene, allowed_collisions=(*scene.allowed_collisions, operation.pair))
 
 
 def _forbid(operation: ForbidPair, scene: Scene, robots: RobotCache) -> Scene:
-    _require_bodies(scene, robots, operation.pair)
+    _validate_bodies(scene, robots, operation.pair)
     pairs = tuple(p for p in scene.allowed_collisions if set(p) != set(operation.pair))
     if len(pairs) == len(scene.allowed_collisions):
         message = f"the scene does not allow {list(operation.pair)}, so it cannot forbid it"
@@ -193,20 +196,20 @@ def _without_touch(thing: SceneObject, name: str) -> SceneObject:
     return replace(thing, attached=replace(thing.attached, touch=touch))
 
 
-def _require_robots_frame(scene: Scene, robots: RobotCache, frame: str) -> Hold:
+def _resolve_robot_frame(scene: Scene, robots: RobotCache, frame: str) -> RootAncestor:
     """Return the root ancestor of a frame; raise unless it is a robot's."""
-    above = parents(scene)
+    parent_of = parents(scene)
     links = robots.bodies(scene)
-    if frame not in {*above, *links}:
-        raise UnknownName.among("frame", frame, [*above, *links])
-    hold = hold_of(frame, above)
-    if hold.robot is None:
+    if frame not in {*parent_of, *links}:
+        raise UnknownName.among("frame", frame, [*parent_of, *links])
+    root = root_ancestor(frame, parent_of)
+    if root.robot is None:
         message = f"{frame!r} is no frame of a robot, so nothing can be attached to it"
-        raise SceneEditImpossible(message, {"frame": frame, "hangs_on": hold.root})
-    return hold
+        raise SceneEditImpossible(message, {"frame": frame, "hangs_on": root.root})
+    return root
 
 
-def _require_bodies(scene: Scene, robots: RobotCache, names: Sequence[str]) -> None:
+def _validate_bodies(scene: Scene, robots: RobotCache, names: Sequence[str]) -> None:
     known = [*robots.bodies(scene), *(thing.name for thing in scene.objects)]
     for name in names:
         if name not in known:

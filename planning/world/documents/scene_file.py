@@ -44,7 +44,7 @@ def read_document(
     try:
         document, node = read_yaml(source)
     except yaml.YAMLError as fault:
-        raise _unreadable(fault, name) from fault
+        raise _yaml_error(fault, name) from fault
     if not isinstance(document, Mapping):
         kind = type(document).__name__
         message = f"{name} must be a mapping with the key `robots`, not {kind}"
@@ -86,7 +86,7 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> SceneDocumen
         return SceneDocument.model_validate(document)
     except ValidationError as refusal:
         found = refusal.errors(include_url=False, include_context=False)
-    every = faults_of(cast("Any", found), document, _schema())
+    all_faults = faults_of(cast("Any", found), document, _schema())
     # Finding a line takes time proportional to the text: of many faults only the first get one.
     faults = [
         {
@@ -96,11 +96,11 @@ def _validate(document: Mapping[str, Any], node: Any, name: str) -> SceneDocumen
             "message": fault.message,
             "nearest": list(fault.nearest),
         }
-        for fault in every[:_MAX_FAULTS]
+        for fault in all_faults[:_MAX_FAULTS]
     ]
     first = faults[0]
     where = f", line {first['line']}" if first["line"] else ""
-    more = f" (and {len(every) - 1} more faults)" if len(every) > 1 else ""
+    more = f" (and {len(all_faults) - 1} more faults)" if len(all_faults) > 1 else ""
     place = first["path"] or "the document"
     message = f"{name}{where}: {place}: {first['message']}{more}"
     evidence = {"path": first["path"], "pointer": first["pointer"], "line": first["line"]}
@@ -134,7 +134,7 @@ def _children(node: Any) -> dict[str | int, tuple[int, Any]]:
     return {}
 
 
-def _unreadable(fault: Exception, name: str) -> SceneInvalid:
+def _yaml_error(fault: Exception, name: str) -> SceneInvalid:
     """Return our error for text that is not YAML."""
     mark = getattr(fault, "problem_mark", None)
     if mark is not None:

@@ -23,7 +23,7 @@ from planning.world.documents.scene_document import ObjectDocument, SceneDocumen
 from planning.world.documents.scene_file import parse_scene
 
 
-def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocument:
+def scene_document(scene: Scene, previous: SceneDocument | None = None) -> SceneDocument:
     """Return the document of a scene.
 
     Read again it gives the same scene, but for the last bit of quaternions that are normalised
@@ -31,22 +31,22 @@ def scene_document(scene: Scene, like: SceneDocument | None = None) -> SceneDocu
 
     Args:
         scene: The scene.
-        like: A document of an earlier revision: unchanged robots, objects and frames keep its
+        previous: A document of an earlier revision: unchanged robots, objects and frames keep its
             text, bit for bit.
 
     Raises:
         SceneInvalid: The scene has what no document may have, such as too many objects.
     """
-    written = _written(replace(scene, objects=()))
+    content = _scene_content(replace(scene, objects=()))
     objects: Sequence[Any] = [_object(thing) for thing in scene.objects]
-    if like is not None:
-        written["robots"] = _kept(written["robots"], scene.robots, like.robots)
-        written["frames"] = _kept(written["frames"], scene.frames, like.frames)
-        objects = _kept_objects(scene.objects, like.objects)
+    if previous is not None:
+        content["robots"] = _reused(content["robots"], scene.robots, previous.robots)
+        content["frames"] = _reused(content["frames"], scene.frames, previous.frames)
+        objects = _reused_objects(scene.objects, previous.objects)
     try:
-        return SceneDocument.model_validate({**written, "objects": objects})
+        return SceneDocument.model_validate({**content, "objects": objects})
     except ValidationError:
-        parse_scene({**written, "objects": list(map(_object, scene.objects))})  # raises the reason
+        parse_scene({**content, "objects": list(map(_object, scene.objects))})  # raises the reason
         raise
 
 
@@ -59,7 +59,7 @@ def object_document(thing: SceneObject) -> ObjectDocument:
     return ObjectDocument.model_validate(_object(thing))
 
 
-def _written(scene: Scene) -> dict[str, Any]:
+def _scene_content(scene: Scene) -> dict[str, Any]:
     return {
         "name": scene.name,
         "robots": [_robot(robot) for robot in scene.robots],
@@ -77,7 +77,7 @@ def _written(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _kept_objects(
+def _reused_objects(
     values: Sequence[SceneObject], documents: Sequence[ObjectDocument]
 ) -> list[ObjectDocument | dict[str, Any]]:
     """Return the documents of objects, from the earlier document for unchanged ones."""
@@ -90,22 +90,22 @@ def _kept_objects(
     ]
 
 
-def _kept(written: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:
+def _reused(content: list[Any], values: Iterable[Any], documents: Iterable[Any]) -> list[Any]:
     """Return new documents, replaced by the earlier ones where the values are equal."""
     earlier = {document.name: document for document in documents}
     return [
         earlier[value.name].model_dump()
         if value.name in earlier and earlier[value.name].value() == value
         else entry
-        for entry, value in zip(written, values, strict=True)
+        for entry, value in zip(content, values, strict=True)
     ]
 
 
 def _robot(robot: SceneRobot) -> dict[str, Any]:
     positions = list(robot.positions) if isinstance(robot.positions, tuple) else robot.positions
     base = _pose(robot.base)
-    written = {"name": robot.name, "model": robot.model, "base": base, "positions": positions}
-    return {**written, "weld": robot.weld}
+    content = {"name": robot.name, "model": robot.model, "base": base, "positions": positions}
+    return {**content, "weld": robot.weld}
 
 
 def _object(thing: SceneObject) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
 
-def _no_lookalikes(number: Any) -> Any:
+def _reject_non_numbers(number: Any) -> Any:
     """Raise on values that float() would convert: booleans and text."""
     if isinstance(number, bool | str | bytes):
         message = f"a number is wanted, got {number!r}"
@@ -14,16 +14,16 @@ def _no_lookalikes(number: Any) -> Any:
 
 
 type Number = Annotated[
-    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=-1e6, le=1e6)
+    float, BeforeValidator(_reject_non_numbers), Field(allow_inf_nan=False), Field(ge=-1e6, le=1e6)
 ]
 type Positive = Annotated[
-    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=1e-6, le=1e4)
+    float, BeforeValidator(_reject_non_numbers), Field(allow_inf_nan=False), Field(ge=1e-6, le=1e4)
 ]
 type Distance = Annotated[
-    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=0, le=10)
+    float, BeforeValidator(_reject_non_numbers), Field(allow_inf_nan=False), Field(ge=0, le=10)
 ]
 type Unit = Annotated[
-    float, BeforeValidator(_no_lookalikes), Field(allow_inf_nan=False), Field(ge=0, le=1)
+    float, BeforeValidator(_reject_non_numbers), Field(allow_inf_nan=False), Field(ge=0, le=1)
 ]
 type Boolean = Annotated[bool, Strict()]
 

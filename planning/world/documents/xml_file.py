@@ -30,11 +30,11 @@ def xml_root(content: bytes) -> ET.Element:
     except (ET.ParseError, ValueError, LookupError) as fault:
         message = f"not XML: {fault}"
         raise ValueError(message) from fault
-    _require_flat(root)
+    _validate_depth(root)
     return root
 
 
-def _require_flat(root: ET.Element) -> None:
+def _validate_depth(root: ET.Element) -> None:
     level = [root]
     for _ in range(MAX_DEPTH):
         level = [child for element in level for child in element]

@@ -16,9 +16,9 @@ def read_yaml(text: str | bytes) -> tuple[Any, Any]:
         yaml.YAMLError: It is not YAML, or uses what is refused; the message has the line.
     """
     try:
-        _refuse_bombs(text)
+        _validate_events(text)
         node: Any = yaml.compose(text, Loader=yaml.CSafeLoader)
-        _refuse_repeated_keys(node)
+        _validate_unique_keys(node)
         return yaml.load(text, Loader=yaml.CSafeLoader), node
     # Errors of PyYAML's scalar constructors for words that do not match their tag.
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as fault:
@@ -29,7 +29,7 @@ def read_yaml(text: str | bytes) -> tuple[Any, Any]:
         raise yaml.YAMLError(message) from fault
 
 
-def _refuse_bombs(text: str | bytes) -> None:
+def _validate_events(text: str | bytes) -> None:
     """Raise on aliases and deep nesting, by a pass over the events that builds nothing."""
     depth = 0
     for count, event in enumerate(yaml.parse(text, Loader=yaml.CSafeLoader)):
@@ -44,7 +44,7 @@ def _refuse_bombs(text: str | bytes) -> None:
             raise yaml.YAMLError(_at(f"too large: {limits}", event.start_mark))
 
 
-def _refuse_repeated_keys(node: Any) -> None:
+def _validate_unique_keys(node: Any) -> None:
     """Raise on a repeated key: YAML would silently keep the last one."""
     pending = [node]
     while pending:
@@ -52,7 +52,7 @@ def _refuse_repeated_keys(node: Any) -> None:
         if isinstance(current, yaml.MappingNode):
             seen: set[str] = set()
             for key, child in current.value:
-                _refuse_strange_key(key)
+                _validate_key(key)
                 if key.value in seen:
                     raise yaml.YAMLError(_at(f"key {key.value!r} is given twice", key.start_mark))
                 seen.add(str(key.value))
@@ -61,7 +61,7 @@ def _refuse_repeated_keys(node: Any) -> None:
             pending += current.value
 
 
-def _refuse_strange_key(key: Any) -> None:
+def _validate_key(key: Any) -> None:
     """Raise on a key that is a list or a mapping, or no text: no scene has one."""
     if isinstance(key, yaml.ScalarNode):
         if key.tag != _TEXT:

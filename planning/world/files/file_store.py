@@ -55,7 +55,7 @@ class FileStore:
             raise AssetNotFound(message, {"uri": f"sha256:{sha256}", "known": []})
         return content
 
-    def unfold(self, sha256: Mapping[str, str]) -> Path:
+    def materialize(self, sha256: Mapping[str, str]) -> Path:
         """Return a folder that holds these files and no others, every byte compared.
 
         Args:
@@ -66,27 +66,27 @@ class FileStore:
             OSError: The folder cannot be written.
         """
         target = self.folder_of(sha256)
-        if _found_in(target) != dict(sha256):
+        if _hash_files(target) != dict(sha256):
             self._write_folder(target, dict(sha256))
         with suppress(OSError):
             target.touch()  # it is in use again
         return target
 
     def folder_of(self, sha256: Mapping[str, str]) -> Path:
-        """Return the folder of these files after `unfold`."""
+        """Return the folder of these files after `materialize`."""
         return self.folder / "folders" / digest(sha256)
 
-    def _write_folder(self, target: Path, wanted: Mapping[str, str]) -> None:
+    def _write_folder(self, target: Path, expected: Mapping[str, str]) -> None:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as part:
             written = Path(part) / target.name
-            for path, sha256 in wanted.items():
+            for path, sha256 in expected.items():
                 file = written / path
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_bytes(self.get(sha256))
             with suppress(OSError):  # another process was first
                 written.replace(target)
-            if _found_in(target) != wanted:
+            if _hash_files(target) != expected:
                 shutil.rmtree(target)
                 written.replace(target)
 
@@ -100,7 +100,7 @@ class FileStore:
             return None
 
 
-def _found_in(folder: Path) -> dict[str, str]:
+def _hash_files(folder: Path) -> dict[str, str]:
     """Return the sha256 of every file in a folder, by path; empty if there is no folder."""
     return {
         file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()

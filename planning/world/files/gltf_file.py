@@ -23,7 +23,7 @@ _POINTERS = {
 }
 
 
-def require_sound_gltf(file: Path) -> None:
+def validate_gltf(file: Path) -> None:
     """Raise unless every element that a glTF refers to exists.
 
     Raises:
@@ -37,7 +37,7 @@ def require_sound_gltf(file: Path) -> None:
     if not isinstance(document, dict):
         message = "it is no JSON object"
         raise ValueError(message)  # noqa: TRY004  (the caller's one kind of fault)
-    _Gltf(document, file.parent).require_sound()
+    _Gltf(document, file.parent).validate()
 
 
 class _Gltf:
@@ -47,11 +47,11 @@ class _Gltf:
         self._document = document
         self._folder = folder
 
-    def require_sound(self) -> None:
+    def validate(self) -> None:
         for name, pointers in _POINTERS.items():
-            for i, part in enumerate(self._list(name)):
+            for i, part in enumerate(self._elements(name)):
                 for field in pointers.keys() & part.keys():
-                    self._at(pointers[field], part[field], f"{name}.{i}.{field}")
+                    self._element(pointers[field], part[field], f"{name}.{i}.{field}")
         checks = {
             "buffers": self._check_buffer,
             "bufferViews": self._check_view,
@@ -59,31 +59,31 @@ class _Gltf:
             "meshes": self._check_mesh,
         }
         for name, check in checks.items():
-            for i, part in enumerate(self._list(name)):
+            for i, part in enumerate(self._elements(name)):
                 check(i, part)
         self._check_tree()
 
-    def _list(self, name: str) -> list[Mapping[str, Any]]:
+    def _elements(self, name: str) -> list[Mapping[str, Any]]:
         parts = self._document.get(name, [])
         if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
             message = f"`{name}` is no list of objects"
             raise ValueError(message)
         return parts
 
-    def _at(self, name: str, index: Any, where: str) -> Mapping[str, Any]:
-        parts = self._list(name)
+    def _element(self, name: str, index: Any, where: str) -> Mapping[str, Any]:
+        parts = self._elements(name)
         if isinstance(index, bool) or not isinstance(index, int) or not 0 <= index < len(parts):
             message = f"{where} is {index!r}, and there are {len(parts)} {name}"
             raise ValueError(message)
         return parts[index]
 
     def _check_buffer(self, i: int, buffer: Mapping[str, Any]) -> None:
-        length, uri = _size(buffer, "byteLength", f"buffers.{i}", least=1), buffer.get("uri", "")
+        length, uri = _size(buffer, "byteLength", f"buffers.{i}", minimum=1), buffer.get("uri", "")
         if not isinstance(uri, str) or not uri:
             message = f"buffers.{i}.uri is missing"
             raise ValueError(message)
         if uri.startswith("data:"):
-            there = _data_length(uri, i)
+            num_bytes = _data_length(uri, i)
         else:
             path = (self._folder / unquote(uri)).resolve()
             if "://" in uri or not path.is_relative_to(self._folder.resolve()):
@@ -92,15 +92,15 @@ class _Gltf:
             if not path.is_file():
                 message = f"buffers.{i}.uri {uri[:80]!r} is no file there"
                 raise ValueError(message)
-            there = path.stat().st_size
-        if there < length:
-            message = f"buffers.{i} has {there} bytes, and byteLength says {length}"
+            num_bytes = path.stat().st_size
+        if num_bytes < length:
+            message = f"buffers.{i} has {num_bytes} bytes, and byteLength says {length}"
             raise ValueError(message)
 
     def _check_view(self, i: int, view: Mapping[str, Any]) -> None:
         where = f"bufferViews.{i}"
-        buffer = self._at("buffers", view.get("buffer"), f"{where}.buffer")
-        end = _size(view, "byteOffset", where, 0) + _size(view, "byteLength", where, least=1)
+        buffer = self._element("buffers", view.get("buffer"), f"{where}.buffer")
+        end = _size(view, "byteOffset", where, 0) + _size(view, "byteLength", where, minimum=1)
         if end > buffer["byteLength"]:
             message = f"{where} ends at byte {end} of a buffer of {buffer['byteLength']}"
             raise ValueError(message)
@@ -112,7 +112,7 @@ class _Gltf:
             message = f"{where} is of no componentType and type that there are: {list(sizes)}"
             raise ValueError(message)
         item = _COMPONENT_BYTES[sizes[0]] * _NUM_COMPONENTS[sizes[1]]
-        count = _size(accessor, "count", where, least=1)
+        count = _size(accessor, "count", where, minimum=1)
         if "bufferView" in accessor:
             self._check_span(where, accessor, item, count)
         elif "sparse" not in accessor:
@@ -123,7 +123,7 @@ class _Gltf:
             raise ValueError(message)
 
     def _check_span(self, where: str, accessor: Mapping[str, Any], item: int, count: int) -> None:
-        view = self._at("bufferViews", accessor["bufferView"], f"{where}.bufferView")
+        view = self._element("bufferViews", accessor["bufferView"], f"{where}.bufferView")
         stride = _size(view, "byteStride", "bufferViews", item)
         end = _size(accessor, "byteOffset", where, 0) + max(stride, item) * (count - 1) + item
         if end > view["byteLength"]:
@@ -142,48 +142,50 @@ class _Gltf:
                 message = f"{where} has no attribute POSITION"
                 raise ValueError(message)
             for name, index in attributes.items():
-                self._at("accessors", index, f"{where}.attributes.{name}")
+                self._element("accessors", index, f"{where}.attributes.{name}")
             if "indices" in primitive:
-                self._at("accessors", primitive["indices"], f"{where}.indices")
+                self._element("accessors", primitive["indices"], f"{where}.indices")
 
     def _check_tree(self) -> None:
         """Nodes have one parent at most, and none is its own ancestor."""
-        seen: set[int] = set()
+        children_seen: set[int] = set()
         children: dict[int, list[int]] = {}
-        for i, node in enumerate(self._list("nodes")):
+        for i, node in enumerate(self._elements("nodes")):
             children[i] = self._indices(node.get("children", []), f"nodes.{i}.children")
-            twice = seen.intersection(children[i]) or len(set(children[i])) < len(children[i])
-            seen.update(children[i])
-            if twice:
+            is_repeated = children_seen.intersection(children[i]) or len(set(children[i])) < len(
+                children[i]
+            )
+            children_seen.update(children[i])
+            if is_repeated:
                 message = f"nodes.{i}.children: a node is the child of two, or twice"
                 raise ValueError(message)
-        pending, met = [i for i in children if i not in seen], 0
+        pending, num_visited = [i for i in children if i not in children_seen], 0
         while pending:
-            met += 1
+            num_visited += 1
             pending += children[pending.pop()]
-        if met < len(children):
+        if num_visited < len(children):
             message = "nodes: some are their own ancestors, by `children`"
             raise ValueError(message)
-        for i, scene in enumerate(self._list("scenes")):
+        for i, scene in enumerate(self._elements("scenes")):
             self._indices(scene.get("nodes", []), f"scenes.{i}.nodes")
         if "scene" in self._document:
-            self._at("scenes", self._document["scene"], "scene")
+            self._element("scenes", self._document["scene"], "scene")
 
     def _indices(self, indices: Any, where: str) -> list[int]:
         if not isinstance(indices, list):
             message = f"{where} is no list"
             raise ValueError(message)  # noqa: TRY004
         for index in indices:
-            self._at("nodes", index, where)
+            self._element("nodes", index, where)
         return indices
 
 
 def _size(
-    part: Mapping[str, Any], field: str, where: str, default: int | None = None, least: int = 0
+    part: Mapping[str, Any], field: str, where: str, default: int | None = None, minimum: int = 0
 ) -> int:
     """Return a whole number of bytes or items."""
     value = part.get(field, default)
-    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**40:
+    if isinstance(value, bool) or not isinstance(value, int) or not minimum <= value < 2**40:
         message = f"{where}.{field} is {value!r}, which is no size"
         raise ValueError(message)
     return value

@@ -9,10 +9,10 @@ from pydrake.geometry import Convex, Mesh
 from pydrake.multibody.tree import CalcSpatialInertia
 
 from planning.world.drake_model import DrakeModel
-from planning.world.files.mesh_files import name_of
+from planning.world.files.mesh_files import source_name
 
 # Relative excess volume below which a mesh counts as convex.
-_SMALLEST_EXCESS = 0.01
+_MIN_EXCESS = 0.01
 
 
 def hull_warnings(model: DrakeModel) -> tuple[str, ...]:
@@ -23,8 +23,11 @@ def hull_warnings(model: DrakeModel) -> tuple[str, ...]:
         for name, index in model.bodies.items()
         for geometry in model.plant.GetCollisionGeometriesForBody(model.plant.get_body(index))
     ]
-    standing = model.standing
-    shapes += [(standing.things[row].name, standing.drake_shapes[row]) for row in standing.meshes]
+    static_objects = model.static_objects
+    shapes += [
+        (static_objects.objects[row].name, static_objects.drake_shapes[row])
+        for row in static_objects.meshes
+    ]
     found: list[str] = []
     for name, shape in shapes:
         if isinstance(shape, Mesh | Convex) and shape.source().is_path():
@@ -40,16 +43,16 @@ def _warning(path: Path, scale: tuple[float, ...], _changed: int) -> str:
     mesh = Mesh(str(path), scale3=np.array(scale))
     hull: Any = mesh.GetConvexHull()
     # The divergence theorem: a third of the flow of x through the faces.
-    enclosed = sum(
+    hull_volume = sum(
         hull.area(i) * (hull.face_normal(i) @ hull.element_centroid(i)) / 3.0
         for i in range(hull.num_faces())
     )
-    whole = _volume(mesh)
-    text = f"its mesh {name_of(path)!r} is checked as its convex hull, "
-    if not 0 < whole <= enclosed * (1 + _SMALLEST_EXCESS):
+    volume = _volume(mesh)
+    text = f"its mesh {source_name(path)!r} is checked as its convex hull, "
+    if not 0 < volume <= hull_volume * (1 + _MIN_EXCESS):
         return text + "and encloses no sure volume, so how much that adds is unknown"
-    excess = enclosed / whole - 1.0
-    return text + f"which is {excess:.0%} larger" if excess > _SMALLEST_EXCESS else ""
+    excess = hull_volume / volume - 1.0
+    return text + f"which is {excess:.0%} larger" if excess > _MIN_EXCESS else ""
 
 
 def _volume(mesh: Mesh) -> float:

@@ -12,13 +12,13 @@ from planning.domain.scene.scene import Scene, SceneObject
 from planning.errors import AssetNotFound, ModelInvalid, SceneInvalid
 from planning.world.files.file_store import FileStore
 from planning.world.files.mesh_files import cache_folder
-from planning.world.files.referenced_files import find_files
+from planning.world.files.referenced_files import find_referenced_files
 from planning.world.models.model_library import ModelLibrary, RobotSource
 from planning.world.models.robot_card import read_robot_card
 
 
 @dataclass(frozen=True)
-class KeptScene:
+class StoredScene:
     """Scene whose files are in a store.
 
     Attributes:
@@ -40,13 +40,13 @@ class KeptScene:
             AssetNotFound: One does not exist any more.
             ModelInvalid: Its card is invalid.
         """
-        kept = self.scene.files[robot]
-        folder = self.store.unfold(kept.sha256)
-        card_file = folder / kept.card if kept.card else None
+        stored = self.scene.files[robot]
+        folder = self.store.materialize(stored.sha256)
+        card_file = folder / stored.card if stored.card else None
         card = read_robot_card(card_file) if card_file else None
-        return RobotSource(kept.named, folder / kept.main, card, card_file)
+        return RobotSource(stored.named, folder / stored.main, card, card_file)
 
-    def thing(self, thing: SceneObject) -> SceneObject:
+    def stored_object(self, thing: SceneObject) -> SceneObject:
         """Return an object whose mesh is the copy of its file.
 
         Raises:
@@ -54,12 +54,12 @@ class KeptScene:
         """
         if not isinstance(thing.shape, Mesh):
             return thing
-        kept = self.scene.files[thing.name]
-        copy = self.store.unfold(kept.sha256) / kept.main
+        stored = self.scene.files[thing.name]
+        copy = self.store.materialize(stored.sha256) / stored.main
         return replace(thing, shape=replace(thing.shape, uri=str(copy)))
 
     @contextmanager
-    def faults_as_found(self) -> Generator[None]:
+    def original_names_in_errors(self) -> Generator[None]:
         """Rewrite errors raised inside to name the scene's own files, not their copies.
 
         Raises:
@@ -67,16 +67,16 @@ class KeptScene:
             AssetNotFound: As it was raised inside.
             SceneInvalid: As it was raised inside.
         """
-        found = {
+        names = {
             str(self.store.folder_of(kept.sha256)): _origin(kept)
             for kept in self.scene.files.values()
         }
-        with told_as({**found, str(self.store.meshes): "meshes"}):
+        with rename_folders_in_errors({**names, str(self.store.meshes): "meshes"}):
             yield
 
 
 @contextmanager
-def told_as(names: Mapping[str, str]) -> Generator[None]:
+def rename_folders_in_errors(names: Mapping[str, str]) -> Generator[None]:
     """Rewrite errors raised inside to name folders as the caller does.
 
     Args:
@@ -90,31 +90,33 @@ def told_as(names: Mapping[str, str]) -> Generator[None]:
     try:
         yield
     except (ModelInvalid, AssetNotFound, SceneInvalid) as fault:
-        raise type(fault)(_retold(fault.detail, names), _retold(fault.evidence, names)) from fault
+        raise type(fault)(
+            _with_renamed_folders(fault.detail, names), _with_renamed_folders(fault.evidence, names)
+        ) from fault
 
 
-def _retold(content: Any, names: Mapping[str, str]) -> Any:
+def _with_renamed_folders(content: Any, names: Mapping[str, str]) -> Any:
     match content:
         case str():
             for folder, name in names.items():
                 content = content.replace(folder, name)
             return content
         case Mapping():
-            return {key: _retold(item, names) for key, item in content.items()}
+            return {key: _with_renamed_folders(item, names) for key, item in content.items()}
         case list() | tuple():
-            return [_retold(item, names) for item in content]
+            return [_with_renamed_folders(item, names) for item in content]
         case _:
             return content
 
 
-def _origin(kept: KeptFiles) -> str:
+def _origin(stored: KeptFiles) -> str:
     """Return the name of the files' folder: a robot's name, or the folder of its path."""
-    if "/" not in kept.named and kept.named != kept.main:
-        return kept.named
-    return kept.named.removesuffix(kept.main).rstrip("/") or "."
+    if "/" not in stored.named and stored.named != stored.main:
+        return stored.named
+    return stored.named.removesuffix(stored.main).rstrip("/") or "."
 
 
-def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
+def store_files(scene: Scene, library: ModelLibrary) -> StoredScene:
     """Return a scene with its files stored: those in its `files`, the others as they are now.
 
     Args:
@@ -128,25 +130,25 @@ def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
         ModelInvalid: A robot's card is invalid, or its files are too large.
         SceneInvalid: An object's mesh does not exist.
     """
-    keeper = _Keeper(library, FileStore(library.copies or cache_folder() / "copies"))
+    copier = _FileCopier(library, FileStore(library.copies or cache_folder() / "copies"))
     files: dict[str, KeptFiles] = {}
     for robot in scene.robots:
-        known = _known(scene, robot.name, robot.model)
-        files[robot.name] = known or keeper.robot(robot.model)
+        stored = _stored_files(scene, robot.name, robot.model)
+        files[robot.name] = stored or copier.robot(robot.model)
     for i, thing in enumerate(scene.objects):
         if isinstance(thing.shape, Mesh):
-            known = _known(scene, thing.name, thing.shape.uri)
-            files[thing.name] = known or keeper.mesh(thing, i)
-    return KeptScene(replace(scene, files=files), keeper.store)
+            stored = _stored_files(scene, thing.name, thing.shape.uri)
+            files[thing.name] = stored or copier.mesh(thing, i)
+    return StoredScene(replace(scene, files=files), copier.store)
 
 
-def _known(scene: Scene, name: str, named: str) -> KeptFiles | None:
-    kept = scene.files.get(name)
-    return kept if kept is not None and kept.named == named else None
+def _stored_files(scene: Scene, name: str, named: str) -> KeptFiles | None:
+    stored = scene.files.get(name)
+    return stored if stored is not None and stored.named == named else None
 
 
 @dataclass
-class _Keeper:
+class _FileCopier:
     """Copier that reads each file once, even if the scene names it several times."""
 
     library: ModelLibrary
@@ -156,10 +158,10 @@ class _Keeper:
 
     def robot(self, model: str) -> KeptFiles:
         if model not in self.robots:
-            with told_as(self._names(model)):
+            with rename_folders_in_errors(self._names(model)):
                 source = self.library.find(model)
                 cards = [source.card_file] if source.card_file else []
-                self.robots[model] = self._kept(model, source.file, cards)
+                self.robots[model] = self._store(model, source.file, cards)
         return self.robots[model]
 
     def _names(self, model: str) -> dict[str, str]:
@@ -179,10 +181,10 @@ class _Keeper:
             message = f"{path}: object {thing.name!r} does not load: there is no file {uri!r}"
             raise SceneInvalid(message, {"path": path, "uri": uri})
         if uri not in self.meshes:
-            self.meshes[uri] = self._kept(uri, Path(uri), [])
+            self.meshes[uri] = self._store(uri, Path(uri), [])
         return self.meshes[uri]
 
-    def _kept(self, named: str, main: Path, cards: Sequence[Path]) -> KeptFiles:
-        found = find_files(main, cards)
-        sha256 = {path: self.store.put(content) for path, content in found.content.items()}
-        return KeptFiles(named, found.main, found.path(cards[0]) if cards else "", sha256)
+    def _store(self, named: str, main: Path, cards: Sequence[Path]) -> KeptFiles:
+        files = find_referenced_files(main, cards)
+        sha256 = {path: self.store.put(content) for path, content in files.content.items()}
+        return KeptFiles(named, files.main, files.path(cards[0]) if cards else "", sha256)

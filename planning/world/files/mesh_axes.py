@@ -15,7 +15,7 @@ _TO_Z_UP = {
 }
 
 
-def upright(content: bytes, suffix: str) -> Float64[np.ndarray, "4 4"]:
+def to_z_up(content: bytes, suffix: str) -> Float64[np.ndarray, "4 4"]:
     """Return the matrix that maps a mesh's vertices to metres with z up.
 
     COLLADA states its unit and its axes; glTF is in metres with y up (glTF 2.0, section 3.4); STL,

@@ -4,14 +4,14 @@ from functools import lru_cache
 from pathlib import Path
 
 from planning.errors import ModelInvalid
-from planning.world.files.gltf_file import require_sound_gltf
-from planning.world.files.obj_file import require_sound_obj
-from planning.world.files.vtk_file import require_sound_vtk
+from planning.world.files.gltf_file import validate_gltf
+from planning.world.files.obj_file import validate_obj
+from planning.world.files.vtk_file import validate_vtk
 
-_LOOKS = {".gltf": require_sound_gltf, ".obj": require_sound_obj, ".vtk": require_sound_vtk}
+_VALIDATORS = {".gltf": validate_gltf, ".obj": validate_obj, ".vtk": validate_vtk}
 
 
-def require_sound_mesh(mesh: Path, named: str) -> None:
+def validate_mesh(mesh: Path, named: str) -> None:
     """Raise if a mesh refers to elements that it does not have; unknown kinds pass.
 
     Args:
@@ -31,10 +31,10 @@ def require_sound_mesh(mesh: Path, named: str) -> None:
 @lru_cache(maxsize=1024)
 def _fault(mesh: Path, _time: int, _size: int) -> str:
     """Return the fault of a mesh, or ""; cached, since stored copies never change."""
-    look = _LOOKS.get(mesh.suffix.lower())
+    validate = _VALIDATORS.get(mesh.suffix.lower())
     try:
-        if look is not None:
-            look(mesh)
+        if validate is not None:
+            validate(mesh)
     except ValueError as fault:
         return str(fault)
     return ""

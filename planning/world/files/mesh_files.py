@@ -13,18 +13,18 @@ import numpy as np
 
 from planning.errors import ModelInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
-from planning.world.files.mesh_axes import upright
+from planning.world.files.mesh_axes import to_z_up
 
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
-_READ_IN_MJCF = (".obj",)
+_READ_BY_DRAKE_IN_MJCF = (".obj",)
 _CONVERTED = (".stl", ".dae", ".ply", ".off", ".glb")
 # Version of the conversion, raised with every change of it: other versions' files are not read.
 _VERSION = 2
-_TWIN = re.compile(r"^[0-9a-f]{64}-(.*)\.obj$")
+_CONVERTED_NAME = re.compile(r"^[0-9a-f]{64}-(.*)\.obj$")
 # Size of the cache [bytes], and age above which a file may be removed [s]: loaded worlds touch
 # theirs when they load, and may read them again for a replay.
-_MOST_BYTES, _IN_USE = 2**29, 3600.0
-_LONGEST_NAME = 100
+_MAX_BYTES, _MIN_AGE = 2**29, 3600.0
+_MAX_NAME_LENGTH = 100
 
 
 def with_readable_meshes(
@@ -47,11 +47,13 @@ def with_readable_meshes(
         ModelInvalid: A mesh is of an unknown kind, or is broken.
     """
     is_mjcf = root.tag == "mujoco"
-    read = _READ_IN_MJCF if is_mjcf else _READ_BY_DRAKE
-    if not always and all(path.suffix.lower() in read for path in meshes.values()):
+    readable_suffixes = _READ_BY_DRAKE_IN_MJCF if is_mjcf else _READ_BY_DRAKE
+    if not always and all(path.suffix.lower() in readable_suffixes for path in meshes.values()):
         return None
-    twins = {name: _readable(file, path, read, folder) for name, path in meshes.items()}
-    paths = {name: str(twin) if is_mjcf else twin.as_uri() for name, twin in twins.items()}
+    readable = {
+        name: _readable(file, path, readable_suffixes, folder) for name, path in meshes.items()
+    }
+    paths = {name: str(twin) if is_mjcf else twin.as_uri() for name, twin in readable.items()}
     copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)
     for element in copy.iter():
         if is_mjcf and element.tag == "mesh" and element.get("file") and not element.get("name"):
@@ -61,19 +63,19 @@ def with_readable_meshes(
                 element.set(attribute, paths[element.get(attribute, "")])
         if element.tag == "uri" and (element.text or "").strip() in paths:
             element.text = paths[(element.text or "").strip()]
-    _tame_colors(copy)
+    _repair_colors(copy)
     for transmission in copy.findall("transmission"):
         copy.remove(transmission)  # unused here, and fatal to Drake if its joint does not exist
     return ET.tostring(copy, encoding="unicode")
 
 
-def _tame_colors(root: ET.Element) -> None:
+def _repair_colors(root: ET.Element) -> None:
     """Repair colours that other viewers accept and Drake rejects: no reason to refuse a robot.
 
     A material's name that is given twice with different colours gets a number, and a colour of five
     numbers, as one converter writes, loses the fourth.
     """
-    known: dict[str, str] = {}
+    color_of: dict[str, str] = {}
     for material in root.iter("material"):
         color = material.find("color")
         if color is None:
@@ -81,23 +83,23 @@ def _tame_colors(root: ET.Element) -> None:
         words = color.get("rgba", "").split()
         color.set("rgba", " ".join(words if len(words) <= 4 else [*words[:3], words[-1]]))
         name = material.get("name", "")
-        if known.setdefault(name, color.get("rgba", "")) != color.get("rgba"):
-            material.set("name", f"{name}_{len(known)}")
-            known[material.get("name", "")] = color.get("rgba", "")
+        if color_of.setdefault(name, color.get("rgba", "")) != color.get("rgba"):
+            material.set("name", f"{name}_{len(color_of)}")
+            color_of[material.get("name", "")] = color.get("rgba", "")
 
 
-def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Path:
-    """Return the mesh itself if it is `read`, or its OBJ conversion, made at its first use."""
+def _readable(file: Path, mesh: Path, readable_suffixes: tuple[str, ...], folder: Path) -> Path:
+    """Return the mesh if its suffix is readable, else its OBJ conversion, made at its first use."""
     suffix = mesh.suffix.lower()
-    if suffix in read:
+    if suffix in readable_suffixes:
         return mesh
     if suffix not in _CONVERTED:
-        known = [*read, *_CONVERTED]
-        message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {known}"
+        supported = [*readable_suffixes, *_CONVERTED]
+        message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {supported}"
         raise ModelInvalid(message, {"file": str(file), "reason": message})
     content = mesh.read_bytes()
-    named = f"{hashlib.sha256(content).hexdigest()}-{mesh.stem[:_LONGEST_NAME]}{suffix}.obj"
-    target = folder / twins_version() / named
+    file_name = f"{hashlib.sha256(content).hexdigest()}-{mesh.stem[:_MAX_NAME_LENGTH]}{suffix}.obj"
+    target = folder / conversion_version() / file_name
     if target.is_file():
         target.touch()
     else:
@@ -107,17 +109,17 @@ def _readable(file: Path, mesh: Path, read: tuple[str, ...], folder: Path) -> Pa
             message = f"{file.name}: mesh {mesh.name} cannot be read: {fault}"
             raise ModelInvalid(message, {"file": str(file), "reason": str(fault)}) from fault
         write_atomically(target, text)
-        evict_oldest(target.parent, _MOST_BYTES, "*.obj", _IN_USE)
+        evict_oldest(target.parent, _MAX_BYTES, "*.obj", _MIN_AGE)
     return target
 
 
-def name_of(mesh: Path) -> str:
+def source_name(mesh: Path) -> str:
     """Return the name of a mesh's file; of a converted mesh, the name of its source."""
-    twin = _TWIN.match(mesh.name)
-    return twin[1] if twin else mesh.name
+    converted = _CONVERTED_NAME.match(mesh.name)
+    return converted[1] if converted else mesh.name
 
 
-def twins_version() -> str:
+def conversion_version() -> str:
     """Return the name of the folder of meshes converted by this version of the code."""
     return f"{_VERSION}-{version('trimesh')}"
 
@@ -131,7 +133,7 @@ def _as_obj(content: bytes, suffix: str) -> str:
     if not np.isfinite(loaded.vertices).all():
         message = "a vertex is at no place: its coordinates are not finite"
         raise ValueError(message)
-    loaded.apply_transform(upright(content, suffix))
+    loaded.apply_transform(to_z_up(content, suffix))
     text: str = export_obj(loaded, include_texture=False)
     return text
 

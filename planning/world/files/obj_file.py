@@ -11,7 +11,7 @@ _VERTEX = re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE
 _FACE = re.compile(rb"^[ \t]*f[ \t]+(.*)$", re.MULTILINE)
 
 
-def require_sound_obj(file: Path) -> None:
+def validate_obj(file: Path) -> None:
     """Raise unless an OBJ has every vertex that its faces name, and all at finite positions.
 
     Raises:

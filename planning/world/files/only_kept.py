@@ -11,7 +11,7 @@ from planning.errors import ModelInvalid
 from planning.world.loading.scene_build import Build
 
 
-def require_kept(
+def validate_stored_meshes(
     build: Build,
     instances: Sequence[ModelInstanceIndex],
     description: Path,

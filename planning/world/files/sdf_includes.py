@@ -9,7 +9,7 @@ from planning.errors import ModelInvalid
 from planning.world.documents.xml_file import xml_root
 
 _IN_PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/?(.*)$")
-_MOST = 200
+_MAX_INCLUDES = 200
 
 
 def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) -> list[ET.Element]:
@@ -34,12 +34,12 @@ def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) 
                 continue
             path = path.resolve()
             if path in chain:
-                circle = " -> ".join(step.name for step in (*chain[chain.index(path) :], path))
-                raise _invalid(file, f"it includes itself: {circle}")
+                cycle = " -> ".join(step.name for step in (*chain[chain.index(path) :], path))
+                raise _invalid(file, f"it includes itself: {cycle}")
             found.append(inner)
             pending.append(((*chain, path), inner))
-            if len(found) > _MOST:
-                raise _invalid(file, f"more than {_MOST} descriptions are included")
+            if len(found) > _MAX_INCLUDES:
+                raise _invalid(file, f"more than {_MAX_INCLUDES} descriptions are included")
     return found
 
 

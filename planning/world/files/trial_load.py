@@ -18,23 +18,23 @@ from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
 from planning.errors import ModelInvalid
 from planning.parallel.fork_pool import die_with_parent, end_fork, fork
-from planning.world.files.keep_files import KeptScene, keep_files
-from planning.world.loading.builder import build_alone
+from planning.world.files.keep_files import StoredScene, store_files
+from planning.world.loading.builder import build_single
 from planning.world.models.model_library import ModelLibrary
 
 # Time limit for one file [s]; a robot of a hundred meshes takes some seconds.
-_LONGEST = 30.0
+_TIME_LIMIT = 30.0
 # Memory that a file may use in addition to the process's own.
-_MOST_MEMORY = 8 * 2**30
+_MAX_MEMORY = 8 * 2**30
 _NEXT, _DONE, _NO_MEMORY = b"n", b"d", b"m"
-_ENDED = "the process that loads it ends"
+_PROCESS_ENDED = "the process that loads it ends"
 # Tried files by content, in this process; another one tries again.
-_harmless: set[str] = set()
+_loadable: set[str] = set()
 
-type Thing = SceneRobot | SceneObject
+type RobotOrObject = SceneRobot | SceneObject
 
 
-def tried(scene: Scene, library: ModelLibrary, longest: float = _LONGEST) -> Scene:
+def trial_load(scene: Scene, library: ModelLibrary, time_limit: float = _TIME_LIMIT) -> Scene:
     """Return a scene with its files, after a trial load of each file in a fork.
 
     Robots of the library are trusted, and are not tried. Nothing is tried in a process with
@@ -43,104 +43,106 @@ def tried(scene: Scene, library: ModelLibrary, longest: float = _LONGEST) -> Sce
     Args:
         scene: To load next.
         library: Library of robots, with the folder of copies.
-        longest: Time limit for one file [s].
+        time_limit: Time limit for one file [s].
 
     Raises:
         ModelInvalid: A file ends the process; the evidence names it.
         WayproofError: As of `load_world`, where the files cannot be stored.
     """
-    kept = keep_files(scene, library)
+    stored = store_files(scene, library)
     trusted = set(library.names)
-    things: list[Thing] = [r for r in kept.scene.robots if r.model not in trusted]
-    things += [thing for thing in kept.scene.objects if isinstance(thing.shape, Mesh)]
-    by_content = {kept.scene.files[thing.name].content: thing for thing in things}
-    new = {content: thing for content, thing in by_content.items() if content not in _harmless}
+    things: list[RobotOrObject] = [r for r in stored.scene.robots if r.model not in trusted]
+    things += [thing for thing in stored.scene.objects if isinstance(thing.shape, Mesh)]
+    by_content = {stored.scene.files[thing.name].content: thing for thing in things}
+    new = {content: thing for content, thing in by_content.items() if content not in _loadable}
     if new and threading.active_count() == 1:
-        with kept.faults_as_found():
-            _try(kept, list(new.values()), longest)
-        _harmless.update(new)
-    return kept.scene
+        with stored.original_names_in_errors():
+            _load_in_fork(stored, list(new.values()), time_limit)
+        _loadable.update(new)
+    return stored.scene
 
 
-def _try(kept: KeptScene, things: Sequence[Thing], longest: float) -> None:
+def _load_in_fork(stored: StoredScene, things: Sequence[RobotOrObject], time_limit: float) -> None:
     """Load things in a fork, and raise for the one at which the fork ended."""
-    near, far = os.pipe()
+    read_end, write_end = os.pipe()
     parent = os.getpid()
     try:
         child = fork()
     except OSError:  # no more processes
-        os.close(near)
-        os.close(far)
+        os.close(read_end)
+        os.close(write_end)
         return
     if not child:
-        _load(kept, things, far, parent)
-    os.close(far)
-    number, why = 0, _ENDED
+        _load(stored, things, write_end, parent)
+    os.close(write_end)
+    number, reason = 0, _PROCESS_ENDED
     try:
-        number, why = _watch(near, longest)
+        number, reason = _wait_for_fork(read_end, time_limit)
     finally:
-        os.close(near)
+        os.close(read_end)
         status = end_fork(child)
-    if why == _ENDED and os.WIFSIGNALED(status):
-        why = f"the process that loads it ends by {signal.Signals(os.WTERMSIG(status)).name}"
-    if why:
-        raise _fault(kept, things[number], why)
+    if reason == _PROCESS_ENDED and os.WIFSIGNALED(status):
+        reason = f"the process that loads it ends by {signal.Signals(os.WTERMSIG(status)).name}"
+    if reason:
+        raise _fault(stored, things[number], reason)
 
 
-def _load(kept: KeptScene, things: Sequence[Thing], far: int, parent: int) -> None:
+def _load(
+    stored: StoredScene, things: Sequence[RobotOrObject], write_end: int, parent: int
+) -> None:
     """In the child: load one thing after the other, and report each index; never return."""
     try:
         die_with_parent()
         if os.getppid() == parent:
             faulthandler.disable()  # the parent reports the crash
-            _bound_memory()
-            for _ in map(partial(_load_one, kept, far), things):
+            _limit_memory()
+            for _ in map(partial(_load_one, stored, write_end), things):
                 pass
-            os.write(far, _DONE)
+            os.write(write_end, _DONE)
     except MemoryError:
-        os.write(far, _NO_MEMORY)
+        os.write(write_end, _NO_MEMORY)
     finally:
         os._exit(0)
 
 
-def _load_one(kept: KeptScene, far: int, thing: Thing) -> None:
-    os.write(far, _NEXT)
+def _load_one(stored: StoredScene, write_end: int, thing: RobotOrObject) -> None:
+    os.write(write_end, _NEXT)
     try:
-        build_alone(thing, kept)
+        build_single(thing, stored)
     except MemoryError:
         raise
     except (Exception, SystemExit):  # noqa: BLE001, S110  (who loads it next says what is wrong)
         pass
 
 
-def _bound_memory() -> None:
+def _limit_memory() -> None:
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    most = pages * resource.getpagesize() + _MOST_MEMORY
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    max_bytes = pages * resource.getpagesize() + _MAX_MEMORY
+    resource.setrlimit(resource.RLIMIT_AS, (max_bytes, max_bytes))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _watch(near: int, longest: float) -> tuple[int, str]:
+def _wait_for_fork(read_end: int, time_limit: float) -> tuple[int, str]:
     """Return the thing that was loaded last, and why the fork ended; "" if all were loaded."""
     number = -1
     with selectors.DefaultSelector() as selector:
-        selector.register(near, selectors.EVENT_READ)
-        while selector.select(longest):
-            match os.read(near, 1):
+        selector.register(read_end, selectors.EVENT_READ)
+        while selector.select(time_limit):
+            match os.read(read_end, 1):
                 case b"n":
                     number += 1
                 case b"d":
                     return max(number, 0), ""
                 case b"m":
-                    return max(number, 0), f"it needs more than {_MOST_MEMORY >> 30} GiB of memory"
+                    return max(number, 0), f"it needs more than {_MAX_MEMORY >> 30} GiB of memory"
                 case _:
-                    return max(number, 0), _ENDED
-    return max(number, 0), f"it takes more than {longest:g} s"
+                    return max(number, 0), _PROCESS_ENDED
+    return max(number, 0), f"it takes more than {time_limit:g} s"
 
 
-def _fault(kept: KeptScene, thing: Thing, why: str) -> ModelInvalid:
-    files = kept.scene.files[thing.name]
-    file = str(kept.store.folder_of(files.sha256) / files.main)
+def _fault(stored: StoredScene, thing: RobotOrObject, reason: str) -> ModelInvalid:
+    files = stored.scene.files[thing.name]
+    file = str(stored.store.folder_of(files.sha256) / files.main)
     kind = "robot" if isinstance(thing, SceneRobot) else "object"
-    message = f"{kind} {thing.name!r}: {files.main} cannot be loaded: {why}"
-    return ModelInvalid(message, {"file": file, "reason": why})
+    message = f"{kind} {thing.name!r}: {files.main} cannot be loaded: {reason}"
+    return ModelInvalid(message, {"file": file, "reason": reason})

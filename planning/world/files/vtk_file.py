@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 
-def require_sound_vtk(file: Path) -> None:
+def validate_vtk(file: Path) -> None:
     """Raise unless a VTK file has every point that its cells name, and all at finite positions.
 
     Raises:
@@ -20,7 +20,7 @@ def require_sound_vtk(file: Path) -> None:
         raise ValueError(message)
     if b"POINTS" not in words or b"CELLS" not in words:
         return  # Drake refuses any other kind
-    count, points = _list(words, b"POINTS", 3)
+    count, points = _announced_list(words, b"POINTS", 3)
     if not np.isfinite(_numbers(points[:], np.float64, "POINTS")).all():
         message = "POINTS: one of them is at no place"
         raise ValueError(message)
@@ -30,7 +30,7 @@ def require_sound_vtk(file: Path) -> None:
             raise ValueError(message)
 
 
-def _list(words: list[bytes], name: bytes, per_item: int) -> tuple[int, list[bytes]]:
+def _announced_list(words: list[bytes], name: bytes, per_item: int) -> tuple[int, list[bytes]]:
     """Return the length that a list announces, and its words after `name n type`."""
     at = words.index(name)
     count = int(_numbers(words[at + 1 : at + 2], np.int64, name.decode())[0])
@@ -45,7 +45,7 @@ def _connectivity(words: list[bytes]) -> list[int]:
     """Return the point indices of all cells; with counts between them, or since 5.1 without."""
     if b"CONNECTIVITY" in words:
         at = words.index(b"CONNECTIVITY") + 2
-        stop = next((k for k in range(at, len(words)) if not _is_whole(words[k])), len(words))
+        stop = next((k for k in range(at, len(words)) if not _is_integer(words[k])), len(words))
         return _numbers(words[at:stop], np.int64, "CONNECTIVITY").tolist()
     at = words.index(b"CELLS")
     cells, size = _numbers(words[at + 1 : at + 3], np.int64, "CELLS").tolist()
@@ -54,17 +54,17 @@ def _connectivity(words: list[bytes]) -> list[int]:
         message = f"CELLS: {size} numbers are announced, and {len(listed)} are there"
         raise ValueError(message)
     found: list[int] = []
-    place = 0
+    index = 0
     for _ in range(cells):
-        if place >= size or place + listed[place] >= size or listed[place] < 1:
+        if index >= size or index + listed[index] >= size or listed[index] < 1:
             message = f"CELLS: {cells} are announced, and fewer are there"
             raise ValueError(message)
-        found += listed[place + 1 : place + 1 + listed[place]]
-        place += 1 + listed[place]
+        found += listed[index + 1 : index + 1 + listed[index]]
+        index += 1 + listed[index]
     return found
 
 
-def _is_whole(word: bytes) -> bool:
+def _is_integer(word: bytes) -> bool:
     return word.removeprefix(b"-").isdigit()
 
 

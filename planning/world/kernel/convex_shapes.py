@@ -19,10 +19,10 @@ from pydrake.geometry import (
 from planning.kernel.shape import ConvexShape, ShapeKind
 
 # Angle of normals below which faces of a hull are one face [rad].
-_SAME_FACE = 1e-7
+_SAME_NORMAL = 1e-7
 # Number of cached hulls: those of a few dozen robots.
-_MOST_HULLS = 1024
-_hulls: dict[tuple[Any, ...], ConvexShape] = {}
+_MAX_HULLS = 1024
+_hull_cache: dict[tuple[Any, ...], ConvexShape] = {}
 
 
 def convex_shape(shape: Any) -> ConvexShape | None:  # noqa: PLR0911  (one case per shape)
@@ -62,11 +62,11 @@ def _hull_of(shape: Any) -> ConvexShape:
     path = Path(source.path())
     status = path.stat()
     key = (str(path), status.st_mtime_ns, status.st_size, *np.asarray(shape.scale3()).tolist())
-    if key not in _hulls:
-        while len(_hulls) >= _MOST_HULLS:
-            _hulls.pop(next(iter(_hulls)), None)
-        _hulls[key] = _hull(shape.GetConvexHull())
-    return _hulls[key]
+    if key not in _hull_cache:
+        while len(_hull_cache) >= _MAX_HULLS:
+            _hull_cache.pop(next(iter(_hull_cache)), None)
+        _hull_cache[key] = _hull(shape.GetConvexHull())
+    return _hull_cache[key]
 
 
 def _hull(mesh: Any) -> ConvexShape:
@@ -74,7 +74,7 @@ def _hull(mesh: Any) -> ConvexShape:
     vertices = np.array([mesh.vertex(i) for i in range(mesh.num_vertices())])
     normals = np.array([mesh.face_normal(i) for i in range(mesh.num_faces())])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
-    _, first = np.unique(np.round(normals / _SAME_FACE), axis=0, return_index=True)
+    _, first = np.unique(np.round(normals / _SAME_NORMAL), axis=0, return_index=True)
     faces = normals[np.sort(first)]
     return ConvexShape(
         ShapeKind.HULL,

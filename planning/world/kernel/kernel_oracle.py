@@ -18,7 +18,7 @@ from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene
 
-_FREE, _COLLIDING, _UNSURE = 0, 1, 2
+_FREE, _COLLIDING, _UNDECIDED = 0, 1, 2
 
 
 class KernelCollisionOracle:
@@ -27,7 +27,7 @@ class KernelCollisionOracle:
     For separate boxes both use the true distance, which Drake overstates now and then.
 
     Attributes:
-        num_left: Configurations that were left to Drake so far.
+        num_undecided: Configurations that were left to Drake so far.
     """
 
     def __init__(
@@ -37,41 +37,41 @@ class KernelCollisionOracle:
         group: JointGroup,
         state: Float64[np.ndarray, " num_positions"],
         margins: PairMargins,
-        bare: Callable[[], SceneGraphCollisionChecker] | None = None,
+        make_checker: Callable[[], SceneGraphCollisionChecker] | None = None,
     ) -> None:
         """Prepare the kernel for a group, with `margins` of every pair.
 
-        `bare` gives the model's `bare_checker`.
+        `make_checker` gives the model's `bare_checker`.
         """
-        self.num_left = 0
-        self._drake_arguments = model, group, state, margins, bare
+        self.num_undecided = 0
+        self._drake_arguments = model, group, state, margins, make_checker
         self._manifold = Manifold.of(group.joints)
         module: Any = native()
         self._checker = module.Checker(
             scene.native,
             model.position_indices(group).astype(np.int64),
             model.velocity_indices(group).astype(np.int64),
-            model.follow(np.array(state)),
+            model.apply_couplings(np.array(state)),
             pair_thresholds(scene, margins),
         )
-        self._is_straight = group.num_positions == group.num_velocities
+        self._has_linear_motions = group.num_positions == group.num_velocities
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
         verdict = self._checker.judge_one(q)
-        if verdict == _UNSURE:
-            self.num_left += 1
-            return self._drake.is_free(q)
+        if verdict == _UNDECIDED:
+            self.num_undecided += 1
+            return self._drake_oracle.is_free(q)
         return verdict == _FREE
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
         verdicts = self.verdicts(qs)
         free = verdicts == _FREE
-        unsure = np.flatnonzero(verdicts == _UNSURE)
-        if len(unsure):
-            self.num_left += len(unsure)
-            free[unsure] = self._drake.are_free(qs[unsure])
+        undecided = np.flatnonzero(verdicts == _UNDECIDED)
+        if len(undecided):
+            self.num_undecided += len(undecided)
+            free[undecided] = self._drake_oracle.are_free(qs[undecided])
         return free
 
     def verdicts(self, qs: Float64[np.ndarray, "m nq"]) -> UInt8[np.ndarray, " m"]:
@@ -85,9 +85,9 @@ class KernelCollisionOracle:
         resolution: float,
     ) -> bool:
         """Return whether every sample of a motion is free, as `motion_samples` defines them."""
-        if self._is_straight:
+        if self._has_linear_motions:
             verdict = self._checker.judge_motion(origin, displacement, resolution)
-            if verdict != _UNSURE:
+            if verdict != _UNDECIDED:
                 return verdict == _FREE
         return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
 
@@ -97,7 +97,7 @@ class KernelCollisionOracle:
         Both ends are checked. For joints that do not float.
         """
         verdict, steps = self._checker.judge_edge(q0, q1, resolution)
-        if verdict != _UNSURE:
+        if verdict != _UNDECIDED:
             return verdict == _FREE, steps
         begin, end = np.array(q0), np.array(q1)
         return self.is_free(begin) and self.is_motion_free(begin, end - begin, resolution), steps
@@ -109,28 +109,28 @@ class KernelCollisionOracle:
         resolution: float,
     ) -> Bool[np.ndarray, " m"]:
         """Return the same for each pair of rows."""
-        if not self._is_straight:
+        if not self._has_linear_motions:
             motions = origins, displacements
             return motion_samples.are_motions_free(
                 self._manifold, self.are_free, motions, resolution
             )
-        verdicts, unsure = self._checker.judge_motions(origins, displacements, resolution)
+        verdicts, undecided = self._checker.judge_motions(origins, displacements, resolution)
         free = verdicts != _COLLIDING
-        for motion in np.unique(unsure[:, 0]):
-            rows = unsure[unsure[:, 0] == motion]
+        for motion in np.unique(undecided[:, 0]):
+            rows = undecided[undecided[:, 0] == motion]
             fractions = rows[:, 1] / rows[:, 2]
             qs = origins[motion] + fractions[:, None] * displacements[motion]
-            self.num_left += len(qs)
-            free[motion] = self._drake.are_free(qs).all()
+            self.num_undecided += len(qs)
+            free[motion] = self._drake_oracle.are_free(qs).all()
         return free
 
     @cached_property
-    def _drake(self) -> DrakeCollisionOracle:
+    def _drake_oracle(self) -> DrakeCollisionOracle:
         """Drake's checker, made at its first use: that takes longer than most searches."""
         return DrakeCollisionOracle(*self._drake_arguments)
 
 
 def pair_thresholds(scene: KernelScene, margins: PairMargins) -> Array:
     """Return margin and touching distance of every pair [m], shape (n, 2)."""
-    margin = scene.demands(margins)
+    margin = scene.thresholds(margins)
     return np.column_stack([margin, margin])

@@ -25,7 +25,7 @@ from planning.world.kernel.link_tree import WORLD, link_tree
 
 # The kernel's numbers for kinds of shapes (shape.hpp).
 _KINDS = tuple(ShapeKind)
-_NONE = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
+_EMPTY_COVERING = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class KernelScene:
         a, b = self.candidates.rows[row]
         return self.candidates.names[a], self.candidates.names[b]
 
-    def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
+    def thresholds(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
         return self.by_pair(margins.of, margins.by_pair)
 
@@ -78,28 +78,28 @@ class KernelScene:
             exceptions: Pairs, by names in sorted order, whose number may differ.
         """
         names = set(exceptions)
-        found = np.full(len(self.is_of_one_robot), np.nan)
+        numbers = np.full(len(self.is_of_one_robot), np.nan)
         for kind in (self.is_of_one_robot, ~self.is_of_one_robot):
             rows: Any = np.flatnonzero(kind)  # of which mostly the first is what is looked for
-            some = next(
+            typical_pair = next(
                 (pair for pair in map(self.names, rows) if (min(pair), max(pair)) not in names),
                 None,
             )
-            if some is not None:
-                found[kind] = value(*some)
+            if typical_pair is not None:
+                numbers[kind] = value(*typical_pair)
         for pair in names:
-            found[self._rows.get(pair, [])] = value(*pair)
-        return found
+            numbers[self._rows_by_names.get(pair, [])] = value(*pair)
+        return numbers
 
     @cached_property
-    def _rows(self) -> dict[tuple[str, str], list[int]]:
+    def _rows_by_names(self) -> dict[tuple[str, str], list[int]]:
         rows: dict[tuple[str, str], list[int]] = {}
         for row, (a, b) in enumerate(self.bodies):
             rows.setdefault((min(a, b), max(a, b)), []).append(row)
         return rows
 
 
-_made: WeakKeyDictionary[StaticObjects, KernelScene | None] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[StaticObjects, KernelScene | None] = WeakKeyDictionary()
 
 
 def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
@@ -109,22 +109,22 @@ def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
     """
     if not model.uses_kernel:
         return None
-    if model.standing not in _made:
-        _made[model.standing] = kernel_scene(model)
-    return _made[model.standing]
+    if model.static_objects not in _cache:
+        _cache[model.static_objects] = kernel_scene(model)
+    return _cache[model.static_objects]
 
 
-def share_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int]) -> None:
+def copy_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int]) -> None:
     """Copy the kernel scene of one model to another, with some rows of `standing` moved."""
     scene = kernel_scene_of(before)
     if scene is None:
-        _made[after.standing] = None
+        _cache[after.static_objects] = None
         return
-    first = candidates_of(before).num_of_drake
+    first = candidates_of(before).num_drake_shapes
     geometries = np.array([first + row for row in rows], dtype=np.int64)
-    flat = [flat_transform(after.standing.poses[row]) for row in rows]
+    flat = [flat_transform(after.static_objects.poses[row]) for row in rows]
     moved = scene.native.with_poses(geometries, np.array(flat, dtype=np.float64).reshape(-1, 12))
-    _made[after.standing] = replace(scene, native=moved)
+    _cache[after.static_objects] = replace(scene, native=moved)
 
 
 def kernel_scene(model: DrakeModel) -> KernelScene | None:
@@ -137,8 +137,8 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     if module is None or tree is None:
         return None
     inspector: Any = model.scene_graph.model_inspector()
-    candidates, standing = candidates_of(model), model.standing
-    ids = candidates.ids[: candidates.num_of_drake]
+    candidates, static_objects = candidates_of(model), model.static_objects
+    ids = candidates.ids[: candidates.num_drake_shapes]
     shapes = [convex_shape(inspector.GetShape(i)) for i in ids]
     if None in shapes:
         return None
@@ -148,12 +148,12 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
         assert shape is not None  # noqa: S101  (looked at above)
         link, x_lb = tree.bodies[int(body)]
         _add_geometry(scene, link, x_lb.multiply(inspector.GetPoseInFrame(i)), shape)
-    for x, shape in zip(standing.poses, standing.shapes, strict=True):
+    for x, shape in zip(static_objects.poses, static_objects.shapes, strict=True):
         _add_geometry(scene, WORLD, x, shape)
     scene.add_pairs(candidates.rows.astype(np.int64).ravel())
-    bare = PairMargins(1.0, owners=model.owners)
-    owners = bare.robots_of(candidates.names)
-    a, b = owners[candidates.rows].T
+    margins = PairMargins(1.0, owners=model.owners)
+    robots = margins.robots_of(candidates.names)
+    a, b = robots[candidates.rows].T
     return KernelScene(
         native=scene,
         candidates=candidates,
@@ -165,7 +165,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
 def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
     # Static objects have their exact shape in the kernel.
     if link == WORLD or shape.kind is ShapeKind.HALF_SPACE:
-        covering = _NONE
+        covering = _EMPTY_COVERING
     else:
         covering = cached_covering(shape, cache_folder() / "coverings")
     scene.add_geometry(

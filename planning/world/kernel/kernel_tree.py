@@ -14,7 +14,7 @@ from planning.kernel.native import native
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.link_tree import LinkTree, link_tree
 
-_made: WeakKeyDictionary[RobotDiagram, tuple[Any, LinkTree] | None] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[RobotDiagram, tuple[Any, LinkTree] | None] = WeakKeyDictionary()
 
 
 def kernel_chain(
@@ -27,19 +27,19 @@ def kernel_chain(
     """
     if not model.uses_kernel:
         return None
-    if model.diagram not in _made:
-        _made[model.diagram] = _tree(model)
-    module, made = native(), _made[model.diagram]
-    if module is None or made is None:
+    if model.diagram not in _cache:
+        _cache[model.diagram] = _tree(model)
+    module, cached = native(), _cache[model.diagram]
+    if module is None or cached is None:
         return None
-    scene, tree = made
+    scene, tree = cached
     drake_frame = model.frame(frame)
     link, x_lb = tree.bodies[int(drake_frame.body().index())]
     return module.Chain(
         scene,
         model.position_indices(group).astype(np.int64),
         model.velocity_indices(group).astype(np.int64),
-        model.follow(np.array(state)),
+        model.apply_couplings(np.array(state)),
         link,
         flat_transform(x_lb.multiply(drake_frame.GetFixedPoseInBodyFrame())),
     )

@@ -67,7 +67,7 @@ class LinkTree:
     bodies: dict[int, tuple[int, RigidTransform]]
 
 
-_made: WeakKeyDictionary[RobotDiagram, LinkTree | None] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[RobotDiagram, LinkTree | None] = WeakKeyDictionary()
 
 
 def link_tree(model: DrakeModel) -> LinkTree | None:
@@ -75,60 +75,64 @@ def link_tree(model: DrakeModel) -> LinkTree | None:
 
     None if it has a joint of a kind that the kernel does not have.
     """
-    if model.diagram not in _made:
-        _made[model.diagram] = _explore(model.plant)
-    return _made[model.diagram]
+    if model.diagram not in _cache:
+        _cache[model.diagram] = _build_tree(model.plant)
+    return _cache[model.diagram]
 
 
-def _explore(plant: MultibodyPlant) -> LinkTree | None:
-    at_body: dict[int, list[Any]] = {}
+def _build_tree(plant: MultibodyPlant) -> LinkTree | None:
+    joints_of_body: dict[int, list[Any]] = {}
     joints: list[Any] = [plant.get_joint(JointIndex(int(i))) for i in plant.GetJointIndices()]
     for joint in joints:
         for body in (joint.parent_body(), joint.child_body()):
-            at_body.setdefault(int(body.index()), []).append(joint)
+            joints_of_body.setdefault(int(body.index()), []).append(joint)
     world = int(plant.world_body().index())
     bodies = {world: (WORLD, RigidTransform())}
     links: list[KernelLink] = []
     frontier = [world]
     while frontier:
-        here = frontier.pop(0)
-        for joint in at_body.get(here, []):
-            forwards = int(joint.parent_body().index()) == here
-            there = int((joint.child_body() if forwards else joint.parent_body()).index())
-            if there in bodies:
+        current = frontier.pop(0)
+        for joint in joints_of_body.get(current, []):
+            is_forward = int(joint.parent_body().index()) == current
+            other = int((joint.child_body() if is_forward else joint.parent_body()).index())
+            if other in bodies:
                 continue
-            placed = _cross(joint, bodies[here], links, forwards=forwards)
-            if placed is None:
+            link_and_pose = _traverse_joint(joint, bodies[current], links, is_forward=is_forward)
+            if link_and_pose is None:
                 return None
-            bodies[there] = placed
-            frontier.append(there)
+            bodies[other] = link_and_pose
+            frontier.append(other)
     return LinkTree(tuple(links), bodies)
 
 
-def _cross(
-    joint: Any, here: tuple[int, RigidTransform], links: list[KernelLink], *, forwards: bool
+def _traverse_joint(
+    joint: Any,
+    link_and_pose: tuple[int, RigidTransform],
+    links: list[KernelLink],
+    *,
+    is_forward: bool,
 ) -> tuple[int, RigidTransform] | None:
     """Return the link and X_LB of the body on the other side of a joint, adding a link if needed.
 
     A joint that is traversed from child to parent turns and slides the other way.
     """
     frames = (joint.frame_on_parent(), joint.frame_on_child())
-    near, far = frames if forwards else frames[::-1]
-    parent, x_lb = here
-    x_lf = x_lb.multiply(near.GetFixedPoseInBodyFrame())
-    x_fb = far.GetFixedPoseInBodyFrame().inverse()
-    sign = 1.0 if forwards else -1.0
+    near_frame, far_frame = frames if is_forward else frames[::-1]
+    parent, x_lb = link_and_pose
+    x_lf = x_lb.multiply(near_frame.GetFixedPoseInBodyFrame())
+    x_fb = far_frame.GetFixedPoseInBodyFrame().inverse()
+    sign = 1.0 if is_forward else -1.0
     match joint:
         case WeldJoint():
-            x_fm = joint.X_FM() if forwards else joint.X_FM().inverse()
+            x_fm = joint.X_FM() if is_forward else joint.X_FM().inverse()
             return parent, x_lf.multiply(x_fm).multiply(x_fb)
         case RevoluteJoint():
             kind, axis = LinkKind.REVOLUTE, sign * np.array(joint.revolute_axis())
         case PrismaticJoint():
             kind, axis = LinkKind.PRISMATIC, sign * np.array(joint.translation_axis())
-        case PlanarJoint() if forwards:
+        case PlanarJoint() if is_forward:
             kind, axis = LinkKind.PLANAR, np.zeros(3)
-        case QuaternionFloatingJoint() if forwards:
+        case QuaternionFloatingJoint() if is_forward:
             kind, axis = LinkKind.FLOATING, np.zeros(3)
         case _:
             return None

@@ -7,7 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame
 
 from planning.domain.scene.scene import Scene
-from planning.domain.scene.scene_tree import holder_of, parents
+from planning.domain.scene.scene_tree import parents, root_robot
 from planning.errors import SceneInvalid, UnknownName
 
 
@@ -21,7 +21,7 @@ def validate_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
     Raises:
         SceneInvalid: The frame does not exist, or is no robot's; evidence has the `path`.
     """
-    above = parents(scene)
+    parent_of = parents(scene)
     owners: dict[str, str] = {}
     for i, thing in enumerate(scene.objects):
         if thing.attached is None:
@@ -30,7 +30,7 @@ def validate_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
         if frame not in frames:
             fault = UnknownName.among("frame", frame, frames)
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-        robot = holder_of(frame, above)
+        robot = root_robot(frame, parent_of)
         if robot is None:
             message = f"{path}: {frame!r} is no frame of a robot, so nothing can be attached to it"
             raise SceneInvalid(message, {"path": path, "frame": frame})
@@ -38,7 +38,9 @@ def validate_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
     return owners
 
 
-def allows_contact(plant: MultibodyPlant, frame: Frame, stops: Iterable[str]) -> list[BodyIndex]:
+def allowed_contact_bodies(
+    plant: MultibodyPlant, frame: Frame, arm_joints: Iterable[str]
+) -> list[BodyIndex]:
     """Return the bodies that an object on `frame` may touch unless the scene says otherwise.
 
     They are those that move rigidly with it and, if it moves at all, those that they carry: the
@@ -47,21 +49,21 @@ def allows_contact(plant: MultibodyPlant, frame: Frame, stops: Iterable[str]) ->
     Args:
         plant: Finalized.
         frame: The frame that the object is attached to.
-        stops: Names of joints at which the search of bodies ends: those of the arm.
+        arm_joints: Names of joints at which the search of bodies ends: those of the arm.
     """
-    rigid = plant.GetBodiesWeldedTo(frame.body())
-    found = {int(body.index()): body.index() for body in rigid}
+    welded_bodies = plant.GetBodiesWeldedTo(frame.body())
+    found = {int(body.index()): body.index() for body in welded_bodies}
     if int(plant.world_body().index()) in found:
         return list(found.values())
-    beyond: set[str] = set(stops)
+    stop_joints: set[str] = set(arm_joints)
     joints: list[Any] = [plant.get_joint(index) for index in plant.GetJointIndices()]
-    pending = [joint for joint in joints if joint.name() not in beyond]
-    grew = True
-    while grew:
-        grew = False
+    pending = [joint for joint in joints if joint.name() not in stop_joints]
+    has_grown = True
+    while has_grown:
+        has_grown = False
         for joint in pending:
             parent, child = joint.parent_body().index(), joint.child_body().index()
             if int(parent) in found and int(child) not in found:
                 found[int(child)] = child
-                grew = True
+                has_grown = True
     return list(found.values())

@@ -21,32 +21,32 @@ from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid
 from planning.world.drake_model import DrakeModel
-from planning.world.files.keep_files import KeptScene
-from planning.world.files.mesh_check import require_sound_mesh
-from planning.world.files.only_kept import require_kept
+from planning.world.files.keep_files import StoredScene
+from planning.world.files.mesh_check import validate_mesh
+from planning.world.files.only_kept import validate_stored_meshes
 from planning.world.loading.attached_objects import validate_owners
 from planning.world.loading.collision_filters import (
+    allow_attached_contacts,
     allow_collisions,
-    allow_touch,
-    leave_out_neighbours,
+    exclude_adjacent_links,
 )
 from planning.world.loading.drake_shapes import drake_shape
 from planning.world.loading.frame_build import add_frames
 from planning.world.loading.mass import spatial_inertia
-from planning.world.loading.scene_build import Build, LoadedRobot, refuse_second
-from planning.world.loading.static_build import standing_objects
+from planning.world.loading.scene_build import Build, LoadedRobot, validate_unused_name
+from planning.world.loading.static_build import make_static_objects
 from planning.world.models.base_weld import weld_base
-from planning.world.models.collision_count import collision_counts, require_shapes
+from planning.world.models.collision_count import collision_counts, validate_num_shapes
 from planning.world.models.couplings import couplings, joint_indices
 from planning.world.models.model_file import FloatingJoint, inspect_model
-from planning.world.models.model_warnings import parser_warnings, visual_only
+from planning.world.models.model_warnings import parser_warnings, visual_only_warnings
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
 
 
 def build_diagram(
-    kept: KeptScene,
-    standing: frozenset[str] = frozenset(),
+    stored: StoredScene,
+    static_names: frozenset[str] = frozenset(),
     *,
     time_step: float = 0.001,
     kernel: bool = True,
@@ -54,8 +54,8 @@ def build_diagram(
     """Return the scene's Drake model, and its loaded robots.
 
     Args:
-        kept: The scene, with its files.
-        standing: Names of the objects that stand outside of Drake's model.
+        stored: The scene, with its files.
+        static_names: Names of the objects that stand outside of Drake's model.
         time_step: Of the plant [s]; matters only to simulation.
         kernel: Whether the native kernel may decide collisions where it is certain.
 
@@ -65,32 +65,32 @@ def build_diagram(
         ModelInvalid: A robot does not load.
         UnknownName: A parent frame or body does not exist.
     """
-    scene = kept.scene
+    scene = stored.scene
     builder: Any = RobotDiagramBuilder(time_step=time_step)
-    build = Build(builder, builder.plant(), standing)
+    build = Build(builder, builder.plant(), static_names)
     build.frames["world"] = build.plant.world_frame()
     build.bodies["world"] = build.plant.world_body().index()
     for i, robot in enumerate(scene.robots):
-        refuse_second(build, robot.name, f"robots.{i}.name")
-        _add_robot(build, robot, kept)
+        validate_unused_name(build, robot.name, f"robots.{i}.name")
+        _add_robot(build, robot, stored)
     for i, thing in enumerate(scene.objects):
-        refuse_second(build, thing.name, f"objects.{i}.name")
-        if thing.name in standing:
-            build.placed.add(thing.name)
+        validate_unused_name(build, thing.name, f"objects.{i}.name")
+        if thing.name in static_names:
+            build.static_names_added.add(thing.name)
         else:
-            _add_object(build, kept.thing(thing), f"objects.{i}.shape")
-    apart = standing_objects(kept, standing)
-    add_frames(build, scene.frames, apart.frames)
-    owners = _attach(build, scene, apart.frames)
+            _add_object(build, stored.stored_object(thing), f"objects.{i}.shape")
+    static_objects = make_static_objects(stored, static_names)
+    add_frames(build, scene.frames, static_objects.frames)
+    owners = _attach(build, scene, static_objects.frames)
     # Neighbours are left out by evidence, not all of them (`leave_out_neighbours`).
     build.plant.set_adjacent_bodies_collision_filters(False)
     build.plant.Finalize()
     allow_collisions(build, scene)
-    allow_touch(build, scene)
+    allow_attached_contacts(build, scene)
     scene_graph = builder.scene_graph()
     indices = joint_indices(build.plant, build.bodies)
     diagram = builder.Build()
-    leave_out_neighbours(build, scene, diagram, scene_graph)
+    exclude_adjacent_links(build, scene, diagram, scene_graph)
     names = {index: name for name, index in build.bodies.items()}
     model = DrakeModel(
         diagram=diagram,
@@ -106,29 +106,29 @@ def build_diagram(
             [(robot.scene_robot.name, m) for robot in build.robots for m in robot.file.mimics],
         ),
         owners=owners,
-        standing=apart,
+        static_objects=static_objects,
         uses_kernel=kernel,
-        reasons=build.unchecked,
+        unchecked_reasons=build.unchecked,
         warnings=tuple(dict.fromkeys(build.warnings)),
     )
     return model, tuple(build.robots)
 
 
-def build_alone(thing: SceneRobot | SceneObject, kept: KeptScene) -> None:
+def build_single(thing: SceneRobot | SceneObject, stored: StoredScene) -> None:
     """Build a single robot or object; raises as `build_diagram`."""
     builder: Any = RobotDiagramBuilder(time_step=0.001)
     build = Build(builder, builder.plant())
     if isinstance(thing, SceneRobot):
-        _add_robot(build, replace(thing, base=Pose.identity()), kept)
+        _add_robot(build, replace(thing, base=Pose.identity()), stored)
     else:
-        _add_object(build, replace(kept.thing(thing), attached=None), thing.name)
+        _add_object(build, replace(stored.stored_object(thing), attached=None), thing.name)
     build.plant.Finalize()
 
 
-def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
-    source = kept.source(robot.name)
+def _add_robot(build: Build, robot: SceneRobot, stored: StoredScene) -> None:
+    source = stored.source(robot.name)
     # Copies of files never change: each model is inspected once.
-    file = build.files.get(source.file) or inspect_model(source.file, kept.store.meshes)
+    file = build.files.get(source.file) or inspect_model(source.file, stored.store.meshes)
     build.files[source.file] = file
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)
@@ -152,18 +152,22 @@ def _add_robot(build: Build, robot: SceneRobot, kept: KeptScene) -> None:
         message = f"robot {robot.name!r}: {source.file.name} describes no model"
         raise ModelInvalid(message, {"file": str(source.file), "reason": "no model"})
     _add_bodies(build, robot, instances, source.file)
-    require_shapes(build.plant, instances, file.shapes, before, source.file)
-    build.warnings += visual_only(build.builder.scene_graph(), build.plant, instances, robot.name)
+    validate_num_shapes(build.plant, instances, file.shapes, before, source.file)
+    build.warnings += visual_only_warnings(
+        build.builder.scene_graph(), build.plant, instances, robot.name
+    )
     loaded = LoadedRobot(robot, source, file, instances[0])
     build.robots.append(loaded)
-    require_kept(build, instances, source.file, (kept.folder(robot.name), kept.store.meshes))
+    validate_stored_meshes(
+        build, instances, source.file, (stored.folder(robot.name), stored.store.meshes)
+    )
     weld_base(build, loaded, instances)
-    build.warnings += [_has_no_end(robot.name, joint) for joint in file.unlimited]
+    build.warnings += [_unlimited_warning(robot.name, joint) for joint in file.unlimited]
     for joint in file.floating:
         _add_floating(build, robot.name, joint)
 
 
-def _has_no_end(robot: str, joint: str) -> str:
+def _unlimited_warning(robot: str, joint: str) -> str:
     return (
         f"{robot}::{joint} has no `limit` with `lower` and `upper`, so it moves without end: state "
         "its limits, or that it is `continuous`"
@@ -199,7 +203,7 @@ def _format_of(file: Path) -> str:
 
 def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     if isinstance(thing.shape, Mesh):
-        require_sound_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
+        validate_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
     try:
         shape, x_og = drake_shape(thing.shape), RigidTransform()
         instance = build.plant.AddModelInstance(thing.name)
@@ -221,9 +225,11 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     build.frames[thing.name] = body.body_frame()
 
 
-def _attach(build: Build, scene: Scene, standing: Mapping[str, RigidTransform]) -> dict[str, str]:
+def _attach(
+    build: Build, scene: Scene, static_frames: Mapping[str, RigidTransform]
+) -> dict[str, str]:
     """Weld every attached object to its frame and return the robots that hold them."""
-    owners = validate_owners(scene, {*build.frames, *standing})
+    owners = validate_owners(scene, {*build.frames, *static_frames})
     for thing in scene.objects:
         if thing.attached is not None:
             frame, body = build.frames[thing.attached.frame], build.frames[thing.name]

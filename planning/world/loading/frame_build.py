@@ -8,11 +8,11 @@ from pydrake.multibody.tree import FixedOffsetFrame
 
 from planning.domain.scene.scene import SceneFrame
 from planning.errors import SceneInvalid, UnknownName
-from planning.world.loading.scene_build import Build, refuse_second
+from planning.world.loading.scene_build import Build, validate_unused_name
 
 
 def add_frames(
-    build: Build, frames: Sequence[SceneFrame], standing: Mapping[str, RigidTransform]
+    build: Build, frames: Sequence[SceneFrame], static_frames: Mapping[str, RigidTransform]
 ) -> None:
     """Add frames to the plant, every parent before its children.
 
@@ -22,28 +22,28 @@ def add_frames(
     Args:
         build: With all bodies.
         frames: Of the scene.
-        standing: X_WF of frames below objects that stand outside of the plant: left out here.
+        static_frames: X_WF of frames below objects that stand outside of the plant: left out here.
 
     Raises:
         SceneInvalid: A name is given twice, a parent does not exist, or frames form a cycle.
     """
-    _refuse_taken(build, frames)
-    hanging: dict[str, list[int]] = {}
+    _validate_unique_names(build, frames)
+    children: dict[str, list[int]] = {}
     for i, frame in enumerate(frames):
-        hanging.setdefault(frame.parent, []).append(i)
-    ready = [i for parent in build.frames for i in hanging.get(parent, [])]
-    added = 0
+        children.setdefault(frame.parent, []).append(i)
+    ready = [i for parent in build.frames for i in children.get(parent, [])]
+    num_added = 0
     while ready:
         ready.sort()
         for i in ready:
-            build.frames[frames[i].name] = _added(build, frames[i])
-        added += len(ready)
-        ready = [k for i in ready for k in hanging.get(frames[i].name, [])]
-    if added + sum(frame.name in standing for frame in frames) < len(frames):
-        _refuse_orphans(build, frames, standing)
+            build.frames[frames[i].name] = _add_frame(build, frames[i])
+        num_added += len(ready)
+        ready = [k for i in ready for k in children.get(frames[i].name, [])]
+    if num_added + sum(frame.name in static_frames for frame in frames) < len(frames):
+        _raise_for_orphans(build, frames, static_frames)
 
 
-def _added(build: Build, frame: SceneFrame) -> Any:
+def _add_frame(build: Build, frame: SceneFrame) -> Any:
     parent = build.frames[frame.parent]
     x_pf = RigidTransform(frame.pose.matrix)
     x_bf = parent.GetFixedPoseInBodyFrame().multiply(x_pf)
@@ -51,23 +51,25 @@ def _added(build: Build, frame: SceneFrame) -> Any:
     return build.plant.AddFrame(offset)
 
 
-def _refuse_taken(build: Build, frames: Sequence[SceneFrame]) -> None:
+def _validate_unique_names(build: Build, frames: Sequence[SceneFrame]) -> None:
     seen: set[str] = set()
     for i, frame in enumerate(frames):
         path = f"frames.{i}.name"
-        refuse_second(build, frame.name, path)
+        validate_unused_name(build, frame.name, path)
         if frame.name in seen:
             message = f"{path}: the name {frame.name!r} is taken by another frame"
             raise SceneInvalid(message, {"path": path, "name": frame.name})
         seen.add(frame.name)
 
 
-def _refuse_orphans(
-    build: Build, frames: Sequence[SceneFrame], standing: Mapping[str, RigidTransform]
+def _raise_for_orphans(
+    build: Build, frames: Sequence[SceneFrame], static_frames: Mapping[str, RigidTransform]
 ) -> None:
-    pending = [(i, f) for i, f in enumerate(frames) if f.name not in {*build.frames, *standing}]
+    pending = [
+        (i, f) for i, f in enumerate(frames) if f.name not in {*build.frames, *static_frames}
+    ]
     names = [frame.name for _, frame in pending]
-    known = {*build.frames, *standing, *names}
+    known = {*build.frames, *static_frames, *names}
     for i, frame in pending:
         if frame.parent not in known:
             fault = UnknownName.among("frame", frame.parent, known)

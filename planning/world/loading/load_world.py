@@ -2,24 +2,24 @@
 
 from planning.domain.scene.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
-from planning.world.collision.half_spaces import has_half_space_that_moves
+from planning.world.collision.half_spaces import has_moving_half_space
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
-from planning.world.files.keep_files import KeptScene, keep_files
+from planning.world.files.keep_files import StoredScene, store_files
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.loading.builder import build_diagram
-from planning.world.loading.reuse import reused
+from planning.world.loading.reuse import reuse_model
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.loading.static_build import MOST_IN_MODEL, standing_names
+from planning.world.loading.static_build import MAX_OBJECTS_IN_MODEL, static_object_names
 from planning.world.models.model_library import ModelLibrary
 from planning.world.world import World
 
 # Groups whose checkers are made at once; those of others are made at their first use.
-_MOST_READY = 4
+_MAX_PREPARED_GROUPS = 4
 # Without the kernel: Drake's tables have a row for every pair of shapes, and so has each context.
-MOST_FOR_DRAKE = 1_000
+MAX_OBJECTS_FOR_DRAKE = 1_000
 
 
 def load_world(
@@ -27,8 +27,8 @@ def load_world(
     library: ModelLibrary | None = None,
     *,
     kernel: bool = True,
-    like: World | None = None,
-    most_in_model: int = MOST_IN_MODEL,
+    previous: World | None = None,
+    max_objects_in_model: int = MAX_OBJECTS_IN_MODEL,
 ) -> World:
     """Load a scene into Drake.
 
@@ -41,10 +41,10 @@ def load_world(
         library: Library of robots; None for those that come with Wayproof.
         kernel: Whether the native kernel may decide collisions where it is certain; the results are
             Drake's either way.
-        like: A loaded world to reuse, such as that of the scene before an edit: common parts
+        previous: A loaded world to reuse, such as that of the scene before an edit: common parts
             are not loaded again but shared, so both belong to one thread.
-        most_in_model: Largest number of objects that stand in the world within Drake's model; if
-            there are more, all of them stand outside of it, with the same results.
+        max_objects_in_model: Largest number of objects that stand in the world within Drake's
+            model; if there are more, all of them stand outside of it, with the same results.
 
     Raises:
         SceneInvalid: A name in the scene is wrong; evidence has its `path`.
@@ -53,52 +53,58 @@ def load_world(
         UnknownName: There is no such robot.
     """
     chosen = library or ModelLibrary.bundled()
-    kept = keep_files(scene, chosen)
-    with kept.faults_as_found():
-        names = standing_names(kept.scene, most_in_model) if kernel else frozenset[str]()
-        shared = reused(kept, names, like, kernel=kernel)
-        world = World(kept.scene, chosen, *(shared or _built(kept, names, kernel=kernel)))
-        _require_bodies(kept.scene, world.drake)
+    stored = store_files(scene, chosen)
+    with stored.original_names_in_errors():
+        static_names = (
+            static_object_names(stored.scene, max_objects_in_model) if kernel else frozenset[str]()
+        )
+        shared = reuse_model(stored, static_names, previous, kernel=kernel)
+        world = World(
+            stored.scene, chosen, *(shared or _build(stored, static_names, kernel=kernel))
+        )
+        _validate_margin_bodies(stored.scene, world.drake)
         if shared is None:
-            _make_ready(world)
+            _precompute(world)
         return world
 
 
-def _built(
-    kept: KeptScene, names: frozenset[str], *, kernel: bool
+def _build(
+    stored: StoredScene, static_names: frozenset[str], *, kernel: bool
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
     """Return the scene in Drake; static objects stay outside if the kernel has their shapes."""
-    if names:
-        model, robots = build_diagram(kept, names, kernel=kernel)
-        if kernel_scene_of(model) is not None and not has_half_space_that_moves(model):
+    if static_names:
+        model, robots = build_diagram(stored, static_names, kernel=kernel)
+        if kernel_scene_of(model) is not None and not has_moving_half_space(model):
             return model, robots
-    _require_bearable(kept.scene)
-    return build_diagram(kept, kernel=kernel)
+    _validate_num_objects(stored.scene)
+    return build_diagram(stored, kernel=kernel)
 
 
-def _require_bearable(scene: Scene) -> None:
+def _validate_num_objects(scene: Scene) -> None:
     count = len(scene.objects)
-    if count > MOST_FOR_DRAKE:
-        message = f"objects: there are {count}, and Drake alone bears {MOST_FOR_DRAKE}: more need "
+    if count > MAX_OBJECTS_FOR_DRAKE:
+        message = (
+            f"objects: there are {count}, and Drake alone bears {MAX_OBJECTS_FOR_DRAKE}: more need "
+        )
         message += "the native kernel, and robots of joints and shapes that it knows, without half "
         message += "spaces that move"
-        evidence = {"path": "objects", "count": count, "bound": MOST_FOR_DRAKE}
+        evidence = {"path": "objects", "count": count, "bound": MAX_OBJECTS_FOR_DRAKE}
         raise SceneInvalid(message, evidence)
 
 
-def _make_ready(world: World) -> None:
+def _precompute(world: World) -> None:
     """Compute now what the first queries would wait for."""
     shared_context(world.drake)
-    world.drake.standing.make_ready()
+    world.drake.static_objects.precompute()
     unchecked_pairs(world.drake)
-    for group in world.groups[:_MOST_READY]:
+    for group in world.groups[:_MAX_PREPARED_GROUPS]:
         world.limits(group)
         world.collision_oracle(group, world.margins())
         if group.tool_frames:
             kernel_chain(world.drake, group, world.state, group.tool_frames[0])
 
 
-def _require_bodies(scene: Scene, model: DrakeModel) -> None:
+def _validate_margin_bodies(scene: Scene, model: DrakeModel) -> None:
     """Raise unless all bodies in the scene's margins exist."""
     for i, entry in enumerate(scene.margins):
         for body in entry.bodies:

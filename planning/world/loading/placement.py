@@ -10,10 +10,10 @@ from planning.domain.robot.joints import JointGroup
 from planning.domain.scene.scene import NamedConfiguration, Scene, SceneRobot
 from planning.errors import ProblemInvalid, SceneInvalid, UnknownName
 from planning.world.drake_model import DrakeModel
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.models.groups import RobotGroups
-from planning.world.models.mimic_limits import limits_together
+from planning.world.models.mimic_limits import combined_limits
 
 type Configurations = dict[str, dict[str, Array]]
 
@@ -35,15 +35,15 @@ def named_configurations(
                     raise UnknownName.among("group", group_name, own.groups)
                 group = own.groups[group_name]
                 path = f"{own.robot}, configuration {name}"
-                collected[group.name][name] = _placed(group, q, path)
+                collected[group.name][name] = _validated_positions(group, q, path)
     for entry in scene.configurations:
         group = _group_of(entry, find_group)
-        q = _placed(group, entry.positions, f"configurations.{entry.name}.positions")
+        q = _validated_positions(group, entry.positions, f"configurations.{entry.name}.positions")
         collected[group.name][entry.name] = q
     return collected
 
 
-def placed_state(
+def initial_state(
     model: DrakeModel,
     robots: Sequence[LoadedRobot],
     groups: Sequence[RobotGroups],
@@ -61,28 +61,30 @@ def placed_state(
     """
     state = np.array(nominal)
     for i, (loaded, own) in enumerate(zip(robots, groups, strict=True)):
-        placed = _robot_positions(loaded.scene_robot, own, configurations, f"robots.{i}.positions")
+        positions = _robot_positions(
+            loaded.scene_robot, own, configurations, f"robots.{i}.positions"
+        )
         for group in reversed(own.groups.values()):
             indices = model.position_indices(group)
-            limits = limits_together(model, group, robots)
-            within = np.clip(state[indices], limits.lower, limits.upper)
-            state[indices] = placed.get(group.name, within)
-        for name, q in placed.items():
+            limits = combined_limits(model, group, robots)
+            clipped = np.clip(state[indices], limits.lower, limits.upper)
+            state[indices] = positions.get(group.name, clipped)
+        for name, q in positions.items():
             group = next(group for group in own.groups.values() if group.name == name)
             state[model.position_indices(group)] = q
         if isinstance(loaded.scene_robot.positions, dict):
             _place_joints(model, state, loaded.scene_robot, f"robots.{i}.positions")
-    return model.follow(state)
+    return model.apply_couplings(state)
 
 
 def _robot_positions(
     robot: SceneRobot, own: RobotGroups, configurations: Configurations, path: str
 ) -> dict[str, Array]:
     """Return the scene's positions of a robot's groups, by full group name."""
-    home = _in_configuration(own, configurations, "home")
+    home = _positions_in_configuration(own, configurations, "home")
     match robot.positions:
         case str() as name:
-            chosen = _in_configuration(own, configurations, name)
+            chosen = _positions_in_configuration(own, configurations, name)
             if not chosen:
                 known = {n for g in own.groups.values() for n in configurations[g.name]}
                 fault = UnknownName.among("configuration", name, known)
@@ -93,12 +95,12 @@ def _robot_positions(
                 message = f"{path}: {robot.name!r} has no joint to place"
                 raise SceneInvalid(message, {"path": path})
             group = own.groups[own.default]
-            return {**home, group.name: _placed(group, numbers, path)}
+            return {**home, group.name: _validated_positions(group, numbers, path)}
         case _:
             return home
 
 
-def _in_configuration(
+def _positions_in_configuration(
     own: RobotGroups, configurations: Configurations, name: str
 ) -> dict[str, Array]:
     return {
@@ -137,9 +139,9 @@ def _group_of(entry: NamedConfiguration, find_group: Callable[[str], JointGroup]
         raise SceneInvalid(message, {"path": path, **fault.evidence}) from fault
 
 
-def _placed(group: JointGroup, q: Any, path: str) -> Array:
+def _validated_positions(group: JointGroup, q: Any, path: str) -> Array:
     """Return q validated as the group's positions; errors become errors of the scene."""
     try:
-        return require_positions(group, q, path)
+        return validate_positions(group, q, path)
     except ProblemInvalid as fault:
         raise SceneInvalid(fault.detail, {**fault.evidence, "path": path}) from fault

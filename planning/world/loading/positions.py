@@ -9,10 +9,10 @@ from planning.domain.robot.joints import JointGroup, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ProblemInvalid
 
-_SHORTEST_QUATERNION = 1e-6
+_MIN_QUATERNION_NORM = 1e-6
 
 
-def require_positions(group: JointGroup, q: Any, field: str) -> Array:
+def validate_positions(group: JointGroup, q: Any, field: str) -> Array:
     """Return q as the group's positions, read-only and with unit quaternions.
 
     Args:
@@ -32,17 +32,17 @@ def require_positions(group: JointGroup, q: Any, field: str) -> Array:
         bad = [name for name, x in zip(names, positions, strict=True) if not np.isfinite(x)]
         message = f"{field}: {bad} must be finite"
         raise ProblemInvalid(message, {"field": field, "joints": bad})
-    _require_quaternions(group, positions, field)
+    _validate_quaternions(group, positions, field)
     unit = Manifold.of(group.joints).normalized(positions)
     unit.flags.writeable = False
     return unit
 
 
-def _require_quaternions(group: JointGroup, positions: Array, field: str) -> None:
+def _validate_quaternions(group: JointGroup, positions: Array, field: str) -> None:
     begin = 0
     for joint in group.joints:
         is_floating = joint.type is JointType.FLOATING
-        if is_floating and np.linalg.norm(positions[begin : begin + 4]) < _SHORTEST_QUATERNION:
+        if is_floating and np.linalg.norm(positions[begin : begin + 4]) < _MIN_QUATERNION_NORM:
             message = f"{field}: the quaternion [w, x, y, z] of {joint.name} must not be zero"
             raise ProblemInvalid(message, {"field": field, "joints": [joint.name]})
         begin += joint.num_positions

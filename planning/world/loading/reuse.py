@@ -9,19 +9,19 @@ from dataclasses import replace
 
 from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
-from planning.world.collision.shape_pairs import share_candidates
-from planning.world.collision.unchecked_pairs import share_unchecked
+from planning.world.collision.shape_pairs import copy_candidates
+from planning.world.collision.unchecked_pairs import copy_unchecked_pairs
 from planning.world.drake_model import DrakeModel
-from planning.world.files.keep_files import KeptScene
-from planning.world.kernel.kernel_scene import share_kernel_scene
+from planning.world.files.keep_files import StoredScene
+from planning.world.kernel.kernel_scene import copy_kernel_scene
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.loading.start_warnings import share_start_warnings
-from planning.world.loading.static_build import standing_frames, transforms
+from planning.world.loading.start_warnings import copy_start_warnings
+from planning.world.loading.static_build import static_frames, transforms
 from planning.world.world import World
 
 
-def reused(
-    kept: KeptScene, names: frozenset[str], like: World | None, *, kernel: bool
+def reuse_model(
+    stored: StoredScene, static_names: frozenset[str], previous: World | None, *, kernel: bool
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]] | None:
     """Return the model of a loaded world with objects moved, and its robots.
 
@@ -29,31 +29,35 @@ def reused(
     objects outside of Drake's model.
 
     Args:
-        kept: The scene, with its files.
-        names: The objects that stand outside of Drake's model.
-        like: The loaded world.
+        stored: The scene, with its files.
+        static_names: The objects that stand outside of Drake's model.
+        previous: The loaded world.
         kernel: Whether the native kernel may decide collisions.
     """
-    if like is None or like.drake.uses_kernel != kernel:
+    if previous is None or previous.drake.uses_kernel != kernel:
         return None
-    before, standing = like.drake, like.drake.standing
-    if len(names) != len(standing) or _rest(kept.scene, names) != _rest(like.scene, names):
+    before, static_objects = previous.drake, previous.drake.static_objects
+    if len(static_names) != len(static_objects) or _model_digest(
+        stored.scene, static_names
+    ) != _model_digest(previous.scene, static_names):
         return None
-    things = [kept.thing(thing) for thing in kept.scene.objects if thing.name in names]
-    if not _are_same(things, standing.things):
+    things = [
+        stored.stored_object(thing) for thing in stored.scene.objects if thing.name in static_names
+    ]
+    if not _are_same(things, static_objects.objects):
         return None
     robots = tuple(
         replace(loaded, scene_robot=robot)
-        for loaded, robot in zip(like.loaded_robots, kept.scene.robots, strict=True)
+        for loaded, robot in zip(previous.loaded_robots, stored.scene.robots, strict=True)
     )
-    return _moved(before, things, kept.scene.frames), robots
+    return _with_moved_objects(before, things, stored.scene.frames), robots
 
 
-def _rest(scene: Scene, names: frozenset[str]) -> str:
+def _model_digest(scene: Scene, static_names: frozenset[str]) -> str:
     """Return the digest of all inputs of Drake's model."""
     return digest((
         [replace(robot, positions=None) for robot in scene.robots],
-        [thing for thing in scene.objects if thing.name not in names],
+        [thing for thing in scene.objects if thing.name not in static_names],
         [(frame.name, frame.parent, frame.pose) for frame in scene.frames],
         scene.allowed_collisions,
         scene.margins,
@@ -69,23 +73,26 @@ def _are_same(after: Sequence[SceneObject], before: Sequence[SceneObject]) -> bo
     )
 
 
-def _moved(
+def _with_moved_objects(
     before: DrakeModel, things: Sequence[SceneObject], frames: Sequence[SceneFrame]
 ) -> DrakeModel:
     """Return a model with the objects outside of it at the scene's present poses."""
-    standing = before.standing
+    static_objects = before.static_objects
     rows = [
         row
-        for row, (a, b) in enumerate(zip(things, standing.things, strict=True))
+        for row, (a, b) in enumerate(zip(things, static_objects.objects, strict=True))
         if a.pose is not b.pose and a.pose != b.pose
     ]
     poses = dict(zip(rows, transforms([things[row].pose for row in rows]), strict=True))
-    placed = [poses.get(row, x) for row, x in enumerate(standing.poses)]
+    moved_poses = [poses.get(row, x) for row, x in enumerate(static_objects.poses)]
     after = replace(
-        before, standing=standing.moved(things, poses, standing_frames(things, placed, frames))
+        before,
+        static_objects=static_objects.with_moved_objects(
+            things, poses, static_frames(things, moved_poses, frames)
+        ),
     )
-    share_candidates(before, after)
-    share_unchecked(before, after)
-    share_start_warnings(before, after, rows)
-    share_kernel_scene(before, after, rows)
+    copy_candidates(before, after)
+    copy_unchecked_pairs(before, after)
+    copy_start_warnings(before, after, rows)
+    copy_kernel_scene(before, after, rows)
     return after

@@ -22,7 +22,7 @@ class RobotCache:
         """Find robots in `library`."""
         self._library = library
         self._world: World | None = None
-        self._loaded: Scene | None = None
+        self._loaded_scene: Scene | None = None
 
     def bodies(self, scene: Scene) -> list[str]:
         """Return the full names of the robots' bodies, "world" first."""
@@ -33,7 +33,7 @@ class RobotCache:
         world = self._load(scene)
         return world.frame_pose(name, world.state)
 
-    def placed(self, scene: Scene, index: int, positions: Positions) -> SceneRobot:
+    def with_positions(self, scene: Scene, index: int, positions: Positions) -> SceneRobot:
         """Return a robot of the scene at new positions; unnamed joints keep theirs.
 
         Raises:
@@ -44,31 +44,33 @@ class RobotCache:
         robots = (*scene.robots[:index], moved, *scene.robots[index + 1 :])
         after = self._load(replace(scene, robots=robots))
         own = after.robot_groups[index]
-        said, joints = _said(after, own, positions), _joints(after, own)
-        if said >= set(joints):
+        given, joints = _given_joints(after, own, positions), _independent_joints(after, own)
+        if given >= set(joints):
             return moved
         merged = {
-            name.removeprefix(f"{own.robot}::"): _value(after if name in said else before, name)
+            name.removeprefix(f"{own.robot}::"): _value(after if name in given else before, name)
             for name in joints
         }
         return replace(robot, positions=merged)
 
     def _load(self, scene: Scene) -> World:
         # Named configurations refer to groups of robots: those entries stay.
-        alone = Scene(
+        robots_only = Scene(
             scene.name, scene.robots, configurations=scene.configurations, files=scene.files
         )
-        if self._world is None or self._loaded != alone:
+        if self._world is None or self._loaded_scene != robots_only:
             # The same bytes for the whole edit, even if the disk changes meanwhile.
-            read = {} if self._world is None else self._world.scene.files
-            kept = replace(alone, files={**read, **scene.files})
+            files = {} if self._world is None else self._world.scene.files
+            scene_with_files = replace(robots_only, files={**files, **scene.files})
             # Robots that only moved are not loaded again.
-            self._world = load_world(kept, self._library, kernel=False, like=self._world)
-            self._loaded = alone
+            self._world = load_world(
+                scene_with_files, self._library, kernel=False, previous=self._world
+            )
+            self._loaded_scene = robots_only
         return self._world
 
 
-def _joints(world: World, own: RobotGroups) -> list[str]:
+def _independent_joints(world: World, own: RobotGroups) -> list[str]:
     """Return the full names of a robot's joints that follow no other."""
     followers = {coupling.follower_position for coupling in world.drake.couplings}
     plant = world.drake.plant
@@ -80,7 +82,7 @@ def _joints(world: World, own: RobotGroups) -> list[str]:
     ]
 
 
-def _said(world: World, own: RobotGroups, positions: Positions) -> set[str]:
+def _given_joints(world: World, own: RobotGroups, positions: Positions) -> set[str]:
     """Return the full names of the joints that `positions` sets."""
     match positions:
         case dict():

@@ -28,16 +28,16 @@ class LoadedRobot:
 class Build:
     """Mutable state of the builder.
 
-    `files` has the parsed description of each robot; `standing` the names of objects outside of
-    the plant, `placed` those already processed; `unchecked` the reason and the evidence of
-    every pair of bodies, by both full names, that collision checks leave out; `warnings` are those
-    of the scene's summary.
+    `files` has the parsed description of each robot; `static_names` the names of objects outside of
+    the plant, `static_names_added` those already processed; `unchecked` the reason and the evidence
+    of every pair of bodies, by both full names, that collision checks leave out; `warnings` are
+    those of the scene's summary.
     """
 
     builder: Any
     plant: MultibodyPlant
-    standing: frozenset[str] = frozenset()
-    placed: set[str] = field(default_factory=set)
+    static_names: frozenset[str] = frozenset()
+    static_names_added: set[str] = field(default_factory=set)
     robots: list[LoadedRobot] = field(default_factory=list)
     files: dict[Path, ModelFile] = field(default_factory=dict)
     bodies: dict[str, BodyIndex] = field(default_factory=dict)
@@ -48,16 +48,16 @@ class Build:
     @property
     def known_bodies(self) -> set[str]:
         """Names of all bodies, in the plant or not."""
-        return {*self.bodies, *self.standing}
+        return {*self.bodies, *self.static_names}
 
 
-def refuse_second(build: Build, name: str, path: str) -> None:
+def validate_unused_name(build: Build, name: str, path: str) -> None:
     """Raise if a name is already in use.
 
     Raises:
         SceneInvalid: The name is in use.
     """
-    taken = name in build.bodies or name in build.frames or name in build.placed
-    if taken or any(robot.scene_robot.name == name for robot in build.robots):
+    is_taken = name in build.bodies or name in build.frames or name in build.static_names_added
+    if is_taken or any(robot.scene_robot.name == name for robot in build.robots):
         message = f"{path}: the name {name!r} is taken; robots, objects and frames share names"
         raise SceneInvalid(message, {"path": path, "name": name})

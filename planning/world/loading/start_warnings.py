@@ -23,41 +23,45 @@ if TYPE_CHECKING:
     from planning.world.world import World
 
 # Slack beyond the margin at which every distance query agrees [m].
-_SURELY = 1e-3
+_SLACK = 1e-3
 
 
 @dataclass(frozen=True)
-class _Known:
-    """Cached warnings of a model, or of one that it shares, for the state digest `place`.
+class _CachedWarnings:
+    """Cached warnings of a model, or of one that it shares, for the state digest `state_digest`.
 
     Attributes:
-        place: Digest of the robots' positions and of the margins.
+        state_digest: Digest of the robots' positions and of the margins.
         is_free: Whether all pairs kept their margins.
-        of_configurations: Warnings that do not depend on surrounding objects.
-        unseen: Rows of `standing` that have moved since.
+        configuration_warnings: Warnings that do not depend on surrounding objects.
+        moved_rows: Rows of `standing` that have moved since.
     """
 
-    place: str
+    state_digest: str
     is_free: bool
-    of_configurations: tuple[str, ...]
-    unseen: frozenset[int] = frozenset()
+    configuration_warnings: tuple[str, ...]
+    moved_rows: frozenset[int] = frozenset()
 
 
-_known: WeakKeyDictionary[StaticObjects, _Known] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[StaticObjects, _CachedWarnings] = WeakKeyDictionary()
 
 
 # Number of random configurations at which touching pairs are checked again.
-_NUM_TRIED = 20
+_NUM_SAMPLES = 20
 # With more groups, making a checker takes longer than measuring all distances.
-_MOST_ASKED = 4
+_MAX_GROUPS = 4
 # Number of pairs with a warning each.
-_MOST_TOLD = 10
+_MAX_WARNINGS = 10
 # Tolerance of position limits [rad or m].
-_DUST = 1e-6
+_LIMIT_TOLERANCE = 1e-6
 # Rounding error of a zero distance [m].
-_TOUCH = 1e-9
+_TOUCH_DISTANCE = 1e-9
 # Range of an unlimited joint: a whole turn, or a metre either way.
-_UNLIMITED = {JointType.CONTINUOUS: np.pi, JointType.REVOLUTE: np.pi, JointType.PRISMATIC: 1.0}
+_UNLIMITED_RANGE = {
+    JointType.CONTINUOUS: np.pi,
+    JointType.REVOLUTE: np.pi,
+    JointType.PRISMATIC: 1.0,
+}
 
 
 def start_warnings(world: "World") -> tuple[str, ...]:
@@ -67,41 +71,47 @@ def start_warnings(world: "World") -> tuple[str, ...]:
     an edit that allows their contact. Where nothing touches, this takes one collision check.
     """
     margins, scene = world.margins(), world.scene
-    place = digest((world.state, scene.margin, scene.margins, scene.configurations))
-    known = _known.get(world.drake.standing)
-    known = known if known is not None and known.place == place else None
+    state_digest = digest((world.state, scene.margin, scene.margins, scene.configurations))
+    cached = _cache.get(world.drake.static_objects)
+    cached = cached if cached is not None and cached.state_digest == state_digest else None
     touching: tuple[BodyPair, ...] = ()
-    is_free = _is_still_free(world, known, margins) or _is_free(world, margins)
+    is_free = _is_still_free(world, cached, margins) or _is_free(world, margins)
     if not is_free:
         touching = world.distance_probe(margins).violations(world.state)
-    told = [_text(world, pair) for pair in touching[:_MOST_TOLD]]
-    if len(touching) > _MOST_TOLD:
-        told.append(f"{len(touching) - _MOST_TOLD} further pairs are too near where the scene is")
-    always = _always_touching(world, touching)
-    if always:
-        operations = [{"op": "allow", "pair": list(pair)} for pair in always]
-        told.append(
-            f"{len(always)} pairs of these overlap in all of {_NUM_TRIED + 1} configurations that "
-            "were tried, as shapes do that are drawn into each other; if they may touch, edit the "
-            f"scene with {json.dumps({'operations': operations})}"
+    warnings = [_pair_warning(world, pair) for pair in touching[:_MAX_WARNINGS]]
+    if len(touching) > _MAX_WARNINGS:
+        warnings.append(
+            f"{len(touching) - _MAX_WARNINGS} further pairs are too near where the scene is"
         )
-    of_configurations = _configuration_warnings(world) if known is None else known.of_configurations
-    _known[world.drake.standing] = _Known(place, is_free, of_configurations)
-    return (*told, *of_configurations)
+    always_touching = _always_touching(world, touching)
+    if always_touching:
+        operations = [{"op": "allow", "pair": list(pair)} for pair in always_touching]
+        warnings.append(
+            f"{len(always_touching)} pairs of these overlap in all of {_NUM_SAMPLES + 1} "
+            "configurations that were tried, as shapes do that are drawn into each other; "
+            f"if they may touch, edit the scene with {json.dumps({'operations': operations})}"
+        )
+    configuration_warnings = (
+        _configuration_warnings(world) if cached is None else cached.configuration_warnings
+    )
+    _cache[world.drake.static_objects] = _CachedWarnings(
+        state_digest, is_free, configuration_warnings
+    )
+    return (*warnings, *configuration_warnings)
 
 
-def _is_still_free(world: "World", known: _Known | None, margins: PairMargins) -> bool:
+def _is_still_free(world: "World", cached: _CachedWarnings | None, margins: PairMargins) -> bool:
     """Return whether all pairs certainly keep their margins, by the cache and what moved."""
-    if known is None or not known.is_free:
+    if cached is None or not cached.is_free:
         return False
-    near = NearStatic(world.drake, shared_context(world.drake))
-    near.go_to(world.state)
-    return near.are_beyond(known.unseen, margins.largest + _SURELY)
+    near_static = NearStatic(world.drake, shared_context(world.drake))
+    near_static.set_positions(world.state)
+    return near_static.are_farther_than(cached.moved_rows, margins.largest + _SLACK)
 
 
 def _is_free(world: "World", margins: PairMargins) -> bool:
     """Return whether all pairs keep their margins; False where only the probe can decide."""
-    if len(world.groups) > _MOST_ASKED:
+    if len(world.groups) > _MAX_GROUPS:
         return False
     # With its group at the scene's positions, one checker's verdict covers all pairs.
     return all(
@@ -110,62 +120,68 @@ def _is_free(world: "World", margins: PairMargins) -> bool:
     )
 
 
-def _text(world: "World", pair: BodyPair) -> str:
+def _pair_warning(world: "World", pair: BodyPair) -> str:
     a, b = pair.bodies
-    if abs(pair.distance) < _TOUCH:
-        how = f"{a} and {b} touch"
+    if abs(pair.distance) < _TOUCH_DISTANCE:
+        relation = f"{a} and {b} touch"
     elif pair.distance < 0:
-        how = f"{a} and {b} overlap by {-pair.distance:.2g} m"
+        relation = f"{a} and {b} overlap by {-pair.distance:.2g} m"
     else:
         margin = world.margins().of(a, b)
-        how = f"{a} and {b} are {pair.distance:.2g} m apart, less than their margin of {margin:g} m"
-    return f"where the scene puts its robots, {how}: no motion can begin there"
+        relation = (
+            f"{a} and {b} are {pair.distance:.2g} m apart, less than their margin of {margin:g} m"
+        )
+    return f"where the scene puts its robots, {relation}: no motion can begin there"
 
 
 def _always_touching(world: "World", touching: tuple[BodyPair, ...]) -> list[tuple[str, str]]:
     """Return the pairs of links of one robot that overlap at all sampled joint positions."""
-    own = {pair.bodies for pair in touching if pair.distance <= 0 and _are_of_one(*pair.bodies)}
-    if not own:
+    pairs = {
+        pair.bodies for pair in touching if pair.distance <= 0 and _are_of_one_robot(*pair.bodies)
+    }
+    if not pairs:
         return []
-    robots = {a.partition("::")[0] for a, _ in own}
+    robots = {a.partition("::")[0] for a, _ in pairs}
     groups = [g for g in world.groups if g.name.partition("::")[0] in robots]
     probe = DistanceProbe(world.drake, world.margins(0.0))
     rng = np.random.default_rng(0)
-    for _ in range(_NUM_TRIED):
+    for _ in range(_NUM_SAMPLES):
         full = np.array(world.state)
         for group in groups:
-            full[world.drake.position_indices(group)] = _anywhere(world, group, rng)
-        own &= {pair.bodies for pair in probe.pairs_within(world.drake.follow(full), 0.0)}
-        if not own:
+            full[world.drake.position_indices(group)] = _random_configuration(world, group, rng)
+        pairs &= {
+            pair.bodies for pair in probe.pairs_within(world.drake.apply_couplings(full), 0.0)
+        }
+        if not pairs:
             break
-    return sorted(own)
+    return sorted(pairs)
 
 
-def _anywhere(world: "World", group: JointGroup, rng: np.random.Generator) -> Array:
+def _random_configuration(world: "World", group: JointGroup, rng: np.random.Generator) -> Array:
     """Return a random configuration; planar and floating joints keep their positions."""
     limits, q = world.limits(group), np.array(world.positions(group))
     at = 0
     for joint in group.joints:
         count = len(joint.position_names)
-        reach = _UNLIMITED.get(joint.type)
-        if reach is not None:
+        half_range = _UNLIMITED_RANGE.get(joint.type)
+        if half_range is not None:
             low, high = limits.lower[at], limits.upper[at]
             is_open = not (np.isfinite(low) and np.isfinite(high))
-            q[at] = rng.uniform(-reach, reach) if is_open else rng.uniform(low, high)
+            q[at] = rng.uniform(-half_range, half_range) if is_open else rng.uniform(low, high)
         at += count
     return q
 
 
-def _are_of_one(a: str, b: str) -> bool:
+def _are_of_one_robot(a: str, b: str) -> bool:
     (robot_a, scoped_a, _), (robot_b, scoped_b, _) = a.partition("::"), b.partition("::")
     return bool(scoped_a and scoped_b) and robot_a == robot_b
 
 
-def share_start_warnings(before: DrakeModel, after: DrakeModel, rows: Collection[int]) -> None:
+def copy_start_warnings(before: DrakeModel, after: DrakeModel, rows: Collection[int]) -> None:
     """Copy the cached warnings of one model to another, with some rows of `standing` moved."""
-    if before.standing in _known:
-        known = _known[before.standing]
-        _known[after.standing] = replace(known, unseen=known.unseen.union(rows))
+    if before.static_objects in _cache:
+        cached = _cache[before.static_objects]
+        _cache[after.static_objects] = replace(cached, moved_rows=cached.moved_rows.union(rows))
 
 
 def _configuration_warnings(world: "World") -> tuple[str, ...]:
@@ -178,22 +194,22 @@ def _configuration_warnings(world: "World") -> tuple[str, ...]:
     for own, loaded in zip(world.robot_groups, world.loaded_robots, strict=True):
         for local, group in own.groups.items():
             for name, q in world.configurations(group).items():
-                alike = loaded.scene_robot.model, local, q.tobytes()
-                wrong = "" if alike in seen else _wrong(world, group, q)
-                seen.add(alike)
-                found += [f"configuration {name!r} of {group.name} {wrong}"] if wrong else []
+                key = loaded.scene_robot.model, local, q.tobytes()
+                fault = "" if key in seen else _configuration_fault(world, group, q)
+                seen.add(key)
+                found += [f"configuration {name!r} of {group.name} {fault}"] if fault else []
     return tuple(found)
 
 
-def _wrong(world: "World", group: JointGroup, q: Array) -> str:
-    return _beyond_limits(world, group, q) or _hits_itself(world, group, q)
+def _configuration_fault(world: "World", group: JointGroup, q: Array) -> str:
+    return _limit_fault(world, group, q) or _self_collision_fault(world, group, q)
 
 
-def _beyond_limits(world: "World", group: JointGroup, q: Array) -> str:
+def _limit_fault(world: "World", group: JointGroup, q: Array) -> str:
     limits = world.limits(group)
-    beyond = np.maximum(limits.lower - q, q - limits.upper)
-    worst = int(np.argmax(beyond))
-    if beyond[worst] <= _DUST:
+    excess = np.maximum(limits.lower - q, q - limits.upper)
+    worst = int(np.argmax(excess))
+    if excess[worst] <= _LIMIT_TOLERANCE:
         return ""
     return (
         f"lies outside its limits: {group.position_names[worst]} at {q[worst]:g}, limits "
@@ -201,13 +217,13 @@ def _beyond_limits(world: "World", group: JointGroup, q: Array) -> str:
     )
 
 
-def _hits_itself(world: "World", group: JointGroup, q: Array) -> str:
+def _self_collision_fault(world: "World", group: JointGroup, q: Array) -> str:
     margins = world.margins()
     if world.collision_oracle(group, margins).is_free(q):
         return ""
     at_start = {pair.bodies for pair in world.violations(group, world.positions(group), margins)}
     for pair in world.violations(group, q, margins):
-        if pair.distance < 0 and _are_of_one(*pair.bodies) and pair.bodies not in at_start:
+        if pair.distance < 0 and _are_of_one_robot(*pair.bodies) and pair.bodies not in at_start:
             a, b = pair.bodies
             return f"is in collision with itself: {a} and {b} overlap by {-pair.distance:.2g} m"
     return ""

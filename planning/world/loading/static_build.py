@@ -15,36 +15,36 @@ from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.errors import SceneInvalid
 from planning.kernel.shape import ConvexShape
 from planning.world.collision.static_objects import StaticObjects
-from planning.world.files.keep_files import KeptScene
-from planning.world.files.mesh_check import require_sound_mesh
+from planning.world.files.keep_files import StoredScene
+from planning.world.files.mesh_check import validate_mesh
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.loading.drake_shapes import drake_shape
 
 # Number of standing objects up to which Drake's model loads in a tenth of a second; most scenes
 # have fewer.
-MOST_IN_MODEL = 48
-_FEW_ROBOTS, _FEW_FRAMES = 4, 500
+MAX_OBJECTS_IN_MODEL = 48
+_MAX_FEW_ROBOTS, _MAX_FEW_FRAMES = 4, 500
 
 
-def standing_names(scene: Scene, most: int = MOST_IN_MODEL) -> frozenset[str]:
+def static_object_names(scene: Scene, max_in_model: int = MAX_OBJECTS_IN_MODEL) -> frozenset[str]:
     """Return the names of the objects that stay out of Drake's model.
 
-    They are all that stand in the world, if they are more than `most`, or if there are many robots
-    or frames: then the model is expensive, and moving an object must not rebuild it. Half
+    They are all that stand in the world, if they are more than `max_in_model`, or if there are many
+    robots or frames: then the model is expensive, and moving an object must not rebuild it. Half
     spaces, which are unbounded, are always Drake's: there are few.
     """
-    standing = [thing.name for thing in scene.objects if is_apart(thing)]
-    is_dear = len(scene.robots) > _FEW_ROBOTS or len(scene.frames) > _FEW_FRAMES
-    is_many = len(standing) > most or is_dear
-    return frozenset(standing) if is_many else frozenset()
+    names = [thing.name for thing in scene.objects if may_be_static(thing)]
+    is_expensive = len(scene.robots) > _MAX_FEW_ROBOTS or len(scene.frames) > _MAX_FEW_FRAMES
+    is_many = len(names) > max_in_model or is_expensive
+    return frozenset(names) if is_many else frozenset()
 
 
-def is_apart(thing: SceneObject) -> bool:
+def may_be_static(thing: SceneObject) -> bool:
     """Return whether an object may stand outside of Drake's model."""
     return thing.attached is None and not isinstance(thing.shape, HalfSpace)
 
 
-def standing_objects(kept: KeptScene, names: frozenset[str]) -> StaticObjects:
+def make_static_objects(stored: StoredScene, names: frozenset[str]) -> StaticObjects:
     """Return the objects of these names as tables.
 
     Raises:
@@ -52,25 +52,25 @@ def standing_objects(kept: KeptScene, names: frozenset[str]) -> StaticObjects:
         ModelInvalid: A mesh refers to elements outside of its file.
         AssetNotFound: The file of a mesh does not exist any more.
     """
-    scene = kept.scene
+    scene = stored.scene
     things: list[SceneObject] = []
     drake_shapes: list[Any] = []
     shapes: list[ConvexShape] = []
     for i, thing in enumerate(scene.objects):
         if thing.name in names:
-            things.append(kept.thing(thing))
+            things.append(stored.stored_object(thing))
             drake, convex = _shape(things[-1], f"objects.{i}.shape")
             drake_shapes.append(drake)
             shapes.append(convex)
     poses = transforms([thing.pose for thing in things])
     return StaticObjects(
-        things=tuple(things),
+        objects=tuple(things),
         ids=tuple(GeometryId.get_new_id() for _ in things),
         drake_shapes=tuple(drake_shapes),
         shapes=tuple(shapes),
         poses=poses,
-        frames=standing_frames(things, poses, scene.frames),
-        allowed=_allowed(scene, names),
+        frames=static_frames(things, poses, scene.frames),
+        allowed=_allowed_pairs(scene, names),
     )
 
 
@@ -83,33 +83,33 @@ def transforms(poses: Sequence[Pose]) -> tuple[RigidTransform, ...]:
     return tuple(map(RigidTransform, x))
 
 
-def standing_frames(
+def static_frames(
     things: Sequence[SceneObject],
     poses: Sequence[RigidTransform],
     frames: Sequence[SceneFrame],
 ) -> Mapping[str, RigidTransform]:
     """Return X_WF of objects, and of the frames below them, directly or through others."""
-    found = {thing.name: x for thing, x in zip(things, poses, strict=True)}
-    hanging: dict[str, list[SceneFrame]] = {}
+    poses_W = {thing.name: x for thing, x in zip(things, poses, strict=True)}
+    children: dict[str, list[SceneFrame]] = {}
     for frame in frames:
-        hanging.setdefault(frame.parent, []).append(frame)
+        children.setdefault(frame.parent, []).append(frame)
     # The frame's pose in its object is multiplied first, as in Drake: so numbers are equal to the
     # bit.
-    pending = [(name, x, RigidTransform()) for name, x in found.items() if name in hanging]
+    pending = [(name, x, RigidTransform()) for name, x in poses_W.items() if name in children]
     while pending:
         parent, x_wo, x_op = pending.pop()
-        for frame in hanging.get(parent, []):
-            if frame.name in found:
+        for frame in children.get(parent, []):
+            if frame.name in poses_W:
                 continue  # its name is taken, which the builder refuses
             x_of = x_op.multiply(RigidTransform(frame.pose.matrix))
-            found[frame.name] = x_wo.multiply(x_of)
+            poses_W[frame.name] = x_wo.multiply(x_of)
             pending.append((frame.name, x_wo, x_of))
-    return found
+    return poses_W
 
 
 def _shape(thing: SceneObject, path: str) -> tuple[Any, ConvexShape]:
     if isinstance(thing.shape, Mesh):
-        require_sound_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
+        validate_mesh(Path(thing.shape.uri), f"{path}: object {thing.name!r}")
     try:
         shape = drake_shape(thing.shape)
         convex = convex_shape(shape)
@@ -120,7 +120,7 @@ def _shape(thing: SceneObject, path: str) -> tuple[Any, ConvexShape]:
     return shape, convex
 
 
-def _allowed(scene: Scene, names: frozenset[str]) -> frozenset[frozenset[str]]:
+def _allowed_pairs(scene: Scene, names: frozenset[str]) -> frozenset[frozenset[str]]:
     """Return the scene's allowed pairs that contain one of these names."""
     pairs = [frozenset(pair) for pair in scene.allowed_collisions]
     for thing in scene.objects:

@@ -23,14 +23,15 @@ class PathEfforts:
     With x = (ds/dt)^2 and u = d2s/dt2: ahead = M r', bend = M r'' + C(r, r') r', held = -tau_g(r).
 
     Attributes:
-        ahead: Inertial effort by path acceleration [N m or N per 1/s^2], shape (m, nv).
-        bend: Effort by squared path velocity, in the same unit, shape (m, nv).
-        held: Static effort against gravity [N m or N], shape (m, nv).
+        by_path_acceleration: Inertial effort by path acceleration [N m or N per 1/s^2], shape (m,
+            nv).
+        by_squared_velocity: Effort by squared path velocity, in the same unit, shape (m, nv).
+        static: Static effort against gravity [N m or N], shape (m, nv).
     """
 
-    ahead: Float64[np.ndarray, "m nv"]
-    bend: Float64[np.ndarray, "m nv"]
-    held: Float64[np.ndarray, "m nv"]
+    by_path_acceleration: Float64[np.ndarray, "m nv"]
+    by_squared_velocity: Float64[np.ndarray, "m nv"]
+    static: Float64[np.ndarray, "m nv"]
 
 
 class GroupDynamics:
@@ -54,12 +55,12 @@ class GroupDynamics:
         self._plant = self._model.plant
         self._context: Any = self._plant.CreateDefaultContext()
         self._forces = MultibodyForces(self._plant)
-        self._members = self._model.velocity_indices(group)
+        self._velocity_indices = self._model.velocity_indices(group)
         self._mimics = self._model.mimics
-        self.damping = self._without_damping()
+        self.damping = self._remove_damping()
         if payload is not None:
             validate_payload(world, group, payload)
-            _load(self._model, self._context, payload)
+            _add_payload(self._model, self._context, payload)
 
     def efforts(
         self,
@@ -75,15 +76,15 @@ class GroupDynamics:
             vdot: Drake's accelerations [rad/s^2 or m/s^2].
         """
         found = np.empty((len(v), self._plant.num_velocities()))
-        full_v, full_vdot = self._followed(v), self._followed(vdot)
+        full_v, full_vdot = self._full_rates(v), self._full_rates(vdot)
         for i, full in enumerate(self._world.embed(self._group, q)):
             self._plant.SetPositions(self._context, full)
             self._plant.SetVelocities(self._context, full_v[i])
             self._plant.CalcForceElementsContribution(self._context, self._forces)
-            found[i] = self._solved(full_vdot[i])
-        return self._borne(found) + self.damping * v
+            found[i] = self._inverse_dynamics(full_vdot[i])
+        return self._group_efforts(found) + self.damping * v
 
-    def along(
+    def path_efforts(
         self,
         q: Float64[np.ndarray, "m nq"],
         rate: Float64[np.ndarray, "m nv"],
@@ -97,30 +98,30 @@ class GroupDynamics:
             curvature: r'' as Drake's acceleration.
         """
         found = np.empty((3, len(rate), self._plant.num_velocities()))
-        still = np.zeros(self._plant.num_velocities())
-        full_rate, full_curvature = self._followed(rate), self._followed(curvature)
+        zero = np.zeros(self._plant.num_velocities())
+        full_rate, full_curvature = self._full_rates(rate), self._full_rates(curvature)
         for i, full in enumerate(self._world.embed(self._group, q)):
             self._plant.SetPositions(self._context, full)
-            self._plant.SetVelocities(self._context, still)
+            self._plant.SetVelocities(self._context, zero)
             self._plant.CalcForceElementsContribution(self._context, self._forces)
-            found[2, i] = self._solved(still)
-            found[0, i] = self._solved(full_rate[i])
+            found[2, i] = self._inverse_dynamics(zero)
+            found[0, i] = self._inverse_dynamics(full_rate[i])
             self._plant.SetVelocities(self._context, full_rate[i])
-            found[1, i] = self._solved(full_curvature[i])
-        ahead, bend, held = (self._borne(part) for part in found)
-        return PathEfforts(ahead - held, bend - held, held)
+            found[1, i] = self._inverse_dynamics(full_curvature[i])
+        inertial, centrifugal, static = (self._group_efforts(part) for part in found)
+        return PathEfforts(inertial - static, centrifugal - static, static)
 
-    def _solved(self, vdot: Array) -> Array:
+    def _inverse_dynamics(self, vdot: Array) -> Array:
         """Return the plant's generalized forces at the context's state, for all joints alone."""
         return self._plant.CalcInverseDynamics(self._context, vdot, self._forces)
 
-    def _borne(self, full: Float64[np.ndarray, "m num_velocities"]) -> Array:
+    def _group_efforts(self, full: Float64[np.ndarray, "m num_velocities"]) -> Array:
         """Return the group's part of the plant's forces, with those of all followers."""
         for follower, leader, multiplier in reversed(self._mimics):
             full[:, leader] += multiplier * full[:, follower]
-        return full[:, self._members]
+        return full[:, self._velocity_indices]
 
-    def _without_damping(self) -> Array:
+    def _remove_damping(self) -> Array:
         """Remove the damping from the context, and return it."""
         full = np.zeros(self._plant.num_velocities())
         for index in self._plant.GetJointIndices():
@@ -131,12 +132,12 @@ class GroupDynamics:
                 joint.SetDampingVector(self._context, np.zeros(count))
         for follower, leader, multiplier in reversed(self._mimics):
             full[leader] += multiplier**2 * full[follower]
-        return full[self._members]
+        return full[self._velocity_indices]
 
-    def _followed(self, rates: Float64[np.ndarray, "m nv"]) -> Array:
+    def _full_rates(self, rates: Float64[np.ndarray, "m nv"]) -> Array:
         """Return the plant's rates: those of the group, and of its followers."""
         full = np.zeros((len(rates), self._plant.num_velocities()))
-        full[:, self._members] = rates
+        full[:, self._velocity_indices] = rates
         for follower, leader, multiplier in self._mimics:
             full[:, follower] = multiplier * full[:, leader]
         return full
@@ -157,12 +158,12 @@ def validate_payload(
         UnknownName: Its frame does not exist.
         ProblemInvalid: The group does not move it.
     """
-    world.require_frame(payload.frame)
+    world.validate_frame(payload.frame)
     model = world.drake
-    moved = {int(v) for v in model.velocity_indices(group)}
-    moved |= {c.follower_velocity for c in model.following(group)}
+    moved_velocities = {int(v) for v in model.velocity_indices(group)}
+    moved_velocities |= {c.follower_velocity for c in model.followers_of(group)}
     joints = [model.plant.get_joint(index) for index in model.joint_indices.values()]
-    moving = [joint.index() for joint in joints if joint.velocity_start() in moved]
+    moving = [joint.index() for joint in joints if joint.velocity_start() in moved_velocities]
     body = model.frame(payload.frame).body().index()
     if body not in model.plant.GetBodiesKinematicallyAffectedBy(moving):
         message = f"{field}.frame: {group.name!r} does not move {payload.frame!r}"
@@ -170,7 +171,7 @@ def validate_payload(
         raise ProblemInvalid(message, evidence)
 
 
-def _load(model: DrakeModel, context: Any, payload: Payload) -> None:
+def _add_payload(model: DrakeModel, context: Any, payload: Payload) -> None:
     """Add a payload to the body of its frame, in a context alone."""
     frame = model.frame(payload.frame)
     body: Any = model.plant.get_body(frame.body().index())
@@ -180,6 +181,6 @@ def _load(model: DrakeModel, context: Any, payload: Payload) -> None:
     added = SpatialInertia.MakeFromCentralInertia(
         payload.mass, x_bf.multiply(payload.center_of_mass), central
     )
-    whole = body.CalcSpatialInertiaInBodyFrame(context)
-    whole += added
-    body.SetSpatialInertiaInBodyFrame(context, whole)
+    total = body.CalcSpatialInertiaInBodyFrame(context)
+    total += added
+    body.SetSpatialInertiaInBodyFrame(context, total)

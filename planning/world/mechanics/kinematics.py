@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.geometry.pose import Pose
-from planning.world.loading.positions import require_positions
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
@@ -29,9 +29,9 @@ def forward_kinematics(
         ProblemInvalid: A row has the wrong count or is not finite.
     """
     joints = world.group(group)
-    wanted = tuple(frames) or joints.tool_frames
+    frame_names = tuple(frames) or joints.tool_frames
     poses: list[dict[str, Pose]] = []
     for i, row in enumerate(configurations):
-        full = world.embed(joints, require_positions(joints, row, f"configurations.{i}"))
-        poses.append({frame: world.frame_pose(frame, full) for frame in wanted})
+        full = world.embed(joints, validate_positions(joints, row, f"configurations.{i}"))
+        poses.append({frame: world.frame_pose(frame, full) for frame in frame_names})
     return tuple(poses)

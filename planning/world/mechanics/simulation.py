@@ -62,24 +62,26 @@ class Simulation:
         self.group = group
         self._model = world.drake
         limits = world.limits(group)
-        self._members, self._effort = _members(limits), limits.effort
+        self._block_members, self._effort = _block_members(limits), limits.effort
         self._manifold = Manifold(group.joints)
         self._kp, self._kd, self._contact_depth = bandwidth**2, 2 * bandwidth, contact_depth
         self._in_q = self._model.position_indices(self.group)
         self._in_v = self._model.velocity_indices(self.group)
         plant = self._model.plant
-        self._followers = self._model.following(group)
+        self._followers = self._model.followers_of(group)
         self._forces = MultibodyForces(plant)
         self._root = self._model.diagram.CreateDefaultContext()
         self._context = plant.GetMyMutableContextFromRoot(self._root)
         plant.SetPositions(self._context, self._model.embed(self.group, start, world.state))
         plant.SetVelocities(self._context, np.zeros(plant.num_velocities()))
-        self._refuse_massless()
-        self._held = self._hold_others()
+        self._validate_masses()
+        self._held_joints = self._hold_others()
         self._tau = plant.get_applied_generalized_force_input_port().FixValue(
             self._context, np.zeros(plant.num_velocities())
         )
-        self._probe = world.distance_probe(world.margins()) if len(self._model.standing) else None
+        self._static_probe = (
+            world.distance_probe(world.margins()) if len(self._model.static_objects) else None
+        )
         self._simulator = Simulator(self._model.diagram, self._root)
         self._simulator.Initialize()
         self._v_desired = self._vdot_desired = self._error = np.zeros(len(self._in_v))
@@ -132,7 +134,7 @@ class Simulation:
         first, last = round(self.time / step), round(time / step)
         for i in range(first + 1, last + 1):
             self._step_to(i * step)
-            for pair in self._touching():
+            for pair in self._contacts():
                 known = deepest.get(pair.bodies)
                 if known is None or pair.distance < known.distance:
                     deepest[pair.bodies] = pair
@@ -157,30 +159,30 @@ class Simulation:
         vdot = np.zeros(plant.num_velocities())
         feedback = self._kd * (self._v_desired - v[self._in_v]) + self._kp * self._error
         vdot[self._in_v] = self._vdot_desired + feedback
-        self._follow(plant.GetPositions(context), v, vdot)
+        self._set_other_accelerations(plant.GetPositions(context), v, vdot)
         plant.CalcForceElementsContribution(context, self._forces)
         tau = plant.CalcInverseDynamics(context, vdot, self._forces)
-        tau[self._in_v] *= self._cut(tau[self._in_v])
+        tau[self._in_v] *= self._effort_factors(tau[self._in_v])
         self._tau.GetMutableData().set_value(tau)
 
-    def _cut(self, tau: Array) -> Array:
+    def _effort_factors(self, tau: Array) -> Array:
         """Return the factors, shape (nv,), that scale every block's norm to its effort limit."""
-        size = np.sqrt(self._members @ (tau * tau))
-        factors = np.minimum(1.0, self._effort / np.maximum(size, 1e-12))
-        return factors @ self._members
+        norms = np.sqrt(self._block_members @ (tau * tau))
+        factors = np.minimum(1.0, self._effort / np.maximum(norms, 1e-12))
+        return factors @ self._block_members
 
-    def _follow(self, q: Array, v: Array, vdot: Array) -> None:
+    def _set_other_accelerations(self, q: Array, v: Array, vdot: Array) -> None:
         """Set the accelerations of the group's followers, and of the joints that stay."""
-        in_q, in_v, place = self._held
-        vdot[in_v] = self._kp * (place - q[in_q]) - self._kd * v[in_v]
+        in_q, in_v, targets = self._held_joints
+        vdot[in_v] = self._kp * (targets - q[in_q]) - self._kd * v[in_v]
         for c in self._followers:
-            wanted = c.multiplier * q[c.leader_position] + c.offset
-            slip = c.multiplier * v[c.leader_velocity] - v[c.follower_velocity]
-            error = wanted - q[c.follower_position]
+            target = c.multiplier * q[c.leader_position] + c.offset
+            velocity_error = c.multiplier * v[c.leader_velocity] - v[c.follower_velocity]
+            error = target - q[c.follower_position]
             leader = c.multiplier * vdot[c.leader_velocity]
-            vdot[c.follower_velocity] = leader + self._kd * slip + self._kp * error
+            vdot[c.follower_velocity] = leader + self._kd * velocity_error + self._kp * error
 
-    def _touching(self) -> list[BodyPair]:
+    def _contacts(self) -> list[BodyPair]:
         port: Any = self._model.plant.get_contact_results_output_port()
         results = port.Eval(self._context)
         infos = [
@@ -189,16 +191,16 @@ class Simulation:
         touching = [
             self._body_pair(info) for info in infos if info.point_pair().depth > self._contact_depth
         ]
-        return touching + self._touching_standing()
+        return touching + self._static_contacts()
 
-    def _touching_standing(self) -> list[BodyPair]:
+    def _static_contacts(self) -> list[BodyPair]:
         """Return contacts with objects outside of Drake's model, which exert no force."""
-        if self._probe is None:
+        if self._static_probe is None:
             return []
-        rows = self._model.standing.rows
+        rows = self._model.static_objects.rows
         return [
             pair
-            for pair in self._probe.pairs_within(self.state, -self._contact_depth)
+            for pair in self._static_probe.pairs_within(self.state, -self._contact_depth)
             if not rows.keys().isdisjoint(pair.bodies)
         ]
 
@@ -218,13 +220,13 @@ class Simulation:
         A scalar joint is held by the controller instead: Drake's solver answers NaN for a locked
         joint that stands on its position limit, as closed grippers do.
         """
-        moving = {*self._in_v.tolist(), *(c.follower_velocity for c in self._followers)}
+        controlled = {*self._in_v.tolist(), *(c.follower_velocity for c in self._followers)}
         plant = self._model.plant
         in_q: list[int] = []
         in_v: list[int] = []
         for index in plant.GetJointIndices():
             joint = plant.get_joint(index)
-            if joint.num_velocities() == 0 or joint.velocity_start() in moving:
+            if joint.num_velocities() == 0 or joint.velocity_start() in controlled:
                 continue
             if joint.num_velocities() == 1:
                 in_q.append(joint.position_start())
@@ -233,7 +235,7 @@ class Simulation:
                 joint.Lock(self._context)
         return in_q, in_v, plant.GetPositions(self._context)[in_q]
 
-    def _refuse_massless(self) -> None:
+    def _validate_masses(self) -> None:
         inertia = self._model.plant.CalcMassMatrix(self._context)
         own = inertia[np.ix_(self._in_v, self._in_v)]
         if not (np.isfinite(own).all() and np.linalg.eigvalsh(own)[0] > 0):
@@ -241,7 +243,7 @@ class Simulation:
             raise ModelInvalid(message, {"file": "", "reason": "massless"})
 
 
-def _members(limits: JointLimits) -> Array:
+def _block_members(limits: JointLimits) -> Array:
     """Return the velocity coordinates of each block, as ones, shape (num_blocks, nv)."""
     members = np.zeros((len(limits.blocks), sum(map(len, limits.blocks))))
     for row, block in zip(members, limits.blocks, strict=True):

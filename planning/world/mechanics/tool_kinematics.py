@@ -28,10 +28,10 @@ class ToolKinematics:
         Raises:
             UnknownName: There is no such frame.
         """
-        world.require_frame(frame)
+        world.validate_frame(frame)
         self._world, self._group, self.frame = world, group, frame
         self._chain = kernel_chain(world.drake, group, world.state, frame)
-        self._turning = _turning(group)
+        self._floating_offsets = _floating_offsets(group)
 
     def poses(
         self, qs: Float64[np.ndarray, "n nq"]
@@ -50,9 +50,11 @@ class ToolKinematics:
         Columns of joints that turn and shift in the tangent's own axes (floating ones) differ from
         Drake's, whose angular velocity is in the parent's axes.
         """
-        return self._by_tangent(qs, self.by_v(qs))
+        return self._to_tangent(qs, self.velocity_jacobians(qs))
 
-    def columns(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 k"]:
+    def jacobians_with_followers(
+        self, qs: Float64[np.ndarray, "n nq"]
+    ) -> Float64[np.ndarray, "n 6 k"]:
         """Return the Jacobians' columns by the tangent, followers apart from their leaders.
 
         First come the group's own, as `jacobians` has them without followers, then those of
@@ -63,7 +65,7 @@ class ToolKinematics:
             return self.jacobians(qs)
         drake = self._world.drake
         chosen = np.concatenate([drake.velocity_indices(self._group), self._followers[0]])
-        return self._by_tangent(qs, self._full(qs)[:, :, chosen])
+        return self._to_tangent(qs, self._plant_jacobians(qs)[:, :, chosen])
 
     @property
     def followers(self) -> tuple[Int64[np.ndarray, " k"], Float64[np.ndarray, " k"]]:
@@ -74,17 +76,17 @@ class ToolKinematics:
         self, qs: Float64[np.ndarray, "n nq"], vs: Float64[np.ndarray, "n nv"]
     ) -> Float64[np.ndarray, "n 3"]:
         """Return v_WT of T's origin [m/s] for Drake's generalized velocities."""
-        return np.einsum("nij,nj->ni", self.by_v(qs)[:, 3:], vs)
+        return np.einsum("nij,nj->ni", self.velocity_jacobians(qs)[:, 3:], vs)
 
-    def by_v(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
+    def velocity_jacobians(self, qs: Float64[np.ndarray, "n nq"]) -> Float64[np.ndarray, "n 6 nv"]:
         """Return the same by the group's v, which are Drake's generalized velocities."""
         if self._chain is None:
-            return self._by_drake(qs)
+            return self._drake_jacobians(qs)
         return np.asarray(self._chain.jacobians(np.ascontiguousarray(qs)))
 
-    def _by_tangent(self, qs: Array, by_v: Array) -> Array:
+    def _to_tangent(self, qs: Array, by_v: Array) -> Array:
         """Return Jacobians by the tangent, given those by Drake's velocities; changes these."""
-        for iq, iv in self._turning:
+        for iq, iv in self._floating_offsets:
             turned = rotation.matrix(qs[:, iq : iq + 4])
             by_v[:, :, iv : iv + 3] = by_v[:, :, iv : iv + 3] @ turned
         return by_v
@@ -97,14 +99,14 @@ class ToolKinematics:
         """
         drake = self._world.drake
         own = drake.velocity_indices(self._group).tolist()
-        led = {column: (i, 1.0) for i, column in enumerate(own)}
-        for c in drake.following(self._group):
-            member, scale = led[c.leader_velocity]
-            led[c.follower_velocity] = member, scale * c.multiplier
+        multiplier_of = {column: (i, 1.0) for i, column in enumerate(own)}
+        for c in drake.followers_of(self._group):
+            member, scale = multiplier_of[c.leader_velocity]
+            multiplier_of[c.follower_velocity] = member, scale * c.multiplier
         tool = drake.frame(self.frame).body().index()
         found = [
-            (column, *led[column])
-            for column in list(led)[len(own) :]
+            (column, *multiplier_of[column])
+            for column in list(multiplier_of)[len(own) :]
             if tool in drake.plant.GetBodiesKinematicallyAffectedBy([_joint_at(drake, column)])
         ]
         columns, leaders = (np.array([f[i] for f in found], dtype=np.int64) for i in range(2))
@@ -115,14 +117,14 @@ class ToolKinematics:
         """Drake's context, made at its first use: that takes longer than many queries."""
         return self._world.drake.plant.CreateDefaultContext()
 
-    def _by_drake(self, qs: Array) -> Array:
+    def _drake_jacobians(self, qs: Array) -> Array:
         drake = self._world.drake
-        full = self._full(qs)
+        full = self._plant_jacobians(qs)
         for follower, leader, multiplier in reversed(drake.mimics):
             full[:, :, leader] += multiplier * full[:, :, follower]
         return full[:, :, drake.velocity_indices(self._group)]
 
-    def _full(self, qs: Array) -> Array:
+    def _plant_jacobians(self, qs: Array) -> Array:
         """Return Drake's Jacobians by all velocities of the plant, shape (n, 6, num_velocities)."""
         plant, context = self._world.drake.plant, self._context
         frame, world, origin = (
@@ -148,7 +150,7 @@ def _joint_at(drake: DrakeModel, column: int) -> JointIndex:
     )
 
 
-def _turning(group: JointGroup) -> list[tuple[int, int]]:
+def _floating_offsets(group: JointGroup) -> list[tuple[int, int]]:
     """Return the offsets in q and in v of each floating joint."""
     found: list[tuple[int, int]] = []
     iq = iv = 0

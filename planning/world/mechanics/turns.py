@@ -14,11 +14,11 @@ from pydrake.multibody.tree import RevoluteJoint
 from planning.world.drake_model import DrakeModel
 
 # Tolerance for whole-number multipliers, such as 0.1 times 10.
-_DUST = 1e-12
+_MULTIPLIER_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
-class Led:
+class JointFollower:
     """Follower of a joint, directly or through others.
 
     Attributes:
@@ -32,22 +32,26 @@ class Led:
     offset: float
 
     @property
-    def minds_turns(self) -> bool:
+    def is_moved_by_whole_turns(self) -> bool:
         """Whether its child body is elsewhere after a whole turn of the leader."""
-        is_whole = abs(self.multiplier - round(self.multiplier)) <= _DUST
+        is_whole = abs(self.multiplier - round(self.multiplier)) <= _MULTIPLIER_TOLERANCE
         return self.multiplier != 0 and not (is_whole and isinstance(self.joint, RevoluteJoint))
 
 
-def led_by(model: DrakeModel, name: str) -> tuple[Led, ...]:
+def joint_followers(model: DrakeModel, name: str) -> tuple[JointFollower, ...]:
     """Return all followers of a joint of one coordinate, by full name; leaders first."""
     plant = model.plant
     index = model.joint_indices[name]
     joints = {int(plant.get_joint(i).velocity_start()): i for i in model.joint_indices.values()}
-    found = {int(plant.get_joint(index).velocity_start()): Led(plant.get_joint(index), 1.0, 0.0)}
+    found = {
+        int(plant.get_joint(index).velocity_start()): JointFollower(
+            plant.get_joint(index), 1.0, 0.0
+        )
+    }
     for c in model.couplings:
         leader = found.get(c.leader_velocity)
         if leader is not None:
-            found[c.follower_velocity] = Led(
+            found[c.follower_velocity] = JointFollower(
                 plant.get_joint(joints[c.follower_velocity]),
                 c.multiplier * leader.multiplier,
                 c.multiplier * leader.offset + c.offset,
@@ -55,13 +59,15 @@ def led_by(model: DrakeModel, name: str) -> tuple[Led, ...]:
     return tuple(found.values())[1:]
 
 
-def is_endless(model: DrakeModel, name: str) -> bool:
+def is_continuous(model: DrakeModel, name: str) -> bool:
     """Return whether a revolute joint is unlimited and on a circle, modulo whole turns."""
     joint = model.plant.get_joint(model.joint_indices[name])
-    led = [each for each in led_by(model, name) if each.multiplier != 0]
+    followers = [each for each in joint_followers(model, name) if each.multiplier != 0]
     bounds = [
         bound
-        for each in (joint, *(other.joint for other in led))
+        for each in (joint, *(other.joint for other in followers))
         for bound in (*each.position_lower_limits(), *each.position_upper_limits())
     ]
-    return not np.isfinite(bounds).any() and not any(each.minds_turns for each in led)
+    return not np.isfinite(bounds).any() and not any(
+        each.is_moved_by_whole_turns for each in followers
+    )

@@ -25,19 +25,19 @@ def weld_base(build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstan
     """
     robot = loaded.scene_robot
     free = _free_links(build, instances)
-    base = _base(build, loaded, free)
+    base = _base_link(build, loaded, free)
     x_wb = RigidTransform(robot.base.matrix)
     is_urdf = loaded.source.card is not None or loaded.file.root_link != ""
     if base is None:
-        _refuse_what_is_settled(build, loaded, free)
+        _validate_unset_base(build, loaded, free)
     elif robot.weld or (robot.weld is None and is_urdf):
         build.plant.WeldFrames(build.plant.world_frame(), base.body_frame(), x_wb)
         free = [link for link in free if link.index() != base.index()]
     else:
-        _require_said(build, loaded, base)
+        _validate_stated_weld(build, loaded, base)
         build.plant.SetDefaultFloatingBaseBodyPose(base, x_wb)
     if robot.weld is None:
-        build.warnings += [_floats(robot.name, link.name()) for link in free]
+        build.warnings += [_floating_warning(robot.name, link.name()) for link in free]
 
 
 def _free_links(build: Build, instances: Sequence[ModelInstanceIndex]) -> list[RigidBody]:
@@ -48,7 +48,7 @@ def _free_links(build: Build, instances: Sequence[ModelInstanceIndex]) -> list[R
     return [link for link in links if int(link.index()) not in carried]
 
 
-def _base(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> RigidBody | None:
+def _base_link(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> RigidBody | None:
     """Return the link to weld or float: the card's, the URDF's root, or the only free one."""
     card = loaded.source.card
     name = card.base if card else loaded.file.root_link
@@ -59,26 +59,26 @@ def _base(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> RigidBody
     return found[0] if len(found) == 1 else None
 
 
-def _refuse_what_is_settled(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> None:
+def _validate_unset_base(build: Build, loaded: LoadedRobot, free: list[RigidBody]) -> None:
     """Raise if the scene sets what the description determines itself."""
     robot = loaded.scene_robot
     path = f"robots.{len(build.robots) - 1}"
     names = [link.name() for link in free]
-    asked = f"{path}.weld" if robot.weld is not None else f"{path}.base"
+    field = f"{path}.weld" if robot.weld is not None else f"{path}.base"
     if robot.weld is None and RigidTransform(robot.base.matrix).IsNearlyIdentity(0.0):
         return
     if len(free) > 1:
-        message = f"{asked}: {robot.name!r} has {len(free)} links that no joint carries, {names}, "
+        message = f"{field}: {robot.name!r} has {len(free)} links that no joint carries, {names}, "
         message += "so the scene cannot place it"
-        raise SceneInvalid(message, {"path": asked, "links": names})
-    message = f"{asked}: the description of {robot.name!r} says itself how it is "
+        raise SceneInvalid(message, {"path": field, "links": names})
+    message = f"{field}: the description of {robot.name!r} says itself how it is "
     message += (
-        f"fixed to the world, so the scene cannot place it: leave `{asked[len(path) + 1 :]}` out"
+        f"fixed to the world, so the scene cannot place it: leave `{field[len(path) + 1 :]}` out"
     )
-    raise SceneInvalid(message, {"path": asked})
+    raise SceneInvalid(message, {"path": field})
 
 
-def _require_said(build: Build, loaded: LoadedRobot, base: RigidBody) -> None:
+def _validate_stated_weld(build: Build, loaded: LoadedRobot, base: RigidBody) -> None:
     """Raise unless the scene declares floating a base for which it gives a pose."""
     robot = loaded.scene_robot
     if robot.weld is None and not RigidTransform(robot.base.matrix).IsNearlyIdentity(0.0):
@@ -89,7 +89,7 @@ def _require_said(build: Build, loaded: LoadedRobot, base: RigidBody) -> None:
         raise SceneInvalid(message, {"path": path, "link": base.name()})
 
 
-def _floats(robot: str, link: str) -> str:
+def _floating_warning(robot: str, link: str) -> str:
     return (
         f"{robot}: nothing holds its base {link!r}, so it floats, and its position is planned for: "
         f"`weld: true` of robot {robot!r} welds it to the world (`weld: false` says that it floats)"

@@ -13,9 +13,9 @@ from planning.errors import ModelInvalid
 from planning.world.models.mjcf_file import MjcfDefaults
 
 # Kinds that Drake reads in all formats: where a shape is missing, it is one of the others if any.
-_READ = {"box", "capsule", "cylinder", "ellipsoid", "mesh", "plane", "sphere"}
+_SUPPORTED_KINDS = {"box", "capsule", "cylinder", "ellipsoid", "mesh", "plane", "sphere"}
 # MJCF kinds whose `fromto` (end points) Drake does not read.
-_NO_ENDS = ("box", "ellipsoid")
+_WITHOUT_FROMTO = ("box", "ellipsoid")
 _WORLD = "world"
 
 
@@ -36,7 +36,7 @@ class StatedShape:
 
 def stated_shapes(root: ET.Element) -> list[StatedShape]:
     """Return every collision shape in a description itself."""
-    return list(_of_mjcf(root) if root.tag == "mujoco" else _of_links(root))
+    return list(_mjcf_shapes(root) if root.tag == "mujoco" else _link_shapes(root))
 
 
 def collision_counts(plant: Any, bodies: Sequence[BodyIndex]) -> Counter[str]:
@@ -48,7 +48,7 @@ def collision_counts(plant: Any, bodies: Sequence[BodyIndex]) -> Counter[str]:
     return counts
 
 
-def require_shapes(
+def validate_num_shapes(
     plant: Any,
     instances: Sequence[ModelInstanceIndex],
     stated: Sequence[StatedShape],
@@ -73,15 +73,17 @@ def require_shapes(
     named = {shape.link for shape in stated}
     nameless = sum(counts[name] for name in counts if name not in named and name != _WORLD)
     for link in sorted(named):
-        own = [shape for shape in stated if shape.link == link]
+        link_shapes = [shape for shape in stated if shape.link == link]
         count = counts[link] if link else nameless
-        if count < len(own):
-            raise _missing(file, link, own, count)
+        if count < len(link_shapes):
+            raise _missing_shapes_error(file, link, link_shapes, count)
 
 
-def _missing(file: Path, link: str, own: Sequence[StatedShape], count: int) -> ModelInvalid:
-    suspects = [shape for shape in own if shape.kind not in _READ] or list(own)
-    elements = [f"{shape.element or 'without a name'} ({shape.kind})" for shape in suspects]
+def _missing_shapes_error(
+    file: Path, link: str, own: Sequence[StatedShape], count: int
+) -> ModelInvalid:
+    unsupported = [shape for shape in own if shape.kind not in _SUPPORTED_KINDS] or list(own)
+    elements = [f"{shape.element or 'without a name'} ({shape.kind})" for shape in unsupported]
     reason = f"link {link!r}: {count} of its {len(own)} collision shapes are read; not read: "
     reason += ", ".join(elements) + ". Describe it by boxes, spheres, cylinders, capsules, "
     reason += "ellipsoids or meshes"
@@ -89,7 +91,7 @@ def _missing(file: Path, link: str, own: Sequence[StatedShape], count: int) -> M
     return ModelInvalid(f"{file.name}: {reason}", evidence)
 
 
-def _of_links(root: ET.Element) -> Iterator[StatedShape]:
+def _link_shapes(root: ET.Element) -> Iterator[StatedShape]:
     """Yield the shapes of URDF or SDF."""
     for link in root.iter("link"):
         if link.get("drake_ignore") == "true":
@@ -106,7 +108,7 @@ def _kinds(geometry: ET.Element | None) -> list[str]:
     return [tag.rpartition("}")[2].removeprefix("drake:") for tag in own or tags]
 
 
-def _of_mjcf(root: ET.Element) -> Iterator[StatedShape]:
+def _mjcf_shapes(root: ET.Element) -> Iterator[StatedShape]:
     defaults = MjcfDefaults(root)
     holders = [(body.get("name", ""), body) for body in root.iter("body")]
     holders += [(_WORLD, body) for body in root.findall("worldbody")]
@@ -115,5 +117,7 @@ def _of_mjcf(root: ET.Element) -> Iterator[StatedShape]:
             masks = [defaults.get(geom, mask, "1") for mask in ("contype", "conaffinity")]
             if masks != ["0", "0"]:
                 kind = defaults.get(geom, "type", "sphere")
-                by_ends = " fromto" if defaults.get(geom, "fromto") and kind in _NO_ENDS else ""
+                by_ends = (
+                    " fromto" if defaults.get(geom, "fromto") and kind in _WITHOUT_FROMTO else ""
+                )
                 yield StatedShape(link, geom.get("name", ""), kind + by_ends)

@@ -49,7 +49,9 @@ def couplings(
             message += "joint of it that moves"
             raise ModelInvalid(message, {"joints": joints, "reason": message})
         follower, leader = (plant.get_joint(index) for index in pair if index)
-        _require_single(robot, mimic, follower.num_velocities(), leader.num_velocities())
+        _validate_single_coordinates(
+            robot, mimic, follower.num_velocities(), leader.num_velocities()
+        )
         found.append(
             Coupling(
                 follower.position_start(),
@@ -63,7 +65,7 @@ def couplings(
     return tuple(found)
 
 
-def _require_single(robot: str, mimic: Mimic, *counts: int) -> None:
+def _validate_single_coordinates(robot: str, mimic: Mimic, *counts: int) -> None:
     if set(counts) != {1}:
         joints = [mimic.follower, mimic.leader]
         message = f"robot {robot!r}: of the joints {joints}, one follows the other, and not both "
@@ -76,8 +78,8 @@ def _leaders_first(mimics: Sequence[tuple[str, Mimic]]) -> list[tuple[str, Mimic
     ordered: list[tuple[str, Mimic]] = []
     rest = list(mimics)
     while rest:
-        waiting = {(robot, mimic.follower) for robot, mimic in rest}
-        ready = [entry for entry in rest if (entry[0], entry[1].leader) not in waiting]
+        followers = {(robot, mimic.follower) for robot, mimic in rest}
+        ready = [entry for entry in rest if (entry[0], entry[1].leader) not in followers]
         if not ready:
             robot = rest[0][0]
             joints = sorted(mimic.follower for owner, mimic in rest if owner == robot)

@@ -36,10 +36,10 @@ def wanted_groups(loaded: LoadedRobot, joints: Mapping[str, Joint]) -> WantedGro
         joints: Its independent joints, by their names in the description.
     """
     card = loaded.source.card
-    return _of_card(card, joints) if card else _of_srdf(loaded, joints)
+    return _card_groups(card, joints) if card else _srdf_groups(loaded, joints)
 
 
-def _of_card(card: RobotCard, joints: Mapping[str, Joint]) -> WantedGroups:
+def _card_groups(card: RobotCard, joints: Mapping[str, Joint]) -> WantedGroups:
     return WantedGroups(
         default=card.default_group,
         groups={name: (group.joints, group.tool_frames) for name, group in card.groups.items()},
@@ -51,7 +51,7 @@ def _of_card(card: RobotCard, joints: Mapping[str, Joint]) -> WantedGroups:
     )
 
 
-def _of_srdf(loaded: LoadedRobot, joints: Mapping[str, Joint]) -> WantedGroups:
+def _srdf_groups(loaded: LoadedRobot, joints: Mapping[str, Joint]) -> WantedGroups:
     """Return the groups of the SRDF, if there is one, and one of all joints that move."""
     counts = {name: len(joint.position_names) for name, joint in joints.items()}
     srdf = read_srdf(loaded.file.file, counts)

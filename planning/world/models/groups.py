@@ -18,12 +18,12 @@ from planning.domain.robot.steering import Steering, steered
 from planning.errors import ModelInvalid, UnknownName
 from planning.world.drake_model import DrakeModel
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.mechanics.turns import is_endless, led_by
+from planning.world.mechanics.turns import is_continuous, joint_followers
 from planning.world.models.default_groups import wanted_groups
 from planning.world.models.robot_card import EffortCard, LimitsCard
 
 # Default limits: half a second to full speed, a tenth of a second to full acceleration.
-_ASSUMED_VELOCITY = 1.0
+_DEFAULT_VELOCITY = 1.0
 ACCELERATION_PER_VELOCITY = 2.0
 JERK_PER_ACCELERATION = 10.0
 
@@ -60,7 +60,7 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
     robot = loaded.scene_robot.name
     joints = _joints_of(model, loaded)
     wanted = wanted_groups(loaded, joints)
-    _require_joints(model, loaded)
+    _validate_limited_joints(model, loaded)
     steering = _steering(loaded, joints)
     groups: dict[str, JointGroup] = {}
     for name, (members, tools) in wanted.groups.items():
@@ -69,19 +69,21 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
                 raise UnknownName.among("joint", member, joints)
         chosen = tuple(joints[member] for member in members)
         full = robot if name == wanted.default else f"{robot}::{name}"
-        frames = tuple(f"{robot}::{tool}" for tool in tools) or _tips(model, chosen)
+        frames = tuple(f"{robot}::{tool}" for tool in tools) or _default_tool_frames(model, chosen)
         for frame in frames:
             if frame not in model.frames:
                 raise UnknownName.among("frame", frame, model.frames)
         cars = {joint.name: steering[joint.name] for joint in chosen if joint.name in steering}
-        groups[name] = steered(JointGroup(full, chosen, frames, _winding(model, chosen)), cars)
+        groups[name] = steered(
+            JointGroup(full, chosen, frames, _winding_joints(model, chosen)), cars
+        )
     warnings = tuple(f"{robot}: {text}" for text in wanted.warnings)
     return RobotGroups(
         robot, wanted.default, groups, wanted.configurations, wanted.assumed, warnings
     )
 
 
-def _require_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
+def _validate_limited_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
     """Raise unless the description has every joint with limits in the card."""
     prefix = f"{loaded.scene_robot.name}::"
     known = [full.removeprefix(prefix) for full in model.joint_indices if full.startswith(prefix)]
@@ -90,13 +92,13 @@ def _require_joints(model: DrakeModel, loaded: LoadedRobot) -> None:
             raise UnknownName.among("joint", name, known)
 
 
-def _winding(model: DrakeModel, joints: Sequence[Joint]) -> tuple[str, ...]:
+def _winding_joints(model: DrakeModel, joints: Sequence[Joint]) -> tuple[str, ...]:
     """Return the revolute joints whose whole turns move their followers."""
     return tuple(
         joint.name
         for joint in joints
         if joint.type is JointType.REVOLUTE
-        and any(led.minds_turns for led in led_by(model, joint.name))
+        and any(follower.is_moved_by_whole_turns for follower in joint_followers(model, joint.name))
     )
 
 
@@ -169,7 +171,7 @@ def _type_of(model: DrakeModel, name: str) -> JointType:
     joint = model.plant.get_joint(model.joint_indices[name])
     match joint:
         case RevoluteJoint():
-            return JointType.CONTINUOUS if is_endless(model, name) else JointType.REVOLUTE
+            return JointType.CONTINUOUS if is_continuous(model, name) else JointType.REVOLUTE
         case PrismaticJoint():
             return JointType.PRISMATIC
         case PlanarJoint():
@@ -182,7 +184,7 @@ def _type_of(model: DrakeModel, name: str) -> JointType:
             raise ModelInvalid(message, {"joint": name, "reason": message})
 
 
-def _tips(model: DrakeModel, joints: tuple[Joint, ...]) -> tuple[str, ...]:
+def _default_tool_frames(model: DrakeModel, joints: tuple[Joint, ...]) -> tuple[str, ...]:
     """Return the frame of the last link that the last joint carries: the default tool frame."""
     if not joints:
         return ()
@@ -208,9 +210,11 @@ def _position_bounds(
 def _scalar_rates(
     stated: LimitsCard, joint: Any, effort: float
 ) -> tuple[float, float, float, float]:
-    of_file = float(joint.velocity_upper_limits()[0])
-    of_file = of_file if np.isfinite(of_file) and of_file > 0 else _ASSUMED_VELOCITY
-    velocity = stated.velocity or of_file
+    velocity_limit = float(joint.velocity_upper_limits()[0])
+    velocity_limit = (
+        velocity_limit if np.isfinite(velocity_limit) and velocity_limit > 0 else _DEFAULT_VELOCITY
+    )
+    velocity = stated.velocity or velocity_limit
     acceleration = stated.acceleration or velocity * ACCELERATION_PER_VELOCITY
     jerk = stated.jerk or acceleration * JERK_PER_ACCELERATION
     if isinstance(stated.effort, float):
@@ -226,7 +230,7 @@ def _block_rates(joint: Joint, stated: LimitsCard) -> list[tuple[float, float, f
         effort = np.inf
         if isinstance(stated.effort, EffortCard):
             effort = stated.effort.force if is_linear else stated.effort.torque
-        v = card.velocity if card else _ASSUMED_VELOCITY
+        v = card.velocity if card else _DEFAULT_VELOCITY
         a = card.acceleration if card else v * ACCELERATION_PER_VELOCITY
         rates.append((v, a, card.jerk if card else a * JERK_PER_ACCELERATION, effort))
     return rates

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.robot.followers import Follower, together
+from planning.domain.robot.followers import Follower, combine_limits
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.world.drake_model import DrakeModel
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.mechanics.turns import led_by
+from planning.world.mechanics.turns import joint_followers
 from planning.world.models.groups import (
     ACCELERATION_PER_VELOCITY,
     JERK_PER_ACCELERATION,
@@ -17,10 +17,10 @@ from planning.world.models.groups import (
 )
 from planning.world.models.robot_card import LimitsCard
 
-_NOTHING_STATED = LimitsCard()
+_NO_LIMITS = LimitsCard()
 
 
-def limits_together(
+def combined_limits(
     model: DrakeModel, group: JointGroup, robots: Sequence[LoadedRobot]
 ) -> JointLimits:
     """Return the limits under which a group and all its followers keep their own.
@@ -29,7 +29,7 @@ def limits_together(
         ModelInvalid: No position of a leader keeps both its own limits and its follower's.
     """
     own = group_limits(model, group, list(robots))
-    return together(own, followers_of(model, group, robots))
+    return combine_limits(own, followers_of(model, group, robots))
 
 
 def followers_of(
@@ -47,20 +47,20 @@ def followers_of(
     for joint in group.joints:
         robot, _, leader = joint.name.partition("::")
         card = cards.get(robot, {})
-        for led in led_by(model, joint.name):
-            name = led.joint.name()
-            stated = card.get(name, _NOTHING_STATED)
-            low, high = _position_range(led.joint, stated)
-            rates = _rates(led.joint, stated, card.get(leader, _NOTHING_STATED))
+        for follower in joint_followers(model, joint.name):
+            name = follower.joint.name()
+            stated = card.get(name, _NO_LIMITS)
+            low, high = _position_range(follower.joint, stated)
+            rates = _rates(follower.joint, stated, card.get(leader, _NO_LIMITS))
             found.append(
                 Follower(
                     name=f"{robot}::{name}",
                     leader=joint.name,
-                    position=iq,
-                    rate=iv,
-                    block=block,
-                    multiplier=led.multiplier,
-                    offset=led.offset,
+                    position_index=iq,
+                    velocity_index=iv,
+                    block_index=block,
+                    multiplier=follower.multiplier,
+                    offset=follower.offset,
                     lower=low,
                     upper=high,
                     velocity=rates[0],

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
-_LIMITED = {"revolute", "prismatic"}
+_TYPES_WITH_LIMITS = {"revolute", "prismatic"}
 # SDF's value for no limit.
-_ENDLESS = 1e15
+_SDF_UNLIMITED = 1e15
 
 
 def unlimited_joints(models: list[ET.Element]) -> tuple[str, ...]:
@@ -20,7 +20,8 @@ def unlimited_joints(models: list[ET.Element]) -> tuple[str, ...]:
         for model in models
         if model.tag != "mujoco"
         for joint in model.iter("joint")
-        if joint.get("type") in _LIMITED and any(not _is_finite(bound) for bound in _bounds(joint))
+        if joint.get("type") in _TYPES_WITH_LIMITS
+        and any(not _is_finite(bound) for bound in _bounds(joint))
     )
     return tuple(dict.fromkeys(names))
 
@@ -37,4 +38,4 @@ def _is_finite(text: str) -> bool:
         number = float(text)
     except ValueError:
         return True  # the parser reports it
-    return math.isfinite(number) and abs(number) < _ENDLESS
+    return math.isfinite(number) and abs(number) < _SDF_UNLIMITED

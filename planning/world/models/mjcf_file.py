@@ -11,9 +11,9 @@ from planning.errors import AssetNotFound, ModelInvalid
 from planning.world.documents.xml_file import xml_root
 
 # Bodies and geoms inside these never reach Drake's plant.
-_UNREAD = ("attach", "composite", "flex", "flexcomp", "frame", "replicate")
-_UNREAD_OF_MESHES = {"refpos": [0.0, 0.0, 0.0], "refquat": [1.0, 0.0, 0.0, 0.0]}
-_MOST_INCLUDES = 100
+_UNSUPPORTED_ELEMENTS = ("attach", "composite", "flex", "flexcomp", "frame", "replicate")
+_UNSUPPORTED_MESH_ATTRIBUTES = {"refpos": [0.0, 0.0, 0.0], "refquat": [1.0, 0.0, 0.0, 0.0]}
+_MAX_INCLUDES = 100
 
 
 @dataclass(frozen=True)
@@ -31,35 +31,35 @@ class MjcfDefaults:
 
     def __init__(self, root: ET.Element) -> None:
         """Read the `default` elements of a model."""
-        self._of: dict[str, dict[str, dict[str, str]]] = {"main": {}}
-        self._class: dict[ET.Element, str] = {}
+        self._defaults_by_class: dict[str, dict[str, dict[str, str]]] = {"main": {}}
+        self._class_of: dict[ET.Element, str] = {}
         for default in root.findall("default"):
             self._read(default, default.get("class", "main"), {})
         for child in root:
             if child.tag != "default":
-                self._descend(child, "main")
+                self._assign_classes(child, "main")
 
-    def get(self, element: ET.Element, name: str, otherwise: str = "") -> str:
+    def get(self, element: ET.Element, name: str, default: str = "") -> str:
         """Return an attribute of an element of the model, or its class default."""
-        chosen = element.get("class") or self._class.get(element, "main")
-        by_class = self._of.get(chosen, {}).get(element.tag, {})
-        return element.get(name) or by_class.get(name) or otherwise
+        chosen = element.get("class") or self._class_of.get(element, "main")
+        by_class = self._defaults_by_class.get(chosen, {}).get(element.tag, {})
+        return element.get(name) or by_class.get(name) or default
 
-    def _read(self, default: ET.Element, name: str, above: dict[str, dict[str, str]]) -> None:
-        own = {tag: dict(values) for tag, values in above.items()}
+    def _read(self, default: ET.Element, name: str, inherited: dict[str, dict[str, str]]) -> None:
+        own = {tag: dict(values) for tag, values in inherited.items()}
         for element in default:
             if element.tag != "default":
                 own[element.tag] = {**own.get(element.tag, {}), **element.attrib}
-        self._of[name] = {**self._of.get(name, {}), **own}
+        self._defaults_by_class[name] = {**self._defaults_by_class.get(name, {}), **own}
         for child in default.findall("default"):
-            self._read(child, child.get("class", ""), self._of[name])
+            self._read(child, child.get("class", ""), self._defaults_by_class[name])
 
-    def _descend(self, element: ET.Element, chosen: str) -> None:
+    def _assign_classes(self, element: ET.Element, chosen: str) -> None:
         """Record the class that each element inherits from the bodies around it."""
-        self._class[element] = chosen
-        inside = element.get("childclass") or chosen
+        self._class_of[element] = chosen
+        child_class = element.get("childclass") or chosen
         for child in element:
-            self._descend(child, inside)
+            self._assign_classes(child, child_class)
 
 
 def with_includes(file: Path, root: ET.Element) -> bool:
@@ -69,10 +69,10 @@ def with_includes(file: Path, root: ET.Element) -> bool:
         AssetNotFound: An included file does not exist.
         ModelInvalid: It is not XML, or includes itself, or too many are included.
     """
-    return bool(_expand(file, root, (_resolved(file, file.name),), _MOST_INCLUDES))
+    return bool(_expand(file, root, (_resolved(file, file.name),), _MAX_INCLUDES))
 
 
-def _expand(file: Path, root: ET.Element, chain: tuple[Path, ...], left: int) -> int:
+def _expand(file: Path, root: ET.Element, chain: tuple[Path, ...], max_includes: int) -> int:
     """Expand the includes of the last file of a chain; return their number."""
     count = 0
     for parent in [parent for parent in root.iter() if parent.find("include") is not None]:
@@ -80,14 +80,14 @@ def _expand(file: Path, root: ET.Element, chain: tuple[Path, ...], left: int) ->
             name = include.get("file", "")
             path = _resolved(file, name)
             if path in chain:
-                circle = " -> ".join(step.name for step in (*chain[chain.index(path) :], path))
-                raise _invalid(file, f"it includes itself: {circle}")
+                cycle = " -> ".join(step.name for step in (*chain[chain.index(path) :], path))
+                raise _invalid(file, f"it includes itself: {cycle}")
             inner = _included(file, name)
-            count += 1 + _expand(file, inner, (*chain, path), left - count - 1)
-            if count > left:
-                raise _invalid(file, f"more than {_MOST_INCLUDES} files are included")
-            place = list(parent).index(include)
-            parent[place : place + 1] = list(inner)
+            count += 1 + _expand(file, inner, (*chain, path), max_includes - count - 1)
+            if count > max_includes:
+                raise _invalid(file, f"more than {_MAX_INCLUDES} files are included")
+            index = list(parent).index(include)
+            parent[index : index + 1] = list(inner)
     return count
 
 
@@ -106,7 +106,7 @@ def _included(file: Path, name: str) -> ET.Element:
         raise _invalid(file, f"the included {name!r} cannot be read: {fault}") from fault
 
 
-def refuse_unread(file: Path, root: ET.Element) -> None:
+def validate_supported_elements(file: Path, root: ET.Element) -> None:
     """Raise if Drake's parser ignores a part of a model that moves or collides.
 
     Raises:
@@ -114,19 +114,19 @@ def refuse_unread(file: Path, root: ET.Element) -> None:
     """
     for element in (inner for part in ("worldbody", "deformable") for inner in root.iter(part)):
         for inner in element.iter():
-            if inner.tag in _UNREAD:
+            if inner.tag in _UNSUPPORTED_ELEMENTS:
                 reason = f"<{inner.tag}> is not read: write out the bodies and geoms that it makes"
                 raise _invalid(file, reason)
-    _refuse_points(file, root)
+    _validate_sphere_radii(file, root)
     for mesh in root.iter("mesh"):
-        for attribute, at_rest in _UNREAD_OF_MESHES.items():
+        for attribute, at_rest in _UNSUPPORTED_MESH_ATTRIBUTES.items():
             numbers = [_number(file, word) for word in mesh.get(attribute, "").split()]
             if numbers not in ([], at_rest):
                 reason = f"mesh {mesh.get('name') or mesh.get('file')!r} has {attribute!r}, which "
                 raise _invalid(file, reason + "is not read: move the mesh's vertices instead")
 
 
-def _refuse_points(file: Path, root: ET.Element) -> None:
+def _validate_sphere_radii(file: Path, root: ET.Element) -> None:
     """Raise unless every sphere has a radius: without one Drake makes a point."""
     defaults = MjcfDefaults(root)
     for geom in (geom for world in root.findall("worldbody") for geom in world.iter("geom")):
@@ -162,7 +162,7 @@ def joint_equalities(file: Path, root: ET.Element) -> list[JointEquality]:
         return math.radians(value) if is_angle and degrees else value
 
     found: list[JointEquality] = []
-    for equality in _active(root, defaults):
+    for equality in _active_equalities(root, defaults):
         names = (equality.get("joint1", ""), equality.get("joint2", ""))
         kind = f"equality <{equality.tag}> {equality.get('name', '')!r}".removesuffix(" ''")
         if equality.tag != "joint":
@@ -184,7 +184,7 @@ def joint_equalities(file: Path, root: ET.Element) -> list[JointEquality]:
     return found
 
 
-def _active(root: ET.Element, defaults: MjcfDefaults) -> Iterator[ET.Element]:
+def _active_equalities(root: ET.Element, defaults: MjcfDefaults) -> Iterator[ET.Element]:
     for section in root.findall("equality"):
         for equality in section:
             active = equality.get("active") or defaults.get(ET.Element("equality"), "active")

@@ -18,10 +18,10 @@ _POSITIVE = {
 }
 # Drake's scope separator; a link with it in its own name ends the process.
 _SCOPE = "::"
-_NAMED = ("link", "body", "model", "robot")
+_NAMED_ELEMENTS = ("link", "body", "model", "robot")
 
 
-def refuse_faults(file: Path, root: ET.Element) -> None:
+def validate_description(file: Path, root: ET.Element) -> None:
     """Raise if a part of a description would crash or mislead Drake.
 
     Raises:
@@ -31,10 +31,10 @@ def refuse_faults(file: Path, root: ET.Element) -> None:
     for element in root.iter():
         if "xacro" in element.tag:
             raise invalid(file, f"this is xacro source; expand it first: {expansion(file.name)}")
-        _refuse_scopes(file, element)
-        _refuse_bad_sizes(file, element)
+        _validate_name(file, element)
+        _validate_sizes(file, element)
     for joint, limit in _limits(root):
-        _refuse_limit(file, joint, limit)
+        _validate_limit(file, joint, limit)
 
 
 def invalid(file: Path, reason: str, **evidence: str) -> ModelInvalid:
@@ -63,15 +63,15 @@ def _tag(element: ET.Element) -> str:
     return element.tag.rsplit("}", 1)[-1].removeprefix("drake:")
 
 
-def _refuse_scopes(file: Path, element: ET.Element) -> None:
+def _validate_name(file: Path, element: ET.Element) -> None:
     tag = _tag(element)
     name = element.get("model" if tag == "mujoco" else "name", "")
-    if _SCOPE in name and tag in (*_NAMED, "mujoco"):
+    if _SCOPE in name and tag in (*_NAMED_ELEMENTS, "mujoco"):
         reason = f"{tag} {name!r}: a name must not contain {_SCOPE!r}, which separates a robot "
         raise invalid(file, reason + "from its parts", element=name)
 
 
-def _refuse_bad_sizes(file: Path, element: ET.Element) -> None:
+def _validate_sizes(file: Path, element: ET.Element) -> None:
     tag = _tag(element)
     if tag == "mass":
         mass = element.get("value", element.text)
@@ -104,7 +104,7 @@ def _limits(root: ET.Element) -> Iterator[tuple[str, dict[str, str]]]:
                 yield name, {key: words_of[key] for key in ("lower", "upper") if words_of.get(key)}
 
 
-def _refuse_limit(file: Path, joint: str, limit: dict[str, str]) -> None:
+def _validate_limit(file: Path, joint: str, limit: dict[str, str]) -> None:
     known = {
         key: _bound(file, f"{joint}: limit {key}", limit[key])
         for key in ("lower", "upper", "velocity", "effort")

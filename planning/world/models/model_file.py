@@ -13,13 +13,17 @@ from xml.etree import ElementTree as ET
 
 from planning.errors import AssetNotFound
 from planning.world.documents.xml_file import xml_root
-from planning.world.files.mesh_check import require_sound_mesh
+from planning.world.files.mesh_check import validate_mesh
 from planning.world.files.mesh_files import with_readable_meshes
 from planning.world.files.sdf_includes import included_models
 from planning.world.models.collision_count import StatedShape, stated_shapes
 from planning.world.models.missing_limits import unlimited_joints
-from planning.world.models.mjcf_file import joint_equalities, refuse_unread, with_includes
-from planning.world.models.model_faults import invalid, number_in, refuse_faults
+from planning.world.models.mjcf_file import (
+    joint_equalities,
+    validate_supported_elements,
+    with_includes,
+)
+from planning.world.models.model_faults import invalid, number_in, validate_description
 
 PACKAGE = re.compile(r"^(?:package|model)://([^/]+)/(.*)$")
 
@@ -82,12 +86,12 @@ class ModelFile:
     unlimited: tuple[str, ...]
 
 
-def inspect_model(file: Path, twins: Path) -> ModelFile:
+def inspect_model(file: Path, converted_meshes: Path) -> ModelFile:
     """Return the data of a description, if it is safe to give to Drake.
 
     Args:
         file: The description.
-        twins: Folder of meshes converted from those that Drake does not read.
+        converted_meshes: Folder of meshes converted from those that Drake does not read.
 
     Raises:
         AssetNotFound: A package, mesh or included MJCF file that it names does not exist.
@@ -99,12 +103,12 @@ def inspect_model(file: Path, twins: Path) -> ModelFile:
     is_mjcf = root.tag == "mujoco"
     includes = is_mjcf and with_includes(file, root)
     if is_mjcf:
-        refuse_unread(file, root)
-    refuse_faults(file, root)
+        validate_supported_elements(file, root)
+    validate_description(file, root)
     packages, meshes = _find_meshes(file, root)
     models = [root, *included_models(file, root, packages)]
     for model in models[1:]:
-        refuse_faults(file, model)
+        validate_description(file, model)
     is_nameless = is_mjcf and not root.get("model")
     if is_nameless:  # MuJoCo needs no name, Drake does
         root.set("model", file.stem)
@@ -122,14 +126,16 @@ def inspect_model(file: Path, twins: Path) -> ModelFile:
         mimics=tuple(_equalities(file, root) if is_mjcf else _mimics(file, models)),
         effort=_efforts(root),
         packages=packages,
-        rewritten=with_readable_meshes(file, root, meshes, twins, always=is_nameless or includes),
+        rewritten=with_readable_meshes(
+            file, root, meshes, converted_meshes, always=is_nameless or includes
+        ),
         disabled_pairs=tuple(_disabled_pairs(file)),
         shapes=tuple(shape for model in models for shape in stated_shapes(model)),
         unlimited=unlimited_joints(models),
     )
 
 
-def plain_root(content: bytes) -> ET.Element | None:
+def parse_xml_or_none(content: bytes) -> ET.Element | None:
     """Return the root of an XML text that is safe to parse; None for any other."""
     try:
         return xml_root(content)
@@ -170,7 +176,7 @@ def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[st
             place = os.path.relpath(meshes[uri], file.parent)
             message = f"{file.name} names the mesh {uri!r}, and there is no {place!r} beside it"
             raise AssetNotFound(message, {"uri": uri, "known": sorted(packages)})
-        require_sound_mesh(meshes[uri], file.name)
+        validate_mesh(meshes[uri], file.name)
     return packages, meshes
 
 

@@ -11,10 +11,10 @@ from pydrake.geometry import Role
 from pydrake.multibody.tree import ModelInstanceIndex
 
 _DRAKE = logging.getLogger("drake")
-_PLACE = re.compile(r"^.*?:(\d+): warning: ")
+_LOCATION_PREFIX = re.compile(r"^.*?:(\d+): warning: ")
 # Warnings about features that `planning` reads itself, or that affect neither motions nor
 # collisions.
-_OURS = re.compile(
+_IRRELEVANT = re.compile(
     r"mimic|floating|transmission|equality|texture|actuat|effort|material|friction|damping|sensor"
     r"|keyframe|gazebo|light|camera|site|plugin|statistic|visual",
     re.IGNORECASE,
@@ -66,13 +66,13 @@ def parser_warnings(robot: str, warnings: list[str]) -> Generator[None]:
     with _COLLECTOR.collected() as texts:
         yield
     warnings += [
-        f"{robot}: {_PLACE.sub(r'line \1: ', text)}"
+        f"{robot}: {_LOCATION_PREFIX.sub(r'line \1: ', text)}"
         for text in dict.fromkeys(texts)
-        if not _OURS.search(_PLACE.sub("", text))
+        if not _IRRELEVANT.search(_LOCATION_PREFIX.sub("", text))
     ]
 
 
-def visual_only(
+def visual_only_warnings(
     scene_graph: Any, plant: Any, instances: Sequence[ModelInstanceIndex], robot: str
 ) -> list[str]:
     """Return a warning for every link with a visual and no collision shape."""

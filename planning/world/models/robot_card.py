@@ -97,15 +97,15 @@ def read_robot_card(path: Path) -> RobotCard:
             f"{'.'.join(map(str, error['loc'])) or 'it'}: {error['msg']}"
             for error in fault.errors()
         )
-        raise _no_card(path, reason) from fault
+        raise _invalid_card(path, reason) from fault
     except (yaml.YAMLError, UnicodeDecodeError) as fault:
-        raise _no_card(path, str(fault)) from fault
+        raise _invalid_card(path, str(fault)) from fault
     if card.default_group not in card.groups:
         message = f"default_group {card.default_group!r} is not a group: {sorted(card.groups)}"
         raise ModelInvalid(message, {"file": str(path), "reason": message})
     return card
 
 
-def _no_card(path: Path, reason: str) -> ModelInvalid:
+def _invalid_card(path: Path, reason: str) -> ModelInvalid:
     message = f"{path.name} of {path.parent.name} is not a robot card: {reason}"
     return ModelInvalid(message, {"file": str(path), "reason": reason})

@@ -55,7 +55,7 @@ def read_srdf(urdf: Path, movable: Mapping[str, int]) -> Srdf:
         name, group = state.get("name", ""), state.get("group", "")
         try:
             configurations.setdefault(name, {})[group] = _values(state, groups, movable)
-        except _LeftOut as fault:
+        except _StateIgnored as fault:
             text = f"group state {name!r} of {group!r} in {file.name} is left out: {fault}"
             warnings.append(text)
     warnings += [
@@ -84,10 +84,10 @@ def end_effector_joints(urdf: Path) -> set[str]:
     if file is None:
         return set()
     reader = _Reader(xml_root(file.read_bytes()), _parent_joints(urdf))
-    return {joint for name in reader.hands for joint in reader.members(name)}
+    return {joint for name in reader.end_effector_groups for joint in reader.members(name)}
 
 
-class _LeftOut(Exception):
+class _StateIgnored(Exception):
     """Reason why a group state is ignored."""
 
 
@@ -96,19 +96,21 @@ def _values(
 ) -> tuple[float, ...]:
     group = groups.get(state.get("group", ""))
     if group is None:
-        raise _LeftOut("there is no such group of joints that move")
-    said = {joint.get("name", ""): joint.get("value", "") for joint in state.findall("joint")}
+        raise _StateIgnored("there is no such group of joints that move")
+    values_by_joint = {
+        joint.get("name", ""): joint.get("value", "") for joint in state.findall("joint")
+    }
     values: list[float] = []
     for joint in group.joints:
-        if joint not in said:
-            raise _LeftOut(f"it says nothing of joint {joint!r}")
+        if joint not in values_by_joint:
+            raise _StateIgnored(f"it says nothing of joint {joint!r}")
         try:
-            numbers = [float(word) for word in said[joint].split()]
+            numbers = [float(word) for word in values_by_joint[joint].split()]
         except ValueError:
             numbers = []
         if len(numbers) != movable[joint] or not all(map(math.isfinite, numbers)):
-            wanted = f"{movable[joint]} finite number" + "s" * (movable[joint] > 1)
-            raise _LeftOut(f"joint {joint!r} needs {wanted}, got {said[joint]!r}")
+            expected = f"{movable[joint]} finite number" + "s" * (movable[joint] > 1)
+            raise _StateIgnored(f"joint {joint!r} needs {expected}, got {values_by_joint[joint]!r}")
         values += numbers
     return tuple(values)
 
@@ -121,7 +123,7 @@ class _Reader:
         self._parents = parents
         self._effectors = root.findall("end_effector")
         named = {effector.get("group", "") for effector in self._effectors}
-        self.hands = [name for name in self._groups if name in named]
+        self.end_effector_groups = [name for name in self._groups if name in named]
 
     def ordered(self) -> list[str]:
         """Return the names of the groups, the default one first."""
@@ -129,7 +131,7 @@ class _Reader:
         def rank(name: str) -> tuple[bool, bool, bool]:
             group = self._groups[name]
             has_chain, has_groups = group.find("chain") is not None, group.find("group") is not None
-            return name in self.hands, not has_chain, has_groups
+            return name in self.end_effector_groups, not has_chain, has_groups
 
         return sorted(self._groups, key=rank)
 
@@ -137,22 +139,22 @@ class _Reader:
         """Return whether a group is one chain and nothing else, so that it has an order."""
         return [part.tag for part in self._groups[name]] == ["chain"]
 
-    def members(self, name: str, above: frozenset[str] = frozenset()) -> list[str]:
+    def members(self, name: str, enclosing: frozenset[str] = frozenset()) -> list[str]:
         """Return the joints of a group: of its chains, joints, links and subgroups."""
         found: list[str] = []
-        if name not in self._groups or name in above:
+        if name not in self._groups or name in enclosing:
             return found
         for part in self._groups[name]:
             own = part.get("name", "")
             match part.tag:
                 case "chain":
-                    found += self._between(part.get("base_link", ""), part.get("tip_link", ""))
+                    found += self._chain_joints(part.get("base_link", ""), part.get("tip_link", ""))
                 case "joint":
                     found.append(own)
                 case "link" if own in self._parents:
                     found.append(self._parents[own][0])
                 case "group":
-                    found += self.members(own, above | {name})
+                    found += self.members(own, enclosing | {name})
                 case _:
                     pass
         return found
@@ -160,7 +162,7 @@ class _Reader:
     def tools(self, name: str, joints: list[str]) -> tuple[str, ...]:
         """Return the tips of a group's chains and the parent links of its end effectors."""
         tips = [chain.get("tip_link", "") for chain in self._groups[name].findall("chain")]
-        for effector in () if name in self.hands else self._effectors:
+        for effector in () if name in self.end_effector_groups else self._effectors:
             link, of = effector.get("parent_link", ""), effector.get("parent_group")
             if of == name or (of is None and self._is_moved(link, joints)):
                 tips.append(link)
@@ -168,9 +170,9 @@ class _Reader:
 
     def _is_moved(self, link: str, joints: list[str]) -> bool:
         """Return whether a group's last joint carries a link, directly or by fixed joints."""
-        return bool(joints) and joints[-1] in self._between("", link)
+        return bool(joints) and joints[-1] in self._chain_joints("", link)
 
-    def _between(self, base: str, tip: str) -> list[str]:
+    def _chain_joints(self, base: str, tip: str) -> list[str]:
         """Return the joints from a link to a descendant; without a base, all ancestors' joints."""
         members: list[str] = []
         link = tip

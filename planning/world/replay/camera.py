@@ -16,9 +16,9 @@ _FROM_ABOVE = np.array([0.0, -0.3, 1.0])
 # Meshcat's field of view is 75 degrees: at this distance a ball of radius 1 fills most of it.
 _DISTANCE_PER_RADIUS = 1.5
 # Weight of all watched points together, where all others together weigh 1.
-_WATCHED = 2.0
+_WATCHED_WEIGHT = 2.0
 # A sight line ends short of its point, which may lie on a surface.
-_REACH = 0.97
+_SIGHT_LINE_FRACTION = 0.97
 
 
 @dataclass(frozen=True)
@@ -76,11 +76,15 @@ def place_camera(
     above = _FROM_ABOVE / np.linalg.norm(_FROM_ABOVE)
     directions = [above, *around] if from_above else [*around, above]
     cameras = np.array([target + _DISTANCE_PER_RADIUS * radius * turn for turn in directions])
-    seen = np.array([num_visible(camera, points, obstacles) for camera in cameras]) / len(points)
+    visibility = np.array([num_visible(camera, points, obstacles) for camera in cameras]) / len(
+        points
+    )
     if watched:
-        seen = seen + _WATCHED * np.mean([_sees(cameras, one) for one in watched], axis=0)
+        visibility = visibility + _WATCHED_WEIGHT * np.mean(
+            [_sees(cameras, one) for one in watched], axis=0
+        )
     # argmax() takes the first of equals, which is the preferred one.
-    return cameras[int(np.argmax(seen))], target
+    return cameras[int(np.argmax(visibility))], target
 
 
 def num_visible(
@@ -105,9 +109,9 @@ def _sees(cameras: Array, watched: WatchedPoint) -> np.ndarray[Any, np.dtype[np.
 
 def _crosses(box: SolidBox, camera: Array, points: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """Return whether each sight line meets the box, by its three slabs (Kay and Kajiya, 1986)."""
-    turn, shift = box.pose[:3, :3], box.pose[:3, 3]
-    start = (camera - shift) @ turn
-    step = _REACH * (points - camera) @ turn
+    R_WB, p_WB = box.pose[:3, :3], box.pose[:3, 3]
+    start = (camera - p_WB) @ R_WB
+    step = _SIGHT_LINE_FRACTION * (points - camera) @ R_WB
     step = np.where(np.abs(step) < 1e-12, 1e-12, step)
     first, second = (-box.half_width - start) / step, (box.half_width - start) / step
     enter = np.max(np.minimum(first, second), axis=1)

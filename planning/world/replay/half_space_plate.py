@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform
 _THICKNESS = 0.01
 # Its sides, over the size of the drawn bodies, and at least [m].
 _WIDTH_PER_SIZE = 4.0
-_LEAST_WIDTH = 4.0
+_MIN_WIDTH = 4.0
 
 
 def plate_under(
@@ -23,7 +23,7 @@ def plate_under(
         x_wg: Pose of the half space.
         points: Corners of the drawn bodies, in world [m].
     """
-    middle, width = np.zeros(3), _LEAST_WIDTH
+    middle, width = np.zeros(3), _MIN_WIDTH
     if len(points):
         local = (points - x_wg.translation()) @ x_wg.rotation().matrix()
         lower, upper = local.min(axis=0), local.max(axis=0)

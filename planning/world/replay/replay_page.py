@@ -45,16 +45,16 @@ def labelled(page: str, title: str, labels: list[Label], sections: list[Section]
         labels: Name labels.
         sections: Of the animation, in order.
     """
-    told = {
+    content = {
         "title": title,
         "labels": [asdict(label) for label in labels],
         "sections": [asdict(section) for section in sections],
     }
     # Escape names, so that none can end the script that contains it.
-    data = json.dumps(told).replace("<", "\\u003c")
+    encoded = json.dumps(content).replace("<", "\\u003c")
     head, _, rest = page.partition("<title>Drake MeshCat</title>")
     body, closing, tail = rest.rpartition("</body>")
-    script = _script().replace("/*DATA*/ null", data)
+    script = _script().replace("/*DATA*/ null", encoded)
     return f"{head}<title>{html.escape(title)}</title>{body}{script}\n{closing}{tail}"
 
 

@@ -27,7 +27,7 @@ _PALETTE = (
     Rgba(0.70, 0.70, 0.70),
 )
 # Largest number of static objects that count as occluding.
-_MOST_IN_THE_WAY = 200
+_MAX_OCCLUDING = 200
 
 
 @dataclass(frozen=True)
@@ -76,24 +76,26 @@ class WorldView:
         self._context = self._plant.GetMyMutableContextFromRoot(self._root)
         fixed = self._plant.GetBodiesWeldedTo(self._plant.world_body())
         self._fixed = {body.index() for body in fixed}
-        standing = world.drake.standing
-        self.bodies = [*self._shown_bodies(), *self._standing_bodies()]
+        static_objects = world.drake.static_objects
+        self.bodies = [*self._shown_bodies(), *self._static_bodies()]
         named = {f"/frames/{frame.name}": frame.name for frame in world.scene.frames}
-        self._standing = {
-            path: standing.frames[name] for path, name in named.items() if name in standing.frames
+        self._static_poses = {
+            path: static_objects.frames[name]
+            for path, name in named.items()
+            if name in static_objects.frames
         }
-        poses = zip(standing.things, standing.poses, strict=True)
-        self._standing |= {_path(thing.name): pose for thing, pose in poses}
+        poses = zip(static_objects.objects, static_objects.poses, strict=True)
+        self._static_poses |= {_path(thing.name): pose for thing, pose in poses}
         self._frames: dict[str, Frame] = {
             shown.path: shown.body.body_frame() for shown in self.bodies if shown.body is not None
         } | {
             path: world.drake.frames[name]
             for path, name in named.items()
-            if path not in self._standing
+            if path not in self._static_poses
         }
         self._moving = {p: f for p, f in self._frames.items() if self._moves(f.body())}
 
-    def go_to(self, state: Float64[np.ndarray, " nx"]) -> None:
+    def set_positions(self, state: Float64[np.ndarray, " nx"]) -> None:
         """Set the full configuration."""
         self._plant.SetPositions(self._context, state)
 
@@ -101,7 +103,7 @@ class WorldView:
     def poses(self) -> dict[str, RigidTransform]:
         """X_WF of all visible bodies, by path."""
         found = {p: f.CalcPoseInWorld(self._context) for p, f in self._frames.items()}
-        return found | self._standing
+        return found | self._static_poses
 
     @property
     def moving_poses(self) -> dict[str, RigidTransform]:
@@ -121,16 +123,16 @@ class WorldView:
                 continue
             x_wb = self._plant.EvalBodyPoseInWorld(self._context, shown.body)
             boxes += [_solid(x_wb, drawn) for drawn in shown.shapes if drawn.box is not None]
-        return boxes if moving else boxes + self._largest_standing
+        return boxes if moving else boxes + self._largest_static_boxes
 
     @cached_property
-    def _largest_standing(self) -> list[SolidBox]:
+    def _largest_static_boxes(self) -> list[SolidBox]:
         """Boxes around the largest objects that stand outside of Drake's model."""
-        apart = [shown for shown in self.bodies if shown.body is None]
-        radii = self.world.drake.standing.balls[1]
-        largest = [apart[row] for row in np.argsort(-radii, kind="stable")[:_MOST_IN_THE_WAY]]
+        static_bodies = [shown for shown in self.bodies if shown.body is None]
+        radii = self.world.drake.static_objects.balls[1]
+        largest = [static_bodies[row] for row in np.argsort(-radii, kind="stable")[:_MAX_OCCLUDING]]
         return [
-            _solid(self._standing[shown.path], drawn)
+            _solid(self._static_poses[shown.path], drawn)
             for shown in largest
             for drawn in shown.shapes
             if drawn.box is not None
@@ -140,7 +142,7 @@ class WorldView:
         """Return the default tool frame at some states, with the boxes that may hide it there."""
         found: list[WatchedPoint] = []
         for state in states if group.tool_frames else ():
-            self.go_to(state)
+            self.set_positions(state)
             boxes = [*self.boxes(moving=True), *self.boxes(moving=False)]
             found.append(WatchedPoint(self.tool(group), boxes))
         return found
@@ -180,10 +182,10 @@ class WorldView:
             return found
         return _PALETTE[int(body.index()) % len(_PALETTE)]
 
-    def _standing_bodies(self) -> list[ShownBody]:
-        standing = self.world.drake.standing
+    def _static_bodies(self) -> list[ShownBody]:
+        static_objects = self.world.drake.static_objects
         found: list[ShownBody] = []
-        for thing, shape in zip(standing.things, standing.drake_shapes, strict=True):
+        for thing, shape in zip(static_objects.objects, static_objects.drake_shapes, strict=True):
             color = Rgba(*(DEFAULT_COLOR if thing.color is None else thing.color))
             drawn = ShownShape(shape, RigidTransform(), color, CalcObb(shape))
             found.append(ShownBody(thing.name, _path(thing.name), None, (drawn,)))

@@ -28,11 +28,11 @@ _AXIS_COLORS = (Rgba(0.85, 0.1, 0.1, 1.0), Rgba(0.1, 0.65, 0.1, 1.0), Rgba(0.1, 
 _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 # Twice the number of frames gives a smoother line than the animation needs.
 _TRACE_POINTS_PER_FRAME = 2
-_FOREVER = 1_000_000
+_NUM_REPETITIONS = 1_000_000
 # Longer motions have fewer frames a second, so that a browser can open the page.
-MOST_FRAMES = 10_000
+MAX_FRAMES = 10_000
 # Instants of each motion at which the camera looks for its tool.
-_LOOKS = 5
+_NUM_CAMERA_INSTANTS = 5
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def replay_html(
     group: JointGroup,
     trajectory: TimedTrajectory,
     frames_per_second: float = 30.0,
-    most_frames: int = MOST_FRAMES,
+    max_frames: int = MAX_FRAMES,
 ) -> str:
     """Return a page that repeats the motion, with the path of the tool frame.
 
@@ -77,17 +77,17 @@ def replay_html(
         world: The world; joints outside of `group` stay at its state.
         group: The group that moves.
         trajectory: Of the group.
-        frames_per_second: Of the animation; fewer where there would be more than `most_frames`.
-        most_frames: Of the animation.
+        frames_per_second: Of the animation; fewer where there would be more than `max_frames`.
+        max_frames: Of the animation.
     """
     motion = ShownMotion(group.name, world, group, trajectory)
-    return replay_motions_html([motion], frames_per_second, most_frames)
+    return replay_motions_html([motion], frames_per_second, max_frames)
 
 
 def replay_motions_html(
     motions: Sequence[ShownMotion],
     frames_per_second: float = 30.0,
-    most_frames: int = MOST_FRAMES,
+    max_frames: int = MAX_FRAMES,
 ) -> str:
     """Return a page that repeats motions one after the other, as `replay_html` does.
 
@@ -96,12 +96,12 @@ def replay_motions_html(
 
     Args:
         motions: In order, at least one.
-        frames_per_second: Of the animation; fewer where there would be more than `most_frames`.
-        most_frames: Of the animation.
+        frames_per_second: Of the animation; fewer where there would be more than `max_frames`.
+        max_frames: Of the animation.
     """
     meshcat = Meshcat(MeshcatParams(host="localhost", port=0, show_stats_plot=False))
     duration = sum(motion.trajectory.duration for motion in motions)
-    return _Replay(motions, meshcat, min(frames_per_second, most_frames / duration)).page()
+    return _Replay(motions, meshcat, min(frames_per_second, max_frames / duration)).page()
 
 
 class _Replay:
@@ -113,7 +113,7 @@ class _Replay:
         self._views = [views.setdefault(id(m.world), WorldView(m.world)) for m in motions]
         self._states = [motion.states(rate) for motion in motions]
         self._drawn: dict[str, ShownBody] = {}
-        self._flat: list[tuple[WorldView, ShownBody, str, ShownShape]] = []
+        self._half_spaces: list[tuple[WorldView, ShownBody, str, ShownShape]] = []
 
     def page(self) -> str:
         """Draw everything and return the page."""
@@ -121,7 +121,7 @@ class _Replay:
             self._draw_bodies(view)
             self._draw_frames(view)
         for view, states in zip(self._views[::-1], self._states[::-1], strict=True):
-            view.go_to(states[0])  # in the end, everything is where the first motion begins
+            view.set_positions(states[0])  # in the end, everything is where the first motion begins
             for path, pose in view.poses.items():
                 self._meshcat.SetTransform(path, pose)
         self._draw_half_spaces(self._aim_camera())
@@ -146,14 +146,14 @@ class _Replay:
             for i, drawn in enumerate(shown.shapes):
                 path = f"{shown.path}/{i}"
                 if isinstance(drawn.shape, HalfSpace):  # drawn where the camera looks, once it does
-                    self._flat.append((view, shown, path, drawn))
+                    self._half_spaces.append((view, shown, path, drawn))
                     continue
                 self._meshcat.SetObject(path, drawn.shape, drawn.color)
                 self._meshcat.SetTransform(path, drawn.X_BS)
 
     def _draw_half_spaces(self, points: Array) -> None:
         """Draw every half space as a plate under some points in world, shape (n, 3)."""
-        for view, shown, path, drawn in self._flat:
+        for view, shown, path, drawn in self._half_spaces:
             plate, x_gp = plate_under(view.poses[shown.path] @ drawn.X_BS, points)
             self._meshcat.SetObject(path, plate, drawn.color)
             self._meshcat.SetTransform(path, drawn.X_BS @ x_gp)
@@ -180,7 +180,7 @@ class _Replay:
         states = motion.states(self._rate * _TRACE_POINTS_PER_FRAME)
         points = np.empty((3, len(states)))
         for k, state in enumerate(states):
-            view.go_to(state)
+            view.set_positions(state)
             points[:, k] = view.tool(motion.group)
         self._meshcat.SetLine(f"/trace/{i}", points, 4.0, _TRACE_COLOR)
 
@@ -188,29 +188,29 @@ class _Replay:
         animation = MeshcatAnimation(self._rate)
         animation.set_autoplay(play=True)
         animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
-        animation.set_repetitions(_FOREVER)
-        paths = self._changing()
-        everywhere = set.intersection(*(set(view.poses) for view in self._views))
+        animation.set_repetitions(_NUM_REPETITIONS)
+        paths = self._changing_paths()
+        common_paths = set.intersection(*(set(view.poses) for view in self._views))
         frame = 0
         for view, states in zip(self._views, self._states, strict=True):
-            view.go_to(states[0])
-            there = view.poses
-            for path in paths - everywhere:
-                animation.SetProperty(frame, path, "visible", value=path in there)
+            view.set_positions(states[0])
+            initial_poses = view.poses
+            for path in paths - common_paths:
+                animation.SetProperty(frame, path, "visible", value=path in initial_poses)
             for state in states:
-                view.go_to(state)
-                now = there | view.moving_poses
+                view.set_positions(state)
+                now = initial_poses | view.moving_poses
                 for path in sorted(paths & now.keys()):
                     animation.SetTransform(frame, path, now[path])
                 frame += 1
         return animation
 
-    def _changing(self) -> set[str]:
+    def _changing_paths(self) -> set[str]:
         """Return the paths of bodies that move, appear, disappear, or differ between worlds."""
         found: set[str] = set()
         first: dict[str, RigidTransform] = {}
         for view, states in zip(self._views, self._states, strict=True):
-            view.go_to(states[0])
+            view.set_positions(states[0])
             poses = view.poses
             found |= view.moving_poses.keys() | (poses.keys() ^ first.keys() if first else set())
             first = first or poses
@@ -220,21 +220,21 @@ class _Replay:
     def _aim_camera(self) -> Array:
         """Aim at all moving bodies, at the start, midway and at the end; return their corners."""
         points: list[Array] = []
-        around: list[SolidBox] = []
+        obstacles: list[SolidBox] = []
         watched = []
         for motion, view, states in zip(self._motions, self._views, self._states, strict=True):
             for state in states[[0, len(states) // 2, -1]]:
-                view.go_to(state)
+                view.set_positions(state)
                 points += [_corners(box) for box in view.boxes(moving=True)]
-            around = view.boxes(moving=False)
-            looks = np.linspace(0, len(states) - 1, _LOOKS).round().astype(int)
-            watched += view.watched(motion.group, list(states[looks]))
+            obstacles = view.boxes(moving=False)
+            instants = np.linspace(0, len(states) - 1, _NUM_CAMERA_INSTANTS).round().astype(int)
+            watched += view.watched(motion.group, list(states[instants]))
         if points:
-            in_plane = any(
+            is_planar = any(
                 joint.type is JointType.PLANAR for m in self._motions for joint in m.group.joints
             )
             cloud = np.concatenate(points)
-            camera, target = place_camera(cloud, around, watched, from_above=in_plane)
+            camera, target = place_camera(cloud, obstacles, watched, from_above=is_planar)
             self._meshcat.SetCameraPose(camera, target)
         return np.concatenate([np.zeros((0, 3)), *points])
 

@@ -12,7 +12,7 @@ from pydrake.math import RigidTransform
 from planning.certify.certifier import certify
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.request.options import CertifyOptions
-from planning.domain.request.robustness import MOST_DISPLACEMENT, MOST_ERROR, Robustness
+from planning.domain.request.robustness import MAX_DISPLACEMENT, MAX_JOINT_ERROR, Robustness
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Builder, P, R, Robot, fine_loop
@@ -81,13 +81,13 @@ def test_what_is_far_from_everything_is_told_up_to_a_bound() -> None:
     motion = quintic(robot.group, np.zeros(1), np.ones(1), 1.0)
     found = robustness_of(robot, motion, PairMargins(0.0))
     assert found is not None
-    assert (found.obstacle_displacement, found.joint_error) == (MOST_DISPLACEMENT, MOST_ERROR)
+    assert (found.obstacle_displacement, found.joint_error) == (MAX_DISPLACEMENT, MAX_JOINT_ERROR)
     alone = Builder()
     alone.link(P, Sphere(0.05))
     found = robustness_of(alone.build(), motion, PairMargins(0.0))
     assert found is not None
     assert found.obstacle_pair == ("", "")
-    assert found.obstacle_displacement == MOST_DISPLACEMENT
+    assert found.obstacle_displacement == MAX_DISPLACEMENT
 
 
 def among(places: np.ndarray) -> Robot:

@@ -21,7 +21,7 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform
 
-from planning.certify.clearance.collision_shapes import _parts, collision_shapes
+from planning.certify.clearance.collision_shapes import _summands, collision_shapes
 from planning.errors import ModelInvalid
 from tests.certify.chains import FLOATING, Builder, random_pose, random_shape
 
@@ -71,7 +71,7 @@ def test_reach_is_that_of_the_farthest_point(name: str) -> None:
         n /= np.linalg.norm(n)
         pose = random_pose(rng, 1.0)
         rotation, position = pose.rotation().matrix(), pose.translation()
-        reach = shapes.reach(np.array([0]), rotation[None], position[None], n[None])[0]
+        reach = shapes.support(np.array([0]), rotation[None], position[None], n[None])[0]
         farthest = float(((points @ rotation.T + position) @ n).max())
         assert farthest - 1e-12 <= reach <= farthest + 2e-3
     distances = np.linalg.norm(points - shapes.centers[0], axis=1)
@@ -102,7 +102,7 @@ def test_the_slab_along_drakes_direction_is_its_distance(seed: int) -> None:
     rotations = np.array([x.rotation().matrix() for x in at])
     positions = np.array([x.translation() for x in at])
     n = found.nhat_BA_W
-    ahead, behind = shapes.reach(rows, rotations, positions, np.array([-n, n]))
+    ahead, behind = shapes.support(rows, rotations, positions, np.array([-n, n]))
     slab = -ahead - behind
     assert slab <= found.distance + 1e-9
     # Drake's iterations end early now and then; a bound that is low proves less, never too much.
@@ -118,7 +118,7 @@ def test_a_scaled_mesh_reaches_as_far_as_its_scaled_hull(tmp_path: Path) -> None
     identity, origin = np.eye(3)[None], np.zeros((1, 3))
     for axis, length in enumerate((0.1, 0.2, 0.3)):
         n = np.eye(3)[axis][None]
-        assert shapes.reach(np.array([0]), identity, origin, n)[0] == pytest.approx(length)
+        assert shapes.support(np.array([0]), identity, origin, n)[0] == pytest.approx(length)
 
 
 def test_half_spaces_have_no_end() -> None:
@@ -131,4 +131,4 @@ def test_half_spaces_have_no_end() -> None:
 
 def test_shapes_that_are_unknown_are_refused() -> None:
     with pytest.raises(ModelInvalid, match="MeshcatCone"):
-        _parts(MeshcatCone(0.1, 0.1, 0.1))
+        _summands(MeshcatCone(0.1, 0.1, 0.1))

@@ -10,7 +10,7 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.clearance.collision_shapes import collision_shapes
-from planning.certify.clearance.levers import levers_of
+from planning.certify.clearance.levers import lever_arms_of
 from planning.certify.request import CertifyRequest
 from planning.certify.samples.deviation import Deviations
 from planning.domain.robot.joints import JointType
@@ -31,7 +31,7 @@ def asked(robot: Robot, reach: float, rng: np.random.Generator) -> CertifyReques
 def test_no_pair_comes_nearer_than_levers_say(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=4, num_obstacles=1)
-    levers = levers_of(robot.model, asked(robot, 2.0, rng))
+    levers = lever_arms_of(robot.model, asked(robot, 2.0, rng))
     if any(joint.type is FLOATING for joint in robot.group.joints):
         assert np.isinf(levers).any()
         return
@@ -57,7 +57,7 @@ def test_the_lever_of_an_arm_is_its_length() -> None:
     builder.link(P, Sphere(0.05), 0, ahead, axis=np.array([1.0, 0.0, 0.0]))
     builder.link(R, Sphere(0.1), 1, ahead, x_bg=RigidTransform(np.array([0.3, 0.0, 0.0])))
     request = asked(robot := builder.build(), 0.2, np.random.default_rng(0))
-    levers = levers_of(robot.model, request)
+    levers = lever_arms_of(robot.model, request)
     # 0.4 ahead, at most 0.4 from one limit of the slide to the other, 0.4 and 0.3 more, a radius.
     assert levers == pytest.approx([0.4 + 0.4 + 0.4 + 0.3 + 0.1, 1.0, 0.3 + 0.1])
 
@@ -71,8 +71,8 @@ def test_deviations_bound_what_a_fine_loop_sees(seed: int) -> None:
         builder.link(kind, Sphere(0.1))
     robot = builder.build()
     one = random_trajectory(rng, robot.group, 3, 0.5)
-    other = random_trajectory(rng, robot.group, 2, 0.5).slowed(1.0)
-    other = other.slowed(one.duration / other.duration)
+    other = random_trajectory(rng, robot.group, 2, 0.5).time_scaled(1.0)
+    other = other.time_scaled(one.duration / other.duration)
     rows = Deviations(one, other.breaks).of(other)
     bound = rows.max(axis=0)
     times = np.linspace(0, one.duration * (1 - 1e-12), 3001)

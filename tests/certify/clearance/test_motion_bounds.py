@@ -48,14 +48,14 @@ def test_points_stay_within_their_bounds(seed: int) -> None:
     bounds = MotionBounds(robot.model, robot.group, shapes)
     segment = descend(rng, Segments(trajectory))
     before = poses(robot, segment.center)
-    reaches = bounds.reaches(*before, segment.turn, segment.shift)
+    reaches = bounds.max_displacements(*before, segment.max_rotation, segment.max_translation)
     for time in np.linspace(segment.begin, segment.end, 9)[[0, 1, 3, 5, 7, 8]]:
         # At a break the piece before it and the one after it agree.
         after = poses(robot, trajectory.positions(np.array([time]))[0])
         for a in range(len(shapes.bodies)):
             for b in range(len(shapes.bodies)):
-                allowed = reaches[a, bounds.carries[a] & ~bounds.carries[b]].sum()
-                allowed += reaches[b, bounds.carries[b] & ~bounds.carries[a]].sum()
+                allowed = reaches[a, bounds.is_carried_by[a] & ~bounds.is_carried_by[b]].sum()
+                allowed += reaches[b, bounds.is_carried_by[b] & ~bounds.is_carried_by[a]].sum()
                 assert _approach(shapes, before, after, a, b) <= allowed + 1e-9
 
 
@@ -75,9 +75,9 @@ def test_a_lone_lever_is_bounded_by_its_chord() -> None:
     builder.link(R, Sphere(0.1), x_bg=RigidTransform(np.array([1.0, 0.0, 5.0])))
     robot = builder.build()
     bounds = MotionBounds(robot.model, robot.group, collision_shapes(robot.model))
-    turned = bounds.reaches(*poses(robot, np.zeros(1)), np.array([0.2]), np.zeros(1))
+    turned = bounds.max_displacements(*poses(robot, np.zeros(1)), np.array([0.2]), np.zeros(1))
     assert turned[0, 0] == pytest.approx(2 * np.sin(0.1) * 1.1)
-    far = bounds.reaches(*poses(robot, np.zeros(1)), np.array([50.0]), np.zeros(1))
+    far = bounds.max_displacements(*poses(robot, np.zeros(1)), np.array([50.0]), np.zeros(1))
     assert far[0, 0] == pytest.approx(2 * 1.1)
 
 
@@ -88,8 +88,8 @@ def test_followers_move_as_their_leader_times_their_factor() -> None:
     builder.followers.append((1, 0, -2.0))
     robot = builder.build()
     bounds = MotionBounds(robot.model, robot.group, collision_shapes(robot.model))
-    moved = bounds.reaches(*poses(robot, np.zeros(1)), np.zeros(1), np.array([0.1]))
-    moved = np.where(bounds.carries, moved, 0.0)
+    moved = bounds.max_displacements(*poses(robot, np.zeros(1)), np.zeros(1), np.array([0.1]))
+    moved = np.where(bounds.is_carried_by, moved, 0.0)
     assert sorted(moved.sum(axis=1)) == pytest.approx([0.1, 0.2])
 
 
@@ -100,8 +100,8 @@ def test_followers_of_followers_move_too() -> None:
     builder.followers += [(1, 0, -2.0), (2, 1, 3.0)]
     robot = builder.build()
     bounds = MotionBounds(robot.model, robot.group, collision_shapes(robot.model))
-    moved = bounds.reaches(*poses(robot, np.zeros(1)), np.zeros(1), np.array([0.1]))
-    moved = np.where(bounds.carries, moved, 0.0)
+    moved = bounds.max_displacements(*poses(robot, np.zeros(1)), np.zeros(1), np.array([0.1]))
+    moved = np.where(bounds.is_carried_by, moved, 0.0)
     assert sorted(moved.sum(axis=1)) == pytest.approx([0.1, 0.2, 0.6])
 
 
@@ -116,5 +116,5 @@ def test_a_joint_that_runs_from_child_to_parent_still_moves_its_body() -> None:
     builder.links.append(link)
     robot = builder.build()
     bounds = MotionBounds(robot.model, robot.group, collision_shapes(robot.model))
-    turned = bounds.reaches(*poses(robot, np.zeros(1)), np.array([0.2]), np.zeros(1))
+    turned = bounds.max_displacements(*poses(robot, np.zeros(1)), np.array([0.2]), np.zeros(1))
     assert turned[0, 0] == pytest.approx(2 * np.sin(0.1) * 1.1)

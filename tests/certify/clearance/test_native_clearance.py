@@ -84,7 +84,9 @@ def distance(
     R_WG, p_wg = at
 
     def support(n: np.ndarray) -> np.ndarray:
-        return shapes.point(a, R_WG[a], p_wg[a], n) - shapes.point(b, R_WG[b], p_wg[b], -n)
+        return shapes.support_point(a, R_WG[a], p_wg[a], n) - shapes.support_point(
+            b, R_WG[b], p_wg[b], -n
+        )
 
     found = separation(support, p_wg[a] - p_wg[b], np.inf)
     return found.lower, found.upper
@@ -94,7 +96,7 @@ def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int])
     """Hold what is proven on a segment against the distances at some instants in it."""
     request = robot.request(trajectory, PairMargins(0.0))
     scene, shapes = scene_of(robot), collision_shapes(robot.model)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
     begin, end, middle, rows = judge.bounds(halvings)
     assert begin < middle < end
     at_middle = placed(robot, shapes, trajectory.positions(np.array([middle]))[0])
@@ -156,7 +158,7 @@ def test_a_lever_that_swings_over_a_face_is_bounded_to_second_order(turned: floa
     swing = quintic(robot.group, np.array([-turned]), np.array([turned]), 1.0)
     request = robot.request(swing, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
     ((_, lower, along),) = judge.bounds([])[3]
     nearest = np.cos(turned) - 0.05 - 0.6
     assert nearest - turned**4 <= along <= nearest
@@ -171,7 +173,7 @@ def test_the_bounds_close_in_on_the_distance(seed: int) -> None:
     trajectory = random_trajectory(rng, robot.group, 2, 0.3)
     request = robot.request(trajectory, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
     # The direct bound halves with the segment, the other one's slack is quartered.
     coarse, fine = (judge.bounds([0] + [1] * count)[3] for count in (9, 12))
     assert (fine[:, 0] <= coarse[:, 0] / 4 + 1e-9).all()
@@ -212,7 +214,7 @@ def test_both_proofs_agree_on_an_arm(seed: int) -> None:
     assert ours.check.passed == theirs.check.passed
     if ours.check.passed:
         assert ours.nearest.distance == pytest.approx(theirs.nearest.distance, abs=2e-3)
-        assert ours.intervals <= theirs.intervals
+        assert ours.num_segments <= theirs.num_segments
 
 
 def beside_a_wall(gap: float) -> tuple[Robot, CertifyRequest]:
@@ -228,7 +230,7 @@ def test_to_slide_along_a_wall_takes_few_segments() -> None:
     robot, request = beside_a_wall(1e-5)
     found = natively(robot, request)
     assert found.check.passed
-    assert found.intervals < 10
+    assert found.num_segments < 10
     assert found.nearest.distance == pytest.approx(1e-5, abs=1e-9)
 
 
@@ -249,7 +251,7 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
     turned = np.array([np.cos(1.0), 0.0, 0.0, np.sin(1.0), 0.0, 0.0, 0.0])
     request = robot.request(quintic(robot.group, np.eye(7)[0], turned, 1.0), PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
     calls: list[int] = []
 
     def interrupt() -> None:
@@ -271,7 +273,7 @@ def test_margins_of_all_pairs_at_once_are_those_of_each() -> None:
     assert scene is not None
     a, b = scene.bodies[-1]
     margins = PairMargins(0.03, {(min(a, b), max(a, b)): 0.07, ("no", "pair"): 1.0})
-    assert scene.demands(margins).tolist() == [margins.of(*pair) for pair in scene.bodies]
+    assert scene.thresholds(margins).tolist() == [margins.of(*pair) for pair in scene.bodies]
 
 
 def test_a_scene_is_read_once() -> None:
@@ -282,7 +284,7 @@ def test_a_scene_is_read_once() -> None:
 def test_malformed_arrays_are_refused() -> None:
     robot, request = beside_a_wall(0.1)
     scene = scene_of(robot)
-    margins = scene.demands(request.margins)
+    margins = scene.thresholds(request.margins)
     for changes in (
         {"breaks": np.array([0.0, 0.5, 1.0])},
         {"bases": np.zeros((1, 2))},

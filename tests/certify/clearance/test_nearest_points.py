@@ -15,7 +15,7 @@ from planning.certify.clearance.collision_shapes import collision_shapes
 from planning.certify.clearance.nearest_points import nearest_points
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Certificate
-from planning.kernel.gjk import nearest_point
+from planning.kernel.gjk import closest_points
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Robot, random_robot, random_trajectory
@@ -48,7 +48,7 @@ def excess(robot: Robot, trajectory: TimedTrajectory, certificate: Certificate, 
         rows = np.full(len(directions), row)
         R_WG = np.tile(pose.rotation().matrix() @ shapes.R_BG[row], (len(rows), 1, 1))
         p_wg = np.tile(pose.multiply(shapes.p_bg[row]), (len(rows), 1))
-        tops = shapes.reach(rows, R_WG, p_wg, directions)
+        tops = shapes.support(rows, R_WG, p_wg, directions)
         outside.append((directions @ certificate.points[i] - tops).max())
     return min(outside)
 
@@ -106,7 +106,7 @@ def test_our_own_search_finds_those_of_balls(seed: int) -> None:
         lambda n, c=c, r=r: c + r * n / np.linalg.norm(n)
         for c, r in zip(centers, radii, strict=True)
     ]
-    found = nearest_point(*balls, -between)
+    found = closest_points(*balls, -between)
     wanted = [centers[0] + radii[0] * unit, centers[1] - radii[1] * unit]
     np.testing.assert_allclose(found, wanted, atol=1e-4)
 

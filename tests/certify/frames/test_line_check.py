@@ -50,9 +50,9 @@ def measured(
     """Return the largest distances from a line at many instants, pose by pose."""
     q = motion.positions(np.linspace(0, motion.duration, DENSE))
     x = world.frame_poses(line.frame, world.embed(world.group(name), q))
-    fractions = (x[:, :3, 3] - line.begin.position) @ line.shift / line.length**2
-    nearest = line.begin.position + np.clip(fractions, 0, 1)[:, None] * line.shift
-    turned = rotation.exp(fractions[:, None] * line.turn)
+    fractions = (x[:, :3, 3] - line.begin.position) @ line.translation / line.length**2
+    nearest = line.begin.position + np.clip(fractions, 0, 1)[:, None] * line.translation
+    turned = rotation.exp(fractions[:, None] * line.rotation_vector)
     wanted = rotation.matrix(rotation.multiply(line.begin.quaternion[None], turned))
     cosines = (np.einsum("nij,nij->n", x[:, :3, :3], wanted) - 1) / 2
     turns = np.arccos(np.clip(cosines, -1, 1))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.angular_rates import angular_peak, velocity_series
 from planning.certify.intervals.taylor import skew
-from planning.certify.intervals.turn_series import spun_rates
+from planning.certify.intervals.turn_series import quaternion_angular_velocity
 from planning.domain.geometry import rotation
 
 pytestmark = pytest.mark.drake_only
@@ -95,7 +95,9 @@ def test_both_series_of_angular_velocity_are_one(seed: int, angle: float) -> Non
     delta = np.random.default_rng(seed).normal(size=(1, 9, 3))
     delta[:, 0] *= angle / np.linalg.norm(delta[:, 0])
     summed = velocity_series(skew(delta), delta, -1.0)
-    np.testing.assert_allclose(spun_rates(delta), summed, rtol=0, atol=1e-9 * np.abs(summed).max())
+    np.testing.assert_allclose(
+        quaternion_angular_velocity(delta), summed, rtol=0, atol=1e-9 * np.abs(summed).max()
+    )
     sizes = np.linalg.norm(delta, axis=2)[:, :, None]
     sizes[:, 0] = 0.0
     most = velocity_series(sizes[..., None], sizes, 1.0)[..., 0]

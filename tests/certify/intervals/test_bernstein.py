@@ -37,7 +37,7 @@ def test_values_lie_between_the_coefficients(seed: int, degree: int) -> None:
 def test_peaks_are_reached(natively: bool, tolerance: float, seed: int, degree: int) -> None:
     power = polynomials(seed, 4, degree, 1)
     forms = bernstein.from_power(power, np.ones(4))[:, :, 0]
-    top, row, fraction = bernstein.peak(forms, tolerance, natively=natively)
+    top, row, fraction = bernstein.peak(forms, tolerance, use_kernel=natively)
     x = np.linspace(0, 1, 2001)[:, None] ** np.arange(degree + 1)
     sampled = (power[:, :, 0] @ x.T).max()
     assert sampled - 1e-9 <= top <= sampled + tolerance + 1e-3
@@ -59,7 +59,7 @@ def test_the_bound_holds_and_is_as_near_as_is_asked(
     bends = np.array([2 * tolerance, 0.0, rng.uniform(2.0, 20.0)])
     power = np.stack([heights - bends * peaks**2, 2 * bends * peaks, -bends], axis=1)
     forms = bernstein.from_power(power[:, :, None], np.ones(3))[:, :, 0]
-    bound, _, _ = bernstein.peak(forms, tolerance, natively=natively)
+    bound, _, _ = bernstein.peak(forms, tolerance, use_kernel=natively)
     assert 1.0 - 1e-12 <= bound <= 1.0 + tolerance + 1e-12
 
 
@@ -75,7 +75,7 @@ def test_with_and_without_the_native_code_peaks_are_the_same(
     forms[4:] = forms[:4, ::-1] + rng.normal(0.0, 1e-9, (4, degree + 1)) * 10.0**decades
     tolerance = 1e-7 * 10.0**decades
     (ours, row, at), (theirs, other, there) = (
-        bernstein.peak(forms, tolerance, natively=natively) for natively in (True, False)
+        bernstein.peak(forms, tolerance, use_kernel=natively) for natively in (True, False)
     )
     assert abs(ours - theirs) <= tolerance
     for which, fraction in ((row, at), (other, there)):

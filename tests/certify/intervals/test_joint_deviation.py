@@ -26,7 +26,7 @@ def check_bounds(trajectory: TimedTrajectory, segment: Segment) -> None:
     away = manifold.minus(trajectory.positions(times), np.tile(segment.center, (33, 1)))
     turn = [slice(0, 3), slice(6, 7), slice(9, 10), None, slice(11, 12)]
     shift = [slice(3, 6), None, slice(7, 9), slice(10, 11), None]
-    for bounds, parts in ((segment.turn, turn), (segment.shift, shift)):
+    for bounds, parts in ((segment.max_rotation, turn), (segment.max_translation, shift)):
         for bound, part in zip(bounds, parts, strict=True):
             moved = 0.0 if part is None else np.linalg.norm(away[:, part], axis=1).max()
             assert moved <= bound + 1e-7
@@ -55,4 +55,4 @@ def test_bounds_shrink_with_the_segments(seed: int) -> None:
     segment = segments.whole
     for _ in range(16):
         segment = segments.halves(segment)[1]
-    assert max(segment.turn.max(), segment.shift.max()) < 1e-3
+    assert max(segment.max_rotation.max(), segment.max_translation.max()) < 1e-3

@@ -14,7 +14,7 @@ from planning.certify.certifier import certify
 from planning.certify.clearance.clearance_check import quick_clearance
 from planning.certify.clearance.clearance_result import ClearanceResult
 from planning.certify.clearance.drake_clearance import DrakeProof
-from planning.certify.intervals.jumps import Sums, in_one_turn
+from planning.certify.intervals.jumps import JumpSums, unwrap_turns
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import Joint, JointType
 from planning.world.collision.margins import PairMargins
@@ -28,14 +28,14 @@ MARGINS = PairMargins(0.0, {}, {})
 @given(st.integers(0, 9999), st.integers(0, 8))
 def test_sums_are_the_largest_between_any_two_instants(seed: int, count: int) -> None:
     jumps = np.random.default_rng(seed).normal(size=(count, 2))
-    sums = Sums.of(jumps)
+    sums = JumpSums.of(jumps)
     for column in range(2):
         every = [abs(jumps[i:j, column].sum()) for i in range(count) for j in range(i, count + 1)]
-        assert sums.sizes[column] == pytest.approx(max(every, default=0.0), abs=1e-12)
+        assert sums.largest[column] == pytest.approx(max(every, default=0.0), abs=1e-12)
         if count:
-            last = sums.last_of(column)
+            last = sums.last_jump(column)
             ending = [abs(jumps[i : last + 1, column].sum()) for i in range(count)]
-            assert max(ending) == pytest.approx(sums.sizes[column])
+            assert max(ending) == pytest.approx(sums.largest[column])
 
 
 def slider() -> Robot:
@@ -123,9 +123,9 @@ def test_anchors_lose_their_turns_and_nothing_else(seed: int) -> None:
     turned[1:, 0] -= turned[0, 0] - sound.bases[0, 0]
     turned[1:, 3] -= turned[0, 3] - sound.bases[0, 3]
     turned[0] = sound.bases[0]
-    made = in_one_turn(TimedTrajectory(joints, sound.breaks, turned, powers))
+    made = unwrap_turns(TimedTrajectory(joints, sound.breaks, turned, powers))
     np.testing.assert_allclose(made.bases, sound.bases, atol=1e-9)
-    assert in_one_turn(made) is made
+    assert unwrap_turns(made) is made
 
 
 def across(kind: JointType) -> tuple[Robot, TimedTrajectory]:
@@ -171,4 +171,4 @@ def test_what_is_in_the_way_of_a_jump_is_seen(implementation: str, kind: JointTy
         half = motion.until(float(end)).after(float(begin)) if begin else motion.until(float(end))
         halved = proof_of(robot, half, implementation)
         assert halved.check.passed
-        assert halved.intervals < SEGMENTS / 10
+        assert halved.num_segments < SEGMENTS / 10

@@ -15,7 +15,7 @@ from planning.certify.certifier import certify
 from planning.certify.clearance.native_clearance import prover
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.joint_deviation import Segments
-from planning.certify.intervals.rounding import rounding
+from planning.certify.intervals.rounding import rounding_bounds
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Check
 from planning.domain.robot.joints import JointType
@@ -78,7 +78,7 @@ def test_forms_halves_and_values_are_off_by_less(
     powers = unscaled / width ** np.arange(degree + 1)
     coefficients, widths = powers[None, :, None], np.array([width])
     form = bernstein.from_power(coefficients, widths)
-    hidden = rounding(np.abs(form).max(axis=1), coefficients, widths)[0, 0]
+    hidden = rounding_bounds(np.abs(form).max(axis=1), coefficients, widths)[0, 0]
     truth = exact_form(powers, width)
     off = [abs(float(Fraction(float(b)) - t)) for b, t in zip(form[0, :, 0], truth, strict=True)]
     assert max(off) <= hidden
@@ -105,7 +105,7 @@ def test_of_low_degree_little_is_hidden(seed: int, degree: int) -> None:
     powers = wild(np.random.default_rng(seed), max(degree, 4))[None, :, None]
     form = bernstein.from_power(powers, np.ones(1))
     largest = np.abs(form).max(axis=1)
-    assert (rounding(largest, powers, np.ones(1)) <= 5e-9 * largest).all()
+    assert (rounding_bounds(largest, powers, np.ones(1)) <= 5e-9 * largest).all()
 
 
 def arm() -> Robot:
@@ -158,7 +158,7 @@ def test_segments_hold_the_exact_polynomial(degree: int) -> None:
         for _ in range(24):
             ends = [exact_value(powers, t) for t in (segment.begin, segment.end)]
             away = max(abs(end - Fraction(float(segment.center[0]))) for end in ends)
-            assert away <= segment.turn[0]
+            assert away <= segment.max_rotation[0]
             segment = segments.halves(segment)[int(rng.integers(2))]
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import planning
 from planning.certify.intervals.axis_drift import axis_drift
-from planning.certify.intervals.turn_bounds import turn_bounds
+from planning.certify.intervals.turn_bounds import angular_velocity_bounds
 from planning.domain.geometry import rotation
 from tests.clocks import no_hurry
 from tests.profiles import num_cases
@@ -50,7 +50,7 @@ def test_sizes_alone_bound_all_derivatives(seed: int, size: float) -> None:
     tangent[0] *= size
     t = np.linspace(0.0, 1.0, 4001)
     sizes = np.array([[largest(tangent, t, order)] for order in range(1, 5)])
-    bounds = turn_bounds(sizes)[:, 0]
+    bounds = angular_velocity_bounds(sizes)[:, 0]
     for bound, rates in zip(bounds, angular_rates(tangent, t), strict=True):
         assert np.linalg.norm(rates, axis=1).max() <= bound * (1 + 1e-3)
 

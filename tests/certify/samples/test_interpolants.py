@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.api.retime_path import retime_path
-from planning.certify.certifier import CertifyRequest, certify, certify_places
+from planning.certify.certifier import CertifyRequest, certify, certify_polyline
 from planning.certify.intervals.hermite_errors import HermiteErrors
 from planning.certify.samples import interpolants
-from planning.certify.samples.interpolants import KINDS, interpolated, prove_interpolants
+from planning.certify.samples.interpolants import KINDS, interpolate_samples, prove_interpolants
 from planning.domain.curves.curve import TimedTrajectory
-from planning.domain.curves.sampling import Sampling, sampled
+from planning.domain.curves.sampling import Sampling, sample_trajectory
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.manifold import Manifold
 from planning.world.world import World
@@ -42,8 +42,8 @@ def motion(method: str, seed: int = 0) -> tuple[World, CertifyRequest, float]:
 def of(request: CertifyRequest, sampling: Sampling):
     limits = request.limits.per_coordinate(request.limits.acceleration)
     errors = HermiteErrors.of(request)
-    gaps = None if errors is None else errors.gaps("quintic")
-    return sampled(request.trajectory, sampling, limits, gaps)
+    gaps = None if errors is None else errors.sample_spacing("quintic")
+    return sample_trajectory(request.trajectory, sampling, limits, gaps)
 
 
 def verdicts_on(world: World, request: CertifyRequest, samples, clearance: float, deadline=None):
@@ -53,8 +53,8 @@ def verdicts_on(world: World, request: CertifyRequest, samples, clearance: float
 
 def asked_again(world: World, request: CertifyRequest, samples, kind: str):
     """Return the certificate of what a receiver makes of samples."""
-    made = replace(request, trajectory=interpolated(samples, kind))
-    judge = certify_places if kind == "linear" else certify
+    made = replace(request, trajectory=interpolate_samples(samples, kind))
+    judge = certify_polyline if kind == "linear" else certify
     return judge(world.drake, made, no_hurry(60.0))[0]
 
 

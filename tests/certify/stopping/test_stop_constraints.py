@@ -13,8 +13,8 @@ from planning.certify.certifier import CertifyRequest, certify
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.intervals.motion_cells import MotionCells, motion_cells
 from planning.certify.stopping.stop_constraint import StopConstraint
-from planning.certify.stopping.stop_constraints import with_constraints
-from planning.certify.stopping.stops import hardest_stops, ramps, smooth_durations
+from planning.certify.stopping.stop_constraints import with_stop_constraints
+from planning.certify.stopping.stops import hardest_stops, max_braking, smooth_durations
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
 from planning.domain.report.stop_report import StopReport
@@ -50,7 +50,7 @@ def soon() -> Deadline:
 
 
 def loaded(world: World, request: CertifyRequest, count: int = 300) -> MotionCells:
-    return with_constraints(world.drake, request, motion_cells(request, count), soon())
+    return with_stop_constraints(world.drake, request, motion_cells(request, count), soon())
 
 
 def detour(
@@ -75,7 +75,9 @@ def just_strong_enough(world: World, request: CertifyRequest) -> CertifyRequest:
     times = np.linspace(0.0, motion.duration, 1000)
     rates = motion.positions(times), motion.velocities(times), motion.accelerations(times)
     dynamics = GroupDynamics(world, request.group, LOAD)
-    taken = np.abs([dynamics.efforts(*rates), dynamics.along(*rates).held]).max(axis=(0, 1))
+    taken = np.abs([dynamics.efforts(*rates), dynamics.path_efforts(*rates).static]).max(
+        axis=(0, 1)
+    )
     limits = replace(request.limits, effort=1.02 * taken + 0.01)
     return replace(request, effort=True, payload=LOAD, limits=limits)
 
@@ -92,7 +94,7 @@ def ridden(cells: MotionCells, first: int) -> tuple[Ride, float]:
     found: list[np.ndarray] = []
     while y > 1e-12 and at < len(cells.begins):
         width = float(cells.widths[at])
-        x = float(ramps(cells, np.array([at]), np.array([y]))[0])
+        x = float(max_braking(cells, np.array([at]), np.array([y]))[0])
         if np.isnan(x):
             clock = np.inf
             break
@@ -145,7 +147,7 @@ def test_hardest_stops_keep_them_at_every_instant(
     def kept(seed: int, start: float) -> None:
         world, request = detour(seed, "toppra", effort=effort)
         cells = loaded(world, request)
-        assert cells.holds.all()
+        assert cells.can_rest.all()
         first = int(start * len(cells.begins))
         ride, clock = ridden(cells, first)
         assert use(world, request, ride) <= ALLOWED
@@ -163,7 +165,9 @@ def test_a_stop_that_knows_no_such_limit_breaks_it(effort: bool) -> None:
     use = torque_use if effort else frame_use
     worst, kept = 0.0, 0.0
     for first in range(0, len(cells.begins), 30):
-        worst = max(worst, use(world, request, ridden(replace(cells, loads=()), first)[0]))
+        worst = max(
+            worst, use(world, request, ridden(replace(cells, stop_constraints=()), first)[0])
+        )
         kept = max(kept, use(world, request, ridden(cells, first)[0]))
     assert kept <= ALLOWED
     assert worst > 1.05
@@ -269,7 +273,7 @@ def test_rides_of_a_weak_pendulum_end_where_it_can_be_held(
 ) -> None:
     world, request = pendulum(urdf_world, 0.02)
     cells = loaded(world, request, 400)
-    assert not cells.holds.all()
+    assert not cells.can_rest.all()
     stops, rode, waited = hardest_stops(cells), 0, 0
     for first in range(0, len(cells.begins), 7):
         ride, clock = ridden(cells, first)
@@ -282,7 +286,7 @@ def test_rides_of_a_weak_pendulum_end_where_it_can_be_held(
         rode += 1
         assert torque_use(world, request, ride) <= ALLOWED
         stood = np.searchsorted(cells.begins, ride[0][-1], side="right") - 1
-        assert cells.holds[stood]
+        assert cells.can_rest[stood]
         assert stops.times[first] == pytest.approx(min(clock, left))
     assert rode > 10
     assert waited > 10
@@ -296,5 +300,5 @@ def test_of_what_overflows_nothing_is_known() -> None:
     load = StopConstraint(
         ("a",), form, form, form[:1] * 0 + np.zeros((3, 1, 1, 1)), None, 0 * bounds, bounds
     )
-    assert load.where_known.holds[:, 0].tolist() == [True, False, False]
-    assert np.isfinite(load.where_known.slope).all()
+    assert load.without_overflow.is_satisfied_at_rest[:, 0].tolist() == [True, False, False]
+    assert np.isfinite(load.without_overflow.by_path_acceleration).all()

@@ -10,13 +10,18 @@ from pydrake.geometry import Sphere
 
 from planning.certify.certifier import CertifyRequest, certify
 from planning.certify.intervals.motion_cells import motion_cells
-from planning.certify.stopping.stops import hardest_stops, ramps, smooth_durations, smooth_stops
+from planning.certify.stopping.stops import (
+    hardest_stops,
+    max_braking,
+    smooth_durations,
+    smooth_stops,
+)
 from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.report.certificate import Certificate
 from planning.domain.report.stage_reports import CertifyReport
 from planning.domain.request.options import CertifyOptions, RetimeOptions
-from planning.execute.time_scaling import ramp_bounds
+from planning.execute.time_scaling import path_acceleration_bounds
 from planning.retime.blend import blend_corners
 from planning.retime.limits.signed_acceleration import SignedAcceleration
 from planning.retime.retimer import retime
@@ -98,7 +103,7 @@ def ridden(request: CertifyRequest, first: int, cells_at: int = 600) -> tuple[fl
     y, clock, worst, at = 1.0, 0.0, 0.0, first
     while y > 1e-12 and at < len(cells.begins):
         width = float(cells.widths[at])
-        x = float(ramps(cells, np.array([at]), np.array([y]))[0])
+        x = float(max_braking(cells, np.array([at]), np.array([y]))[0])
         local = np.linspace(0.0, width, 17)
         ys = np.maximum(y - 2 * x * local, 0.0)[:, None]
         times = cells.begins[at] + np.clip(local, 1e-12, width - 1e-12)
@@ -174,7 +179,7 @@ def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, star
     at, rate, clock = start * motion.duration, 1.0, 0.0
     while rate > 0 and at < motion.duration:
         ahead = np.array([at, at + rate * period])
-        least, _ = ramp_bounds(motion, request.limits, ahead, np.array([rate, rate]))
+        least, _ = path_acceleration_bounds(motion, request.limits, ahead, np.array([rate, rate]))
         after = max(0.0, rate + min(least, 0.0) * period)
         at += (rate + after) / 2 * period
         rate, clock = after, clock + period

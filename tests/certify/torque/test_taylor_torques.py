@@ -62,7 +62,7 @@ def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
         for joint in robot.group.joints:
             for _, indices in joint.blocks:
                 block = [begin + i for i in indices]
-                missed = np.linalg.norm(found.missed[:, block], axis=1) + scale
+                missed = np.linalg.norm(found.errors[:, block], axis=1) + scale
                 if joint.type is JointType.FLOATING and indices[0] == 0:
                     # In the world's axes here, in the parent's there: the length is the same.
                     away = np.abs(
@@ -83,7 +83,7 @@ def test_what_is_missed_falls_with_the_fifth_power_of_the_width() -> None:
     missed = [
         torque_series(
             links, GRAVITY, trajectory, (np.array([0]), np.array([0.1]), np.array([half]))
-        ).missed.max()
+        ).errors.max()
         for half in (2e-3, 1e-3)
     ]
     assert missed[0] / missed[1] == np.clip(missed[0] / missed[1], 30, 34)

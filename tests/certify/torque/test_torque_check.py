@@ -73,13 +73,13 @@ def test_the_bound_is_above_every_sample_and_near_the_largest(seed: int) -> None
 def test_a_motion_just_within_is_proven_and_one_that_is_too_quick_is_not(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, 3, 0, mass=1.0)
-    trajectory = random_trajectory(rng, robot.group, 2, spread=0.4).slowed(0.5)
+    trajectory = random_trajectory(rng, robot.group, 2, spread=0.4).time_scaled(0.5)
     limit = sampled_peak(robot, trajectory)
     check = judged(robot.model, with_efforts(robot, trajectory, 1.002 * limit))
     assert check.passed
     assert check.value == pytest.approx(1 / 1.002, rel=2e-3)
     assert not judged(robot.model, with_efforts(robot, trajectory, limit / 1.0001)).passed
-    quick = trajectory.slowed(1 / 1.05)
+    quick = trajectory.time_scaled(1 / 1.05)
     assume(sampled_peak(robot, quick) > 1.01 * limit)
     assert not judged(robot.model, with_efforts(robot, quick, 1.002 * limit)).passed
 
@@ -132,7 +132,7 @@ def test_a_budget_that_is_used_up_refuses() -> None:
     q = world.positions(world.group("arm"))
     request = request_for(world, "arm", quintic(world.group("arm"), q, q + 0.5, 1.0))
     assert judged(world.drake, request).passed
-    refused = judged(world.drake, request, most=2, far=9.0)
+    refused = judged(world.drake, request, max_segments=2, max_joint_motion=9.0)
     assert not refused.passed
     assert refused.value > 1
 
@@ -177,6 +177,6 @@ def test_many_short_pieces_leave_a_budget_for_halving() -> None:
         smooth.accelerations(times),
     )
     whole = judged(world.drake, request_for(world, "arm", smooth))
-    check = judged(world.drake, request_for(world, "arm", motion), most=20)
+    check = judged(world.drake, request_for(world, "arm", motion), max_segments=20)
     assert check.passed
     assert check.value == pytest.approx(whole.value, rel=2e-3)

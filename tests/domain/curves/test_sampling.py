@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation import polyline_through, trajectory_through
-from planning.domain.curves.sampling import Sampling, sampled
+from planning.domain.curves.sampling import Sampling, sample_trajectory
 from planning.domain.robot.joints import Joint, JointType
 from tests.profiles import num_cases
 
@@ -56,7 +56,7 @@ def looks(curve):
 @settings(max_examples=num_cases(40))
 def test_accelerations_do_not_overshoot_where_they_jump(seed, period):
     motion = bang_bang(seed)
-    samples = sampled(motion, Sampling(period), LIMITS)
+    samples = sample_trajectory(motion, Sampling(period), LIMITS)
     for kind in ("cubic", "quintic"):
         made = read(samples, kind)
         times = looks(made)
@@ -73,8 +73,8 @@ def test_samples_that_are_evenly_apart_overshoot_by_eight_percent_of_the_jump():
     bases = np.array([[0.0, 0.0], [a * h**2 / 2] * 2])
     motion = TimedTrajectory(JOINTS, np.array([0.0, h, 2 * h]), bases, coefficients)
     for period in (1e-3, 1e-2):
-        even = read(sampled(motion, Sampling(period, is_even=True), LIMITS), "quintic")
-        at_pieces = read(sampled(motion, Sampling(period), np.full(2, a)), "quintic")
+        even = read(sample_trajectory(motion, Sampling(period, is_even=True), LIMITS), "quintic")
+        at_pieces = read(sample_trajectory(motion, Sampling(period), np.full(2, a)), "quintic")
         peaks = [np.abs(made.accelerations(looks(made))).max() / a for made in (even, at_pieces)]
         assert peaks[0] > 1.05
         assert peaks[1] <= 1 + 1e-6
@@ -84,7 +84,7 @@ def test_samples_that_are_evenly_apart_overshoot_by_eight_percent_of_the_jump():
 @settings(max_examples=num_cases(20))
 def test_samples_have_both_ends_as_they_are_and_no_longer_gap_than_asked(seed, period):
     motion = bang_bang(seed)
-    samples = sampled(motion, Sampling(period), LIMITS)
+    samples = sample_trajectory(motion, Sampling(period), LIMITS)
     assert samples.times[0] == 0.0
     assert samples.times[-1] == motion.duration
     assert (np.diff(samples.times) > 0).all()
@@ -106,7 +106,7 @@ def test_what_is_smooth_is_told_as_it_is(seed, period):
     motion = TimedTrajectory(JOINTS, np.array([0.0, 1.0]), rng.normal(size=(1, 2)), coefficients)
     # The same motion in two pieces: no jump at all.
     split = TimedTrajectory.joined([motion.until(0.4), motion.after(0.4)])
-    samples = sampled(split, Sampling(period), np.full(2, 1e3))
+    samples = sample_trajectory(split, Sampling(period), np.full(2, 1e3))
     assert 0.4 in samples.times
     np.testing.assert_allclose(samples.positions, motion.positions(samples.times), atol=1e-13)
     made = read(samples, "quintic")
@@ -120,7 +120,7 @@ def test_pieces_too_short_to_tell_are_gone_over(seed):
     """However short pieces are, times increase and all numbers are near the motion's."""
     rng = np.random.default_rng(seed)
     motion = bang_bang(seed, widths=(1e-7, 10.0 ** rng.uniform(-5, -2)))
-    samples = sampled(motion, Sampling(0.01), LIMITS)
+    samples = sample_trajectory(motion, Sampling(0.01), LIMITS)
     assert (np.diff(samples.times) > 0).all()
     np.testing.assert_allclose(samples.positions, motion.positions(samples.times), atol=1e-6)
     np.testing.assert_allclose(samples.positions[-1], motion.end, atol=1e-14)
@@ -131,7 +131,7 @@ def test_pieces_too_short_to_tell_are_gone_over(seed):
 def test_what_is_gone_over_changes_no_speed(seed, period):
     """Pieces too short for samples, between longer ones and at the ends, cost no limit."""
     motion = bang_bang(seed, widths=(0.3, 0.6), most_between=1.9e-4)
-    samples = sampled(motion, Sampling(period), LIMITS)
+    samples = sample_trajectory(motion, Sampling(period), LIMITS)
     assert (np.diff(samples.times) > 0).all()
     speeds = np.abs(motion.velocities(looks(motion))).max(axis=0)
     for kind in ("cubic", "quintic"):
@@ -149,7 +149,7 @@ def test_whole_turns_between_anchors_are_no_jumps():
         motion = TimedTrajectory(joints, plain.breaks, plain.bases, plain.coefficients)
         turned = bang_bang(seed, turns=1.0)
         other = TimedTrajectory(joints, turned.breaks, turned.bases, turned.coefficients)
-        for made in (sampled(curve, Sampling(0.05), LIMITS) for curve in (motion, other)):
+        for made in (sample_trajectory(curve, Sampling(0.05), LIMITS) for curve in (motion, other)):
             off = motion.manifold.minus(made.positions, motion.positions(made.times))
             np.testing.assert_allclose(off, 0.0, atol=1e-7)
 
@@ -157,13 +157,15 @@ def test_whole_turns_between_anchors_are_no_jumps():
 @pytest.mark.parametrize("count", [2, 3, 50])
 def test_points_are_evenly_apart(count):
     motion = bang_bang(3)
-    times = sampled(motion, Sampling(0.01, num_points=count), LIMITS).times
+    times = sample_trajectory(motion, Sampling(0.01, num_points=count), LIMITS).times
     np.testing.assert_allclose(times, np.linspace(0, motion.duration, count))
 
 
 def test_a_piece_of_nothing_at_an_end_belongs_to_its_neighbour():
     motion = bang_bang(5)
     cut = TimedTrajectory.joined([motion.until(2e-8), motion.after(2e-8)])
-    times = sampled(cut, Sampling(0.01), LIMITS).times
-    np.testing.assert_allclose(times, sampled(motion, Sampling(0.01), LIMITS).times, atol=1e-7)
+    times = sample_trajectory(cut, Sampling(0.01), LIMITS).times
+    np.testing.assert_allclose(
+        times, sample_trajectory(motion, Sampling(0.01), LIMITS).times, atol=1e-7
+    )
     assert np.diff(times).min() > 5e-5

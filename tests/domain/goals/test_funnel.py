@@ -15,6 +15,14 @@ from planning.domain.goals.funnel import (
     rejections,
 )
 
+# The names in evidence that differ from those of the fields.
+_KEYS = {
+    "num_samples": "tried",
+    "num_samples_violating": "breaking",
+    "num_goals_violating": "violating",
+    "num_with_linear_moves": "approach_ok",
+}
+
 
 def drawn(seed: int) -> Funnel:
     rng = np.random.default_rng(seed)
@@ -28,27 +36,29 @@ def drawn(seed: int) -> Funnel:
             tallies.append(PairTally((f"a{i}", "b"), count, 0.001, 0.02))
         left -= count
     approached = int(rng.integers(counts[4], counts[3] + 1))
-    return Funnel(*counts, tuple(tallies), approach_ok=approached)
+    return Funnel(*counts, tuple(tallies), num_with_linear_moves=approached)
 
 
 @given(seed=st.integers(0, 2**32 - 1))
 def test_every_sample_is_distinct_or_has_a_reason(seed: int) -> None:
     funnel = drawn(seed)
-    assert sum(one.count for one in rejections(funnel)) + funnel.distinct == funnel.tried
+    assert sum(one.count for one in rejections(funnel)) + funnel.distinct == funnel.num_samples
     assert all(one.count > 0 for one in rejections(funnel))
     colliding = sum(one.count for one in rejections(funnel) if one.reason == "collision")
     assert colliding == funnel.within_limits - funnel.collision_free
     evidence = json.loads(json.dumps(funnel_evidence(funnel)))
-    assert {field.name for field in fields(Funnel)} <= set(evidence)
+    keys = {_KEYS.get(field.name, field.name) for field in fields(Funnel)}
+    assert keys <= set(evidence)
+    assert all(evidence[key] == getattr(funnel, name) for name, key in _KEYS.items())
     blocked = sum(one.count for one in rejections(funnel) if one.reason == "approach")
-    assert blocked == funnel.collision_free - funnel.approach_ok
+    assert blocked == funnel.collision_free - funnel.num_with_linear_moves
     shares = sum(one["share"] for one in evidence["rejected"])
-    assert abs(shares + funnel.distinct / funnel.tried - 1) < 1e-9
+    assert abs(shares + funnel.distinct / funnel.num_samples - 1) < 1e-9
 
 
 def test_the_sentence_says_what_was_hit_how_often_and_how_deep() -> None:
     hits = (PairTally(("table", "arm::forearm_link"), 31, 0.008, 0.031),)
-    funnel = Funnel(300, 37, 37, 6, 4, hits, approach_ok=5)
+    funnel = Funnel(300, 37, 37, 6, 4, hits, num_with_linear_moves=5)
     assert funnel_summary(funnel) == (
         "300 tried, 37 converged, 31 of them hit table-arm::forearm_link by 8 to 31 mm, "
         "6 are free, 1 of these have no free approach or retreat, 4 are distinct"

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from planning.domain.request.deadline import UNHURRIED, Deadline
+from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.errors import Canceled, DeadlineExceeded
 
 
@@ -33,14 +33,14 @@ def test_a_budget_within_a_deadline_never_exceeds_it() -> None:
 
 def test_a_cancel_ends_a_hasty_deadline_without_an_outcry() -> None:
     clock = Clock()
-    hasty = clock.deadline(2.0).over_when_canceled
+    hasty = clock.deadline(2.0).expired_when_canceled
     assert hasty.remaining == pytest.approx(2.0)
-    assert not hasty.share(0.5).is_over
-    share = hasty.share(0.5)
+    assert not hasty.at_fraction(0.5).is_over
+    share = hasty.at_fraction(0.5)
     clock.is_canceled = True
     assert hasty.is_over
     assert share.is_over
-    assert hasty.share(0.5).is_over
+    assert hasty.at_fraction(0.5).is_over
     assert hasty.remaining == 0.0
     with pytest.raises(DeadlineExceeded):
         hasty.check("refine")
@@ -60,18 +60,18 @@ def test_an_uncancelable_deadline_heeds_the_clock_alone() -> None:
 
 DERIVED: dict[str, Callable[[Deadline], Deadline]] = {
     "itself": lambda whole: whole,
-    "share": lambda whole: whole.share(0.5),
+    "share": lambda whole: whole.at_fraction(0.5),
     "within": lambda whole: whole.within(0.1),
     "limited": lambda whole: whole.limited(0.1),
     "uncancelable": lambda whole: whole.uncancelable,
-    "hasty": lambda whole: whole.over_when_canceled.share(0.1),
+    "hasty": lambda whole: whole.expired_when_canceled.at_fraction(0.1),
 }
 
 
 @pytest.mark.parametrize("name", DERIVED)
 def test_whatever_is_made_of_a_deadline_tells_what_it_cuts(name: str) -> None:
     clock, cuts = Clock(), list[float]()
-    deadline = DERIVED[name](clock.deadline(2.0).cutting(lambda: cuts.append(clock.now)))
+    deadline = DERIVED[name](clock.deadline(2.0).with_on_expiry(lambda: cuts.append(clock.now)))
     deadline.check("search")
     assert not deadline.is_over
     assert not cuts
@@ -84,7 +84,7 @@ def test_whatever_is_made_of_a_deadline_tells_what_it_cuts(name: str) -> None:
 
 def test_a_cancel_cuts_nothing() -> None:
     clock, cuts = Clock(), list[int]()
-    deadline = clock.deadline(2.0).cutting(lambda: cuts.append(1))
+    deadline = clock.deadline(2.0).with_on_expiry(lambda: cuts.append(1))
     clock.is_canceled = True
     assert deadline.is_over
     with pytest.raises(Canceled):
@@ -94,7 +94,7 @@ def test_a_cancel_cuts_nothing() -> None:
 
 def test_a_limit_is_what_is_allowed_if_it_ends_first() -> None:
     clock = Clock()
-    assert clock.deadline(2.0).limited(3.0).allowed == 2.0
+    assert clock.deadline(2.0).limited(3.0).time_limit == 2.0
     limited = clock.deadline(2.0).limited(0.5)
     clock.now += 0.5
     with pytest.raises(DeadlineExceeded, match=r"0\.5 s ran out during refine") as caught:
@@ -103,8 +103,8 @@ def test_a_limit_is_what_is_allowed_if_it_ends_first() -> None:
 
 
 def test_who_has_no_hurry_is_never_late() -> None:
-    UNHURRIED.check("retime")
-    assert not UNHURRIED.share(0.5).is_over
+    NO_DEADLINE.check("retime")
+    assert not NO_DEADLINE.at_fraction(0.5).is_over
 
 
 def test_a_failure_keeps_its_stage_and_timings_in_other_words_and_other_processes() -> None:

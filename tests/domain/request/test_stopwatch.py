@@ -53,14 +53,14 @@ def test_a_failure_that_knows_its_stage_keeps_it() -> None:
 
 def test_stages_that_are_cut_are_told_once_in_order() -> None:
     watch = Stopwatch(lambda: 0.0)
-    watch.note_cut()
+    watch.record_cut()
     for stages in (("search", "shortcut"), ("refine",), ("search", "shortcut"), ("search",)):
         with watch.stage(stages[0]):
             if stages[1:]:
                 with watch.stage(stages[1]):
-                    watch.note_cut()
+                    watch.record_cut()
             else:
-                watch.note_cut()
+                watch.record_cut()
     assert watch.cut_short == ("shortcut", "refine", "search")
 
 

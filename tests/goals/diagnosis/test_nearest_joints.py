@@ -106,7 +106,7 @@ def feasible(
     kept = ((rows >= limits.lower) & (rows <= limits.upper)).all(axis=1)
     kept[kept] = world.collision_oracle(group, world.margins()).are_free(rows[kept])
     if rules is not None:
-        kept[kept] = rules.are_kept(rows[kept])
+        kept[kept] = rules.are_satisfied(rows[kept])
     return kept
 
 

@@ -27,7 +27,7 @@ DOWN = Pose.from_parts([0.45, 0.25, 0.45], rpy=[np.pi, 0, 0.3])
 
 def assert_narrows(funnel: Funnel) -> None:
     counts = [
-        funnel.tried,
+        funnel.num_samples,
         funnel.converged,
         funnel.within_limits,
         funnel.collision_free,
@@ -53,10 +53,10 @@ def test_options_end_the_search() -> None:
     most = ask(world, group.name, at(target), IkOptions(max_configurations=110, max_trials=900))
     assert len(most.positions) == most.funnel.distinct == 110
     assert_narrows(most.funnel)
-    fewer = IkOptions(max_configurations=110, max_trials=most.funnel.tried - 20)
+    fewer = IkOptions(max_configurations=110, max_trials=most.funnel.num_samples - 20)
     assert ask(world, group.name, at(target), fewer).funnel.distinct < 110
     short = ask(world, group.name, at(target), IkOptions(max_trials=7))
-    assert short.funnel.tried == 7
+    assert short.funnel.num_samples == 7
 
 
 @ENGINES
@@ -140,7 +140,7 @@ def test_how_many_seeds_are_taken_at_once_does_not_matter(monkeypatch: Any) -> N
     world = world_by("ur5e_pickup", "kernel")
     answers = []
     for at_once in (1, 7, 320):
-        monkeypatch.setattr(KernelPoseSolver, "num_at_once", at_once)
+        monkeypatch.setattr(KernelPoseSolver, "batch_size", at_once)
         answers.append(ask(world, "arm", at(DOWN), IkOptions(6, 200)))
     assert answers[0] == answers[1] == answers[2]
 

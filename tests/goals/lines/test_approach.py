@@ -30,7 +30,7 @@ def tool(world: World, q: np.ndarray) -> Pose:
 def require_whole(world: World, found: GoalConfigurations, pick: Pose) -> None:
     """Every kept row has both lines, free, within limits and without jumps."""
     limits = world.limits(world.group("arm"))
-    for q, legs in zip(found.positions, found.legs, strict=True):
+    for q, legs in zip(found.positions, found.moves, strict=True):
         assert legs.approach is not None
         assert legs.retreat is not None
         np.testing.assert_allclose(legs.approach.positions[-1], q, atol=1e-9)
@@ -63,8 +63,8 @@ def test_kept_configurations_have_both_lines_nearest_entry_first(engine: str) ->
     assert (np.diff(distances) >= -1e-9).all()
     funnel = found.funnel
     counts = [
-        funnel.tried, funnel.converged, funnel.within_limits, funnel.collision_free,
-        funnel.approach_ok, funnel.distinct,
+        funnel.num_samples, funnel.converged, funnel.within_limits, funnel.collision_free,
+        funnel.num_with_linear_moves, funnel.distinct,
     ]  # fmt: skip
     assert counts == sorted(counts, reverse=True)
 
@@ -75,10 +75,10 @@ def test_lines_strike_branches_that_the_pose_alone_would_keep() -> None:
     free = ask(world, "arm", pose)
     kept = ask(world, "arm", with_ways(pose, np.array([0, 0, -0.17])))
     assert 0 < kept.funnel.distinct < free.funnel.distinct
-    assert kept.funnel.approach_ok < kept.funnel.collision_free
+    assert kept.funnel.num_with_linear_moves < kept.funnel.collision_free
     assert sum(tally.count for tally in kept.funnel.blocked_by) >= 1
-    assert {tally.leg for tally in kept.funnel.blocked_by} == {"approach"}
-    assert free.funnel.approach_ok == free.funnel.collision_free
+    assert {tally.move for tally in kept.funnel.blocked_by} == {"approach"}
+    assert free.funnel.num_with_linear_moves == free.funnel.collision_free
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_lines_as_long_as_a_refusal_says_would_do(
     assert min(shares.values()) < 1
     shorter = {name: ways[name] * min(share, 1.0) for name, share in shares.items() if share}
     found = ask(world, "arm", with_ways(goal, **{"approach": None, **shorter}))
-    assert found.funnel.approach_ok > 0
+    assert found.funnel.num_with_linear_moves > 0
     # A tenth more of what is cut short is more than there is.
     cut = min(shares, key=lambda name: shares[name])
     longer = shorter | {cut: ways[cut] * min(1.0, 1.1 * shares[cut] + 0.01)}

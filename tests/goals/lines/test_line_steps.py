@@ -65,7 +65,9 @@ def test_the_bound_holds_where_joints_follow_others(
     line = ToolLine("fold::tool", poses[0], poses[-1])
     steps = LineSteps(kinematics, Manifold(group.joints), [line])
     whole = np.ones(1)
-    shift, turn = steps.strays(np.zeros(1, dtype=np.int64), rows[:1], rows[-1:] - rows[0], whole)
+    shift, turn = steps.deviation_bounds(
+        np.zeros(1, dtype=np.int64), rows[:1], rows[-1:] - rows[0], whole
+    )
     strays = [
         pose.distance(line.pose(float(s)))
         for pose, s in zip(poses, np.linspace(0, 1, 9), strict=True)

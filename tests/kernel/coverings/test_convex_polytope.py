@@ -47,7 +47,7 @@ def test_both_parts_of_a_piece_have_its_volume(seed: int, cuts: int) -> None:
     piece = ConvexPolytope.box(-rng.uniform(0.1, 1, 3), rng.uniform(0.1, 1, 3))
     for face in range(6, 6 + cuts):
         n, d = random_cut(piece, rng)
-        kept, rest = piece.below(n, d, face), piece.below(-n, -d, face)
+        kept, rest = piece.clipped(n, d, face), piece.clipped(-n, -d, face)
         assert volume(kept) + volume(rest) == pytest.approx(volume(piece), rel=1e-9)
         # Euler: a polytope with three faces at every corner.
         assert len(kept.corners) == 2 * (len(np.unique(kept.faces)) - 2)
@@ -58,17 +58,17 @@ def test_both_parts_of_a_piece_have_its_volume(seed: int, cuts: int) -> None:
 def test_a_plane_that_misses_takes_all_or_nothing() -> None:
     box = ConvexPolytope.box(np.zeros(3), np.ones(3))
     n = np.array([0.0, 0.0, 1.0])
-    assert box.below(n, 2.0, 6) is box
-    empty = box.below(n, -1.0, 6)
+    assert box.clipped(n, 2.0, 6) is box
+    empty = box.clipped(n, -1.0, 6)
     assert not len(empty.corners)
-    assert not len(empty.below(n, 0.5, 7).corners)
+    assert not len(empty.clipped(n, 0.5, 7).corners)
 
 
 @settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 12))
 def test_power_cells_share_out_all_of_a_piece(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
-    piece = OuterPolytope.of(Solid.of(hull(seed, 20, 0.3, 0.2, 0.1))).piece
+    piece = OuterPolytope.of(Solid.of(hull(seed, 20, 0.3, 0.2, 0.1))).v_representation
     balls = np.column_stack([rng.uniform(-0.3, 0.3, (count, 3)), rng.uniform(0.01, 0.3, count)])
     cells = power_cells(piece, balls, 1e-10)
     points = rng.dirichlet(np.full(len(piece.corners), 0.1), 500) @ piece.corners
@@ -90,4 +90,4 @@ def test_the_polytope_around_a_hull_contains_it_and_is_close(seed: int, count: i
     heights = shape.vertices @ around.planes[:, :3].T - around.planes[:, 3]
     assert heights.max() <= 0
     assert len(around.planes) <= 120
-    assert Solid.of(shape).depth(around.piece.corners).min() > -0.01
+    assert Solid.of(shape).depth(around.v_representation.corners).min() > -0.01

@@ -11,13 +11,13 @@ from benchmarks.car_problems.yards import CarProblem, parking, yard
 from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.request.constraint import PathPredicate, TightLimits
-from planning.domain.request.options import ClearanceWish, RefineOptions, RetimeOptions
+from planning.domain.request.options import ClearanceObjective, RefineOptions, RetimeOptions
 from planning.domain.robot.steering import manifold_of, steering_of
 from planning.refine.cars.drive_model import DriveModel
 from planning.refine.cars.drive_solver import DriveSolver
 from planning.refine.cars.drive_trust_region import DriveTrustRegion
 from planning.refine.cars.segment_times import SegmentTimes
-from planning.refine.constraints.clearance_objective import clearance_objective
+from planning.refine.constraints.clearance_objective import make_clearance_objective
 from planning.refine.constraints.distance_query import DistanceRows
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
@@ -140,7 +140,7 @@ def test_the_deadline_is_kept_and_the_best_so_far_is_given(
 class Blind:
     """Sees no obstacle."""
 
-    def within(self, qs: np.ndarray, reach: float) -> DistanceRows:
+    def within(self, qs: np.ndarray, influence_distance: float) -> DistanceRows:
         return DistanceRows(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros((0, 3)))
 
 
@@ -149,9 +149,9 @@ def test_what_would_collide_is_refused(drive_of: Callable[[str], Drive]) -> None
     drive = drive_of("parked")
     deadline, jerk = no_hurry(), drive.request().jerk
     task = DriveSolver.of(drive.world, drive.request(), deadline)
-    times = SegmentTimes.of(task.limits, task.course.at, jerk=jerk)
-    model = DriveModel(task.course, Blind(), task.limits, times, None)
-    found = replace(task, model=model, descent=DriveTrustRegion(model, deadline)).run()
+    times = SegmentTimes.of(task.limits, task.problem.car_index, jerk=jerk)
+    model = DriveModel(task.problem, Blind(), task.limits, times, None)
+    found = replace(task, model=model, trust_region=DriveTrustRegion(model, deadline)).run()
     assert found.path is None
     assert "too near" in found.reason
 
@@ -167,7 +167,7 @@ def test_position_limits_are_kept(drive_of: Callable[[str], Drive]) -> None:
         for i, axis in enumerate("xy")
     }
     rules = PathConstraints.compiled(drive.world, drive.path.group, (TightLimits(box),), qs[0])
-    curve, report = drive.refined(rules=rules)
+    curve, report = drive.refined(constraints=rules)
     assert curve is not None, report.reason
     moved = curve.positions(np.linspace(0, 1, 2001))
     for i, axis in enumerate("xy"):
@@ -185,23 +185,23 @@ def test_predicates_say_no(drive_of: Callable[[str], Drive]) -> None:
 
     constraint = PathPredicate(is_on_the_path, 0.05, "there")
     rules = PathConstraints.compiled(drive.world, drive.path.group, (constraint,), seen[0])
-    curve, report = drive.refined(rules=rules)
+    curve, report = drive.refined(constraints=rules)
     assert curve is None
     assert "predicate" in report.reason
 
 
 def test_clearance_is_weighed(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("yard")
-    wish = ClearanceWish(0.15, 40.0)
+    wish = ClearanceObjective(0.15, 40.0)
     group, margins = drive.path.group, drive.world.margins()
-    judge = clearance_objective(drive.world, group, margins, wish)
+    judge = make_clearance_objective(drive.world, group, margins, wish)
     assert judge is not None
     quick, _ = drive.refined()
     wide, _ = drive.refined(options=RefineOptions(clearance=wish))
     assert quick is not None
     assert wide is not None
     times = [retime(c, drive.limits, RetimeOptions())[0] for c in (quick, wide)]
-    assert judge.shortfall(times[1]) < judge.shortfall(times[0])
+    assert judge.mean_shortfall(times[1]) < judge.mean_shortfall(times[0])
     assert times[1].duration >= times[0].duration
 
 

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 import planning
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation import trajectory_through
-from planning.domain.request.options import ClearanceWish, RefineOptions
+from planning.domain.request.options import ClearanceObjective, RefineOptions
 from planning.errors import ProblemInvalid
-from planning.refine.constraints.clearance_objective import clearance_objective
+from planning.refine.constraints.clearance_objective import make_clearance_objective
 from planning.world.loading.load_world import load_world
 from planning.world.world import World
 from tests.clocks import no_hurry
@@ -35,7 +35,7 @@ def clearance(positions: np.ndarray) -> np.ndarray:
 
 def refined(case: Case, distance: float, weight: float) -> tuple[float, float]:
     """Return the estimated duration of the refined curve, and its mean shortfall along s."""
-    options = RefineOptions(clearance=ClearanceWish(distance, weight))
+    options = RefineOptions(clearance=ClearanceObjective(distance, weight))
     curve, report = replace(case, request=replace(case.request, options=options)).refined()
     assert curve is not None
     lacks = np.maximum(distance - clearance(curve.positions(np.linspace(0, 1, 2001))), 0)
@@ -84,24 +84,26 @@ def test_the_shortfall_is_the_mean_of_what_is_lacking(walled, kernel, distance, 
     trajectory: TimedTrajectory = trajectory_through(
         group.joints, np.array([0.0, 2.0]), np.array([start, goal]), np.zeros((2, 2))
     )
-    wish = clearance_objective(world, group, world.margins(), ClearanceWish(distance, 1.0))
+    wish = make_clearance_objective(
+        world, group, world.margins(), ClearanceObjective(distance, 1.0)
+    )
     assert wish is not None
     qs = trajectory.positions(np.linspace(0, 2, 5001))
     lacks = np.maximum(distance - clearance(qs), 0)
     # Inside of the wall it is not the analytic formula that is asked.
     assume(clearance(qs).min() > 0)
     # The mean of 201 samples is off by half of one at each end, at most.
-    assert wish.shortfall(trajectory) == pytest.approx(lacks.mean(), abs=distance / 200)
+    assert wish.mean_shortfall(trajectory) == pytest.approx(lacks.mean(), abs=distance / 200)
 
 
 def test_links_of_one_robot_may_be_near_one_another(arm):
     alone = load_world(replace(arm.world.scene, objects=()), arm.world.library)
     group = alone.group("arm")
-    wish = clearance_objective(alone, group, alone.margins(), ClearanceWish(1.0, 1.0))
+    wish = make_clearance_objective(alone, group, alone.margins(), ClearanceObjective(1.0, 1.0))
     assert wish is not None
     folded = np.array([[0.0, 2.4, 2.4], [1.0, 2.4, 2.4]])
     trajectory = trajectory_through(group.joints, np.array([0.0, 1.0]), folded, np.zeros((2, 3)))
-    assert wish.shortfall(trajectory) == 0
+    assert wish.mean_shortfall(trajectory) == 0
 
 
 def test_a_plan_pays_for_its_clearance_and_says_so():
@@ -119,7 +121,7 @@ def test_a_plan_pays_for_its_clearance_and_says_so():
             world,
             deadline=no_hurry(30.0),
         )
-        for clearance in (None, ClearanceWish(0.1, 30.0))
+        for clearance in (None, ClearanceObjective(0.1, 30.0))
     )
     assert plain.stages.refine.shortfall is None
     assert wished.stages.refine.shortfall == pytest.approx(0, abs=1e-3)
@@ -131,11 +133,11 @@ def test_a_plan_pays_for_its_clearance_and_says_so():
 @pytest.mark.parametrize(
     ("options", "field"),
     [
-        (RefineOptions(clearance=ClearanceWish(0.0, 1.0)), "refine.clearance.distance"),
-        (RefineOptions(clearance=ClearanceWish(np.inf, 1.0)), "refine.clearance.distance"),
-        (RefineOptions(clearance=ClearanceWish(0.05, -1.0)), "refine.clearance.weight"),
-        (RefineOptions(clearance=ClearanceWish(0.05, np.nan)), "refine.clearance.weight"),
-        (RefineOptions("none", ClearanceWish(0.05, 1.0)), "refine.clearance"),
+        (RefineOptions(clearance=ClearanceObjective(0.0, 1.0)), "refine.clearance.distance"),
+        (RefineOptions(clearance=ClearanceObjective(np.inf, 1.0)), "refine.clearance.distance"),
+        (RefineOptions(clearance=ClearanceObjective(0.05, -1.0)), "refine.clearance.weight"),
+        (RefineOptions(clearance=ClearanceObjective(0.05, np.nan)), "refine.clearance.weight"),
+        (RefineOptions("none", ClearanceObjective(0.05, 1.0)), "refine.clearance"),
     ],
 )
 def test_a_wish_that_makes_no_sense_is_refused(options, field):

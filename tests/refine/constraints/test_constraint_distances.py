@@ -14,10 +14,10 @@ from planning.domain.request.constraint import (
     PlacedBox,
 )
 from planning.domain.robot.joints import JointGroup
-from planning.refine.constraints.band_distances import BandNearness
-from planning.refine.constraints.constraint_distances import RuledNearness
+from planning.refine.constraints.band_distances import BandDistanceQuery
+from planning.refine.constraints.constraint_distances import ConstraintDistanceQuery
 from planning.refine.constraints.distance_buffers import DistanceBuffers
-from planning.refine.constraints.distance_query import nearness_of
+from planning.refine.constraints.distance_query import make_distance_query
 from planning.refine.curves.chart import FlatChart
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.loading.load_world import load_world
@@ -47,21 +47,21 @@ def test_room_and_gradient_are_those_of_the_rule(constraint: PathConstraint) -> 
     rng = np.random.default_rng(3)
     start = world.positions(group)
     rules = PathConstraints.compiled(world, group, (constraint,), start)
-    buffers = DistanceBuffers.between(world, world.margins(), world.embed(group, start[None]))
-    bare = nearness_of(world, group, buffers)
-    near = RuledNearness(bare, rules, along(group, start))
+    buffers = DistanceBuffers.from_ends(world, world.margins(), world.embed(group, start[None]))
+    bare = make_distance_query(world, group, buffers)
+    near = ConstraintDistanceQuery(bare, rules, along(group, start))
     qs = start + rng.normal(0.0, 0.5, (40, 6))
     seen, others = near.within(qs, FAR), bare.within(qs, FAR)
-    num = len(others.at)
-    np.testing.assert_array_equal(seen.at[:num], others.at)
-    np.testing.assert_array_equal(seen.at[num:], np.arange(40))
-    spare, gradient = seen.spare[num:], seen.gradient[num:]
-    np.testing.assert_array_equal(spare >= -1e-6, rules.are_kept(qs))
+    num = len(others.sample_indices)
+    np.testing.assert_array_equal(seen.sample_indices[:num], others.sample_indices)
+    np.testing.assert_array_equal(seen.sample_indices[num:], np.arange(40))
+    spare, gradient = seen.signed_margins[num:], seen.gradients[num:]
+    np.testing.assert_array_equal(spare >= -1e-6, rules.are_satisfied(qs))
     # Along any short way the room changes as the gradient says, but where a face becomes another.
     way = rng.normal(size=(40, 6))
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     step = 1e-4
-    there = near.within(qs + step * way, FAR).spare[-40:]
+    there = near.within(qs + step * way, FAR).signed_margins[-40:]
     errors = np.abs((there - spare) / step - (gradient * way).sum(axis=1))
     assert np.median(errors) < 1e-3
     assert (errors < 0.02).sum() >= 38
@@ -73,10 +73,10 @@ def test_what_leaves_much_room_is_not_told() -> None:
     start = world.positions(group)
     wide = PlacedBox(np.array([50.0, 50.0, 50.0]), Pose.identity())
     rules = PathConstraints.compiled(world, group, (KeepIn(FRAME, wide),), start)
-    buffers = DistanceBuffers.between(world, world.margins(), world.embed(group, start[None]))
-    bare = nearness_of(world, group, buffers)
-    seen = RuledNearness(bare, rules, along(group, start)).within(start[None], 0.1)
-    assert len(seen.at) == len(bare.within(start[None], 0.1).at)
+    buffers = DistanceBuffers.from_ends(world, world.margins(), world.embed(group, start[None]))
+    bare = make_distance_query(world, group, buffers)
+    seen = ConstraintDistanceQuery(bare, rules, along(group, start)).within(start[None], 0.1)
+    assert len(seen.sample_indices) == len(bare.within(start[None], 0.1).sample_indices)
 
 
 WALLS = [([0.4, 1.0, 0.2], [-0.5, 0.0, 0.0]), ([0.4, 0.6, 0.2], [0.45, 0.0, 0.0])]
@@ -97,27 +97,27 @@ def test_a_band_has_room_to_both_bounds(make_puck, kernel: bool, far: float) -> 
     world = load_world(world.scene, world.library, kernel=kernel)
     group = world.group("puck")
     band = DistanceBand(None, None, 0.05, far)
-    (rule,) = PathConstraints.compiled(world, group, (band,), np.zeros(2)).rules
-    rule = rule.leaving(0.004)
-    measure = BandNearness(rule, along(group, np.zeros(2)))
+    (rule,) = PathConstraints.compiled(world, group, (band,), np.zeros(2)).constraints
+    rule = rule.tightened(0.004)
+    measure = BandDistanceQuery(rule, along(group, np.zeros(2)))
     rng = np.random.default_rng(1)
     qs = rng.uniform([-0.25, -0.9], [0.2, 0.9], (60, 2))
     qs = qs[distances(qs).min(axis=1) > 0.001]
     seen = measure.within(qs, 0.3)
     told = np.full(len(qs), np.inf)
-    np.minimum.at(told, seen.at, seen.spare)
+    np.minimum.at(told, seen.sample_indices, seen.signed_margins)
     nearest = distances(qs).min(axis=1)
     room = np.minimum(nearest - 0.054, far - 0.004 - nearest)
     is_told = room < 0.3
     np.testing.assert_allclose(told[is_told], np.maximum(room, -0.3)[is_told], atol=1e-6)
     np.testing.assert_array_equal(told[room > 1e-6] > 0, True)
     np.testing.assert_array_equal(
-        (told > 0)[np.abs(room) > 1e-5], rule.are_kept(qs)[np.abs(room) > 1e-5]
+        (told > 0)[np.abs(room) > 1e-5], rule.are_satisfied(qs)[np.abs(room) > 1e-5]
     )
     # Row by row, what is told beforehand of a short way is what comes.
     way = rng.normal(size=2) * 1e-5
     there = measure.within(qs + way, 0.3)
-    np.testing.assert_array_equal(there.at, seen.at)
-    errors = np.abs(there.spare - seen.spare - seen.gradient @ way)
+    np.testing.assert_array_equal(there.sample_indices, seen.sample_indices)
+    errors = np.abs(there.signed_margins - seen.signed_margins - seen.gradients @ way)
     assert np.median(errors) < 1e-9
     assert (errors < 1e-7).mean() > 0.95

@@ -15,21 +15,29 @@ def test_between_the_margin_and_half_of_what_there_is(spare, margin, stated):
     near = ("arm::hand", "can")
     margins = PairMargins(margin, {("arm::hand", "shelf"): stated})
     buffers = DistanceBuffers(margins, {near: spare})
-    assert margin <= buffers.audited.of(*near) <= buffers.demanded(*near) <= margin + spare / 2
     assert (
-        stated < buffers.audited.of("shelf", "arm::hand") < buffers.demanded("shelf", "arm::hand")
+        margin <= buffers.audit_margins.of(*near) <= buffers.threshold(*near) <= margin + spare / 2
     )
-    assert margin < buffers.audited.of("arm::arm", "wall") < buffers.demanded("arm::arm", "wall")
+    assert (
+        stated
+        < buffers.audit_margins.of("shelf", "arm::hand")
+        < buffers.threshold("shelf", "arm::hand")
+    )
+    assert (
+        margin
+        < buffers.audit_margins.of("arm::arm", "wall")
+        < buffers.threshold("arm::arm", "wall")
+    )
 
 
 @given(spare=SPARE, margin=MARGIN)
 def test_links_of_one_robot_are_audited_at_their_own_margin(spare, margin):
     links = ("arm::forearm", "arm::hand")
     buffers = DistanceBuffers(PairMargins(margin), {links: spare})
-    assert buffers.audited.of(*links) == 0.0
+    assert buffers.audit_margins.of(*links) == 0.0
     # The ends can always meet what the optimiser demands.
-    assert buffers.demanded(*links) < max(spare, 1e-12)
-    assert DistanceBuffers(PairMargins(margin)).demanded(*links) > 0
+    assert buffers.threshold(*links) < max(spare, 1e-12)
+    assert DistanceBuffers(PairMargins(margin)).threshold(*links) > 0
 
 
 def test_the_nearer_end_counts(pickup):
@@ -37,6 +45,6 @@ def test_the_nearer_end_counts(pickup):
     home = pickup.configuration(group, "home")
     ends = pickup.embed(group, home[None])
     margins = pickup.margins()
-    one = DistanceBuffers.between(pickup, margins, ends)
+    one = DistanceBuffers.from_ends(pickup, margins, ends)
     for pair in pickup.distance_probe(margins).pairs_within(ends[0], margins.largest + 0.005):
-        assert one.spare[pair.bodies] == pair.distance - margins.of(*pair.bodies)
+        assert one.signed_margins[pair.bodies] == pair.distance - margins.of(*pair.bodies)

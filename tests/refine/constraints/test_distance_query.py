@@ -7,7 +7,7 @@ import pytest
 
 from planning.domain.robot.joints import JointGroup
 from planning.refine.constraints.distance_buffers import DistanceBuffers
-from planning.refine.constraints.distance_query import DistanceQuery, nearness_of
+from planning.refine.constraints.distance_query import DistanceQuery, make_distance_query
 from planning.world.loading.load_world import load_world
 from planning.world.world import World
 
@@ -24,7 +24,7 @@ def place(request: pytest.FixtureRequest, world_of: Callable[[str], World]):
 
 def nearness(world: World, group: JointGroup, *, kernel: bool) -> DistanceQuery:
     chosen = load_world(world.scene, world.library, kernel=kernel)
-    return nearness_of(chosen, group, DistanceBuffers(chosen.margins()))
+    return make_distance_query(chosen, group, DistanceBuffers(chosen.margins()))
 
 
 def configurations(world: World, group: JointGroup, count: int) -> np.ndarray:
@@ -39,10 +39,10 @@ def least(measure: DistanceQuery, qs: np.ndarray) -> tuple[np.ndarray, np.ndarra
     near = measure.within(qs, REACH)
     spares, gradients = np.full(len(qs), REACH), np.zeros_like(qs)
     for i in range(len(qs)):
-        rows = np.flatnonzero(near.at == i)
+        rows = np.flatnonzero(near.sample_indices == i)
         if len(rows):
-            row = rows[np.argmin(near.spare[rows])]
-            spares[i], gradients[i] = near.spare[row], near.gradient[row]
+            row = rows[np.argmin(near.signed_margins[rows])]
+            spares[i], gradients[i] = near.signed_margins[row], near.gradients[row]
     return spares, gradients
 
 
@@ -86,8 +86,8 @@ def test_the_gradient_leads_out_of_what_overlaps(kernel, world_of):
     near = measure.within(qs, REACH)
     steps = 1e-4 * gradients / np.linalg.norm(gradients, axis=1, keepdims=True)
     moved = measure.within(qs + steps, REACH)
-    deepest = [near.spare[near.at == i].min() for i in range(len(qs))]
-    after = [moved.spare[moved.at == i].min() for i in range(len(qs))]
+    deepest = [near.signed_margins[near.sample_indices == i].min() for i in range(len(qs))]
+    after = [moved.signed_margins[moved.sample_indices == i].min() for i in range(len(qs))]
     assert len(qs) > 5
     assert np.mean(np.array(after) > np.array(deepest)) > 0.9
 
@@ -98,15 +98,15 @@ def test_what_the_group_does_not_move_is_not_measured(make_puck, kernel):
     world = make_puck([wall, ([0.2, 0.2, 0.02], [3.0, 0.0, -0.0301])], idle=[3.0, 0.0, 0.0])
     measure = nearness(world, world.group("puck"), kernel=kernel)
     near = measure.within(np.array([[-0.15, 0.0], [0.9, 0.9]]), REACH)
-    np.testing.assert_array_equal(near.at, [0])
-    demanded = DistanceBuffers(world.margins()).demanded("puck::puck", "wall0")
-    assert near.spare[0] == pytest.approx(0.05 - 0.02 - demanded, abs=1e-6)
-    np.testing.assert_allclose(near.gradient, [[-1.0, 0.0]], atol=1e-6)
+    np.testing.assert_array_equal(near.sample_indices, [0])
+    demanded = DistanceBuffers(world.margins()).threshold("puck::puck", "wall0")
+    assert near.signed_margins[0] == pytest.approx(0.05 - 0.02 - demanded, abs=1e-6)
+    np.testing.assert_allclose(near.gradients, [[-1.0, 0.0]], atol=1e-6)
 
 
 @BOTH
 def test_nothing_near_is_nothing(make_puck, kernel):
     world = make_puck([])
     near = nearness(world, world.group("puck"), kernel=kernel).within(np.zeros((3, 2)), REACH)
-    assert near.at.shape == (0,)
-    assert near.gradient.shape == (0, 2)
+    assert near.sample_indices.shape == (0,)
+    assert near.gradients.shape == (0, 2)

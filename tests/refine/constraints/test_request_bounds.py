@@ -9,11 +9,11 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.request.motion_limits import MotionLimits, ToolLimit
 from planning.domain.request.options import RetimeOptions
-from planning.refine.constraints.load import MOST_HELD
+from planning.refine.constraints.load import MAX_STATIC_LOAD
 from planning.refine.constraints.request_bounds import request_bounds
-from planning.refine.curves.bspline_basis import spline_of
+from planning.refine.curves.bspline_basis import make_bspline
 from planning.refine.curves.curve_samples import CurveSamples
-from planning.refine.curves.path_velocity import duration_of, grid_of
+from planning.refine.curves.path_velocity import duration_of, path_grid
 from planning.refine.curves.power_basis import joint_spline
 from planning.refine.model.load_evaluation import LoadEvaluation, path_velocity_along
 from planning.retime.limits.request_limits import path_limits
@@ -38,8 +38,10 @@ SOME = settings(max_examples=num_cases(4))
 def lengths(felt: LoadEvaluation, pace: np.ndarray) -> np.ndarray:
     """Return the loads at both ends of every interval, shape (m, balls)."""
     (load,) = felt.loads
-    moments = CurveSamples.of(felt.count, felt.states[load.parts], pace, load.parts)
-    return np.linalg.norm(load.vectors(*moments.motion), axis=2)
+    moments = CurveSamples.of(
+        felt.num_control_points, felt.states_by_num_parts[load.num_parts], pace, load.num_parts
+    )
+    return np.linalg.norm(load.load_ratios(*moments.motion), axis=2)
 
 
 @EACH
@@ -51,8 +53,8 @@ def test_slopes_are_those_of_the_vectors(name, kind, seed):
     points = curve_points(name, rng)
     state = np.stack([points, rng.normal(size=points.shape), 3 * rng.normal(size=points.shape)])
     way, h = rng.normal(size=state.shape), 1e-5
-    change = load.vectors(*(state + h * way)) - load.vectors(*(state - h * way))
-    expected = np.einsum("kmbdj,kmj->mbd", load.slopes(*state), way)
+    change = load.load_ratios(*(state + h * way)) - load.load_ratios(*(state - h * way))
+    expected = np.einsum("kmbdj,kmj->mbd", load.derivatives(*state), way)
     scale = 1 + np.abs(expected).max()
     off = np.sort(np.abs(change / (2 * h) - expected).max(axis=(1, 2)) / scale)
     if kind != "zone":
@@ -71,20 +73,22 @@ def test_strains_tell_what_another_curve_at_another_pace_feels(name, kind, seed)
     bounds = bounds_under(name, limits_of(name, kind))
     points = curve_points(name, rng)
     _, pace, felt = path_velocity_along(points, bounds)
-    (strain,) = [s for s in felt.strains(pace, 1.0) if s.bound == 1.0]
-    assume(len(strain.places) > 0)
+    (strain,) = [s for s in felt.load_linearizations(pace, 1.0) if s.bound == 1.0]
+    assume(len(strain.sample_indices) > 0)
     moved, faster, h = rng.normal(size=points.shape), rng.normal(size=len(pace)), 1e-6
     after = LoadEvaluation.of(points + h * moved, bounds.loads)
     before = LoadEvaluation.of(points - h * moved, bounds.loads)
     change = lengths(after, pace * (1 + h * faster)) - lengths(before, pace * (1 - h * faster))
     change /= 2 * h
-    told = np.einsum("mrkj,mkj->mr", strain.by_point, moved[strain.owners])
-    told += np.einsum("mre,me->mr", strain.by_pace, faster[strain.intervals[:, None] + [0, 1]])
-    place = strain.intervals + strain.places
+    told = np.einsum("mrkj,mkj->mr", strain.by_control_point, moved[strain.control_points])
+    told += np.einsum(
+        "mre,me->mr", strain.by_path_velocity, faster[strain.intervals[:, None] + [0, 1]]
+    )
+    place = strain.intervals + strain.sample_indices
     # Of every ball the first plane touches it where the vector points; torques have a sign.
     balls = change.shape[1]
     told = told.reshape(len(place), balls, -1)[:, :, 0]
-    now = strain.now.reshape(len(place), balls, -1)[:, :, 0]
+    now = strain.ratios.reshape(len(place), balls, -1)[:, :, 0]
     large = np.abs(now) > 0.1
     signed = np.sign(now) * told
     scale = 1 + np.abs(told).max()
@@ -98,15 +102,17 @@ def test_the_pace_keeps_loads_and_meets_something_everywhere(name, kind, seed):
     bounds = bounds_under(name, limits_of(name, kind))
     points = curve_points(name, np.random.default_rng(seed))
     rates, pace, felt = path_velocity_along(points, bounds)
-    grid = grid_of(len(points))
+    grid = path_grid(len(points))
     loads = lengths(felt, pace)
     assert loads.max() <= 1 + 1e-6
-    assert rates.worst(grid, pace) <= 1 + 1e-9
+    assert rates.max_acceleration_ratio(grid, pace) <= 1 + 1e-9
     shares = np.maximum(
         np.abs(rates.accelerations(grid, pace)).max(axis=(1, 2)),
-        loads.max(axis=1).reshape(len(grid.owners), -1).max(axis=1),
+        loads.max(axis=1).reshape(len(grid.control_points), -1).max(axis=1),
     )
-    used = np.maximum(pace[1:-1] / rates.caps(), np.maximum(shares[1:], shares[:-1]))
+    used = np.maximum(
+        pace[1:-1] / rates.path_velocity_bounds(), np.maximum(shares[1:], shares[:-1])
+    )
     assert used.min() > 0.97
 
 
@@ -125,10 +131,10 @@ def test_the_duration_is_what_the_retimer_finds(name, kind, seed):
         effort=others.effort,
         payload=others.payload,
     )
-    curve: JointSpline = joint_spline(group.joints, spline_of(points))
+    curve: JointSpline = joint_spline(group.joints, make_bspline(points))
     timed, _ = retime(curve, world.limits(group), options, path_limits(world, group, options))
     # This grid is coarser: a pace changes less freely on it, and a zone begins before its faces.
-    found = duration_of(grid_of(len(points)), pace)
+    found = duration_of(path_grid(len(points)), pace)
     most = 1.35 if kind == "zone" else 1.13
     assert 0.98 * timed.duration < found < most * timed.duration
 
@@ -136,7 +142,7 @@ def test_the_duration_is_what_the_retimer_finds(name, kind, seed):
 def test_what_is_not_asked_for_is_not_felt():
     bounds = bounds_under("ur5e", MotionLimits())
     assert bounds.loads == ()
-    np.testing.assert_array_equal(bounds.signed, [[-1.0] * 6, [1.0] * 6])
+    np.testing.assert_array_equal(bounds.acceleration_range, [[-1.0] * 6, [1.0] * 6])
     _, _, felt = path_velocity_along(curve_points("ur5e", np.random.default_rng(0)), bounds)
     assert felt is None
 
@@ -146,9 +152,9 @@ def test_a_load_that_is_nowhere_near_makes_no_rows():
     bounds = bounds_under("ur5e", others)
     points = curve_points("ur5e", np.random.default_rng(1))
     _, pace, felt = path_velocity_along(points, bounds)
-    for strain in felt.strains(pace, 1.0):
+    for strain in felt.load_linearizations(pace, 1.0):
         numbers = np.arange(points.size).reshape(points.shape), np.arange(len(pace))
-        assert len(strain.rows(*numbers, np.ones(6)).least) == 0
+        assert len(strain.rows(*numbers, np.ones(6)).lower_bounds) == 0
 
 
 def test_joints_that_float_leave_loads_to_the_retimer():
@@ -169,17 +175,22 @@ def test_what_gravity_takes_too_much_of_costs_and_is_told(seed):
     points = curve_points("panda", rng)
     weak = type(load)(load.dynamics, load.columns, load.efforts * 0.3)
     felt = LoadEvaluation.of(points, (weak,))
-    held = np.abs(weak.held(felt.states[1][0]))
-    assert felt.excess == pytest.approx(np.maximum(held - MOST_HELD, 0).sum())
+    held = np.abs(weak.static_load(felt.states_by_num_parts[1][0]))
+    assert felt.excess == pytest.approx(np.maximum(held - MAX_STATIC_LOAD, 0).sum())
     assert felt.excess > 0
-    _, strain = felt.strains(np.ones(len(felt.states[1][0])), 1.0)
+    _, strain = felt.load_linearizations(np.ones(len(felt.states_by_num_parts[1][0])), 1.0)
     moved, h = rng.normal(size=points.shape), 1e-6
-    at = strain.places
-    change = weak.held(LoadEvaluation.of(points + h * moved, (weak,)).states[1][0][at])
+    at = strain.sample_indices
+    change = weak.static_load(
+        LoadEvaluation.of(points + h * moved, (weak,)).states_by_num_parts[1][0][at]
+    )
     change = (
-        change - weak.held(LoadEvaluation.of(points - h * moved, (weak,)).states[1][0][at])
+        change
+        - weak.static_load(
+            LoadEvaluation.of(points - h * moved, (weak,)).states_by_num_parts[1][0][at]
+        )
     ) / (2 * h)
     owners = np.minimum(at // 4, len(points) - 4)[:, None] + np.arange(4)
-    told = np.einsum("mrkj,mkj->mr", strain.by_point, moved[owners])
+    told = np.einsum("mrkj,mkj->mr", strain.by_control_point, moved[owners])
     np.testing.assert_allclose(told, change, atol=1e-4 * (1 + np.abs(change).max()))
-    assert not strain.by_pace.any()
+    assert not strain.by_path_velocity.any()

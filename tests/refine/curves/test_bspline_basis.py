@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.refine.curves.bspline_basis import centres, num_spans, spline_of, weights_at
+from planning.refine.curves.bspline_basis import (
+    basis_weights,
+    greville_abscissae,
+    make_bspline,
+    num_spans,
+)
 from tests.profiles import num_cases
 
 COUNTS = st.integers(5, 20)
@@ -17,9 +22,9 @@ SEEDS = st.integers(0, 2**32 - 1)
 def test_weighted_sums_are_drakes_derivatives(count, seed, order):
     rng = np.random.default_rng(seed)
     points, s = rng.uniform(-3, 3, (count, 4)), np.append(rng.uniform(0, 1, 30), [0.0, 1.0])
-    spline = spline_of(points)
+    spline = make_bspline(points)
     wanted = (spline.MakeDerivative(order) if order else spline).vector_values(s).T
-    found = weights_at(count, s, order).of(points)
+    found = basis_weights(count, s, order).apply(points)
     np.testing.assert_allclose(found, wanted, atol=1e-8 * max(1.0, np.abs(wanted).max()))
 
 
@@ -30,7 +35,7 @@ def test_the_third_derivative_at_a_knot_is_that_of_the_span_asked_for(count, see
     spans = np.arange(num_spans(count))
     low, high = spans / num_spans(count), (spans + 1) / num_spans(count)
     at_low, middle, at_high = (
-        weights_at(count, s, 3, spans).of(points) for s in (low, (low + high) / 2, high)
+        basis_weights(count, s, 3, spans).apply(points) for s in (low, (low + high) / 2, high)
     )
     scale = np.abs(middle).max()
     np.testing.assert_allclose(at_low, middle, atol=1e-6 * scale)
@@ -40,5 +45,5 @@ def test_the_third_derivative_at_a_knot_is_that_of_the_span_asked_for(count, see
 @given(count=COUNTS)
 def test_control_points_at_their_centres_make_the_identity(count):
     s = np.linspace(0, 1, 23)
-    found = weights_at(count, s).of(centres(count)[:, None])[:, 0]
+    found = basis_weights(count, s).apply(greville_abscissae(count)[:, None])[:, 0]
     assert found == pytest.approx(s, abs=1e-11)

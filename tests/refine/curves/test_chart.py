@@ -13,8 +13,8 @@ from planning.domain.report.motion_plan import MotionPlan
 from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.request.problem import PlanningProblem
 from planning.refine.constraints.distance_buffers import DistanceBuffers
-from planning.refine.constraints.distance_query import nearness_of
-from planning.refine.curves.chart import FlatChart, TangentChart, chart_of
+from planning.refine.constraints.distance_query import make_distance_query
+from planning.refine.curves.chart import FlatChart, TangentChart, make_chart
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
@@ -51,9 +51,9 @@ def plan(world: World, method: str, seed: int) -> MotionPlan:
 
 def test_the_ends_of_a_curve_are_those_of_the_path() -> None:
     path = path_turning([0.0, 1.0, 2.5])
-    chart = chart_of(path)
+    chart = make_chart(path)
     assert isinstance(chart, TangentChart)
-    assert not chart.winds
+    assert not chart.is_winding
     manifold = path.spline.manifold
     placed = chart.positions(chart.waypoints)
     assert manifold.distance(placed[[0, -1]], path.waypoints[[0, -1]]).max() < 1e-12
@@ -69,7 +69,7 @@ def test_what_does_not_float_has_its_positions_as_coordinates() -> None:
     world = bundled_world("maze_2d")
     group = world.group("body")
     path = JointPath(group, np.array([[0.0, 0.0, 3.0], [0.1, 0.0, -3.0]]))
-    chart = chart_of(path)
+    chart = make_chart(path)
     assert isinstance(chart, FlatChart)
     assert chart.waypoints[:, 2] == pytest.approx([3.0, 2 * np.pi - 3.0])
 
@@ -80,10 +80,10 @@ def test_gradients_are_those_of_the_coordinates(kernel: bool, angles: list[float
     world = bundled_world("window_3d")
     world = load_world(world.scene, world.library, kernel=kernel)
     path = path_turning(angles)
-    chart = chart_of(path)
+    chart = make_chart(path)
     ends = world.embed(path.group, path.waypoints[[0, -1]])
-    buffers = DistanceBuffers.between(world, world.margins(), ends)
-    near = chart.measured(nearness_of(world, path.group, buffers))
+    buffers = DistanceBuffers.from_ends(world, world.margins(), ends)
+    near = chart.distance_query_in_chart(make_distance_query(world, path.group, buffers))
     rng = np.random.default_rng(1)
     deltas = chart.waypoints[:: len(chart.waypoints) // 6] + rng.normal(
         0, 0.05, chart.waypoints[:: len(chart.waypoints) // 6].shape
@@ -92,10 +92,10 @@ def test_gradients_are_those_of_the_coordinates(kernel: bool, angles: list[float
     step = 1e-5
     for k in range(6):
         there = near.within(deltas + step * np.eye(6)[k], 2.0)
-        np.testing.assert_array_equal(there.at, now.at)
-        slopes = (there.spare - now.spare) / step
+        np.testing.assert_array_equal(there.sample_indices, now.sample_indices)
+        slopes = (there.signed_margins - now.signed_margins) / step
         # Where the nearest points are about to change, one side says something else.
-        assert (np.abs(slopes - now.gradient[:, k]) < 1e-3).mean() > 0.9
+        assert (np.abs(slopes - now.gradients[:, k]) < 1e-3).mean() > 0.9
 
 
 @pytest.mark.parametrize("seed", [0, 2])
@@ -136,7 +136,7 @@ def test_coordinates_follow_far_turns(turns: list[float], seed: int) -> None:
     for step in steps:
         quaternions.append(rotation.multiply(quaternions[-1], step))
     path = JointPath(group, np.hstack([quaternions, np.zeros((len(quaternions), 3))]))
-    chart = chart_of(path)
+    chart = make_chart(path)
     deltas = chart.waypoints
     turned = np.linalg.norm(deltas[:, :3], axis=1)
     assert turned.max() <= 4.5
@@ -145,7 +145,7 @@ def test_coordinates_follow_far_turns(turns: list[float], seed: int) -> None:
     manifold = path.spline.manifold
     ends = chart.positions(deltas[[0, -1]])
     assert manifold.distance(ends, path.waypoints[[0, -1]]).max() < 1e-9
-    assert chart.winds == (turned.max() > 2.2)
+    assert chart.is_winding == (turned.max() > 2.2)
 
 
 @pytest.mark.parametrize("kernel", [True, False])
@@ -173,9 +173,9 @@ def test_what_must_turn_far_does_so_quicker() -> None:
     limits = world.limits(path.group)
     request = RefineRequest(path, limits, world.margins(), RefineOptions("trajopt"))
     task = RefineProblem.of(world, request, no_hurry())
-    best, _, reason = task.descend(task.fitted(0.15))
+    best, _, reason = task.optimize(task.fit_path(0.15))
     assert best is not None, reason
-    assert task.chart.winds
+    assert task.chart.is_winding
     refined, _ = retime(task.curve_of(best), limits, RetimeOptions())
     rounded, _ = retime(blend_corners(path, 0.03, 1), limits, RetimeOptions())
     assert refined.duration < rounded.duration

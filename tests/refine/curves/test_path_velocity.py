@@ -9,14 +9,14 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import Joint, JointGroup, JointLimits, JointType
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.constraints.request_bounds import signed_accelerations
-from planning.refine.curves.bspline_basis import centres, spline_of
-from planning.refine.curves.duration_bound import least_duration, rest_to_rest
+from planning.refine.curves.bspline_basis import greville_abscissae, make_bspline
+from planning.refine.curves.duration_bound import duration_lower_bound, rest_to_rest_durations
 from planning.refine.curves.path_velocity import (
     NormalizedDerivatives,
     duration_gradient,
     duration_of,
-    grid_of,
     minimum_time_path_velocity,
+    path_grid,
 )
 from planning.refine.curves.power_basis import joint_spline
 from planning.retime.limits.request_limits import path_limits
@@ -46,7 +46,7 @@ def curve_of(rng: np.random.Generator, count: int, size: int) -> np.ndarray:
 
 
 def duration(points: np.ndarray, bounds: RateBounds) -> float:
-    grid = grid_of(len(points))
+    grid = path_grid(len(points))
     return duration_of(
         grid, minimum_time_path_velocity(grid, NormalizedDerivatives.of(grid, points, bounds))
     )
@@ -58,7 +58,7 @@ def test_it_is_what_the_retimer_finds(seed, count):
     rng = np.random.default_rng(seed)
     limits, points = limits_of(rng, 3), curve_of(rng, count, 3)
     joints = tuple(Joint(f"g::j{i}", JointType.REVOLUTE) for i in range(3))
-    timed, _ = retime(joint_spline(joints, spline_of(points)), limits, RetimeOptions())
+    timed, _ = retime(joint_spline(joints, make_bspline(points)), limits, RetimeOptions())
     found = duration(points, RateBounds.of(limits, jerk=False))
     assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
 
@@ -68,11 +68,11 @@ def test_it_is_what_the_retimer_finds(seed, count):
 def test_the_bounds_are_kept_and_met(seed, jerk):
     rng = np.random.default_rng(seed)
     bounds = RateBounds.of(limits_of(rng, 3), jerk=jerk)
-    points, grid = curve_of(rng, 12, 3), grid_of(12)
+    points, grid = curve_of(rng, 12, 3), path_grid(12)
     rates = NormalizedDerivatives.of(grid, points, bounds)
     pace = minimum_time_path_velocity(grid, rates)
     accelerations = np.abs(rates.accelerations(grid, pace)).max(axis=(1, 2))
-    used = pace[1:-1] / rates.caps()
+    used = pace[1:-1] / rates.path_velocity_bounds()
     assert accelerations.max() <= 1 + 1e-9
     assert used.max() <= 1 + 1e-9
     # Bang-bang: at every grid point one of them binds, but for the solver's tolerance.
@@ -84,8 +84,8 @@ def test_the_bounds_are_kept_and_met(seed, jerk):
 def test_no_curve_beats_the_lower_bound_and_a_line_of_one_joint_meets_it(seed):
     rng = np.random.default_rng(seed)
     limits = limits_of(rng, 1)
-    points = centres(14)[:, None] * rng.uniform(0.05, 3.0)
-    least = least_duration(limits, points[-1] - points[0], jerk=False)
+    points = greville_abscissae(14)[:, None] * rng.uniform(0.05, 3.0)
+    least = duration_lower_bound(limits, points[-1] - points[0], jerk=False)
     assert duration(points, RateBounds.of(limits, jerk=False)) == pytest.approx(least, rel=0.02)
 
 
@@ -94,7 +94,7 @@ def test_no_curve_beats_the_lower_bound_and_a_line_of_one_joint_meets_it(seed):
 def test_no_curve_beats_the_lower_bound(seed):
     rng = np.random.default_rng(seed)
     limits, points = limits_of(rng, 3), curve_of(rng, 12, 3)
-    least = least_duration(limits, points[-1] - points[0], jerk=False)
+    least = duration_lower_bound(limits, points[-1] - points[0], jerk=False)
     # The grid bounds accelerations at its points only, which gains it a little.
     assert duration(points, RateBounds.of(limits, jerk=False)) > 0.98 * least
 
@@ -103,7 +103,7 @@ def test_no_curve_beats_the_lower_bound(seed):
 def test_the_lower_bound_by_hand(moved, seconds):
     ones = np.ones(2)
     limits = JointLimits(-ones, ones, ones, ones, ones, ones, ((0,), (1,)))
-    least = least_duration(limits, np.array([0.1, -moved]), jerk=False)
+    least = duration_lower_bound(limits, np.array([0.1, -moved]), jerk=False)
     assert least == pytest.approx(seconds)
 
 
@@ -111,12 +111,12 @@ def test_coordinates_that_are_limited_together_share_the_bound():
     one = np.ones(1)
     limits = JointLimits(-np.ones(2), np.ones(2), one, one, one, one, ((0, 1),))
     moved = np.array([3.0, 4.0])
-    assert least_duration(limits, moved, jerk=False) == pytest.approx(5.0 + 1.0)
+    assert duration_lower_bound(limits, moved, jerk=False) == pytest.approx(5.0 + 1.0)
 
 
 @given(seed=SEEDS)
 def test_haste_is_the_slope_of_the_duration(seed):
-    grid = grid_of(9)
+    grid = path_grid(9)
     b = np.append(0.0, np.append(np.random.default_rng(seed).uniform(1, 2, 23), 0.0))
     i, h = 7, 1e-6
     more = b.copy()
@@ -135,18 +135,18 @@ def test_bounds_of_either_sign_are_kept_and_met(seed, jerk):
     rng = np.random.default_rng(seed)
     limits = limits_of(rng, 3)
     signed = signed_of(rng, 3)
-    bounds = RateBounds.of(limits, jerk=jerk, signed=signed)
-    lowest, highest = bounds.signed * bounds.acceleration
+    bounds = RateBounds.of(limits, jerk=jerk, acceleration_bounds=signed)
+    lowest, highest = bounds.acceleration_range * bounds.acceleration
     assert (lowest >= np.maximum(signed[0], -limits.acceleration) * (1 + 1e-12)).all()
     assert (highest <= np.minimum(signed[1], limits.acceleration) * (1 + 1e-12)).all()
-    points, grid = curve_of(rng, 12, 3), grid_of(12)
+    points, grid = curve_of(rng, 12, 3), path_grid(12)
     rates = NormalizedDerivatives.of(grid, points, bounds)
     pace = minimum_time_path_velocity(grid, rates)
     accelerations = rates.accelerations(grid, pace) * bounds.acceleration
     shares = np.maximum(accelerations / lowest, accelerations / highest).max(axis=(1, 2))
     assert shares.max() <= 1 + 1e-9
     nearby = np.maximum(shares[1:], shares[:-1])
-    assert np.maximum(pace[1:-1] / rates.caps(), nearby).min() > 0.98
+    assert np.maximum(pace[1:-1] / rates.path_velocity_bounds(), nearby).min() > 0.98
 
 
 @settings(max_examples=num_cases(6))
@@ -159,10 +159,14 @@ def test_speeding_up_and_slowing_down_differ_by_hand(seed):
     top = min(limits.velocity[0], np.sqrt(2 * way * up * down / (up + down)))
     expected = way / top + top / 2 * (1 / up + 1 / down)
     for moved in (way, -way):
-        least = least_duration(limits, np.array([moved]), jerk=False, signed=signed)
+        least = duration_lower_bound(
+            limits, np.array([moved]), jerk=False, acceleration_bounds=signed
+        )
         assert least == pytest.approx(expected)
-    bounds = RateBounds.of(limits, jerk=False, signed=signed)
-    assert duration(centres(14)[:, None] * way, bounds) == pytest.approx(expected, rel=0.02)
+    bounds = RateBounds.of(limits, jerk=False, acceleration_bounds=signed)
+    assert duration(greville_abscissae(14)[:, None] * way, bounds) == pytest.approx(
+        expected, rel=0.02
+    )
 
 
 @settings(max_examples=num_cases(6))
@@ -175,13 +179,16 @@ def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
     group = JointGroup("g", joints, ())
     asked = {"g::j0": (-2.0, 9.0), "g::j2": (-8.0, 1.5)}
     options = RetimeOptions(acceleration_bounds=asked)
-    spline = joint_spline(joints, spline_of(points))
+    spline = joint_spline(joints, make_bspline(points))
     timed, _ = retime(spline, limits, options, path_limits(world, group, options))
     signed = signed_accelerations(group, asked)
-    found = duration(points, RateBounds.of(limits, jerk=False, signed=signed))
+    found = duration(points, RateBounds.of(limits, jerk=False, acceleration_bounds=signed))
     assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
     moved = points[-1] - points[0]
-    assert least_duration(limits, moved, jerk=False, signed=signed) < 1.02 * timed.duration
+    assert (
+        duration_lower_bound(limits, moved, jerk=False, acceleration_bounds=signed)
+        < 1.02 * timed.duration
+    )
 
 
 @pytest.mark.parametrize(
@@ -189,5 +196,5 @@ def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
     [(2.0, np.inf, 1.5), (np.inf, 3.0, 2.0), (1.0, 1.0, 4.0), (1.0, 0.1, 2 * np.sqrt(30.0))],
 )
 def test_the_least_time_of_a_way_by_hand(speed, acceleration, seconds):
-    assert rest_to_rest(np.array([3.0]), speed, acceleration)[0] == pytest.approx(seconds)
-    assert rest_to_rest(np.zeros(1), speed, acceleration)[0] == 0.0
+    assert rest_to_rest_durations(np.array([3.0]), speed, acceleration)[0] == pytest.approx(seconds)
+    assert rest_to_rest_durations(np.zeros(1), speed, acceleration)[0] == 0.0

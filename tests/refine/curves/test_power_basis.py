@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planning.domain.robot.joints import Joint, JointType
-from planning.refine.curves.bspline_basis import spline_of
+from planning.refine.curves.bspline_basis import make_bspline
 from planning.refine.curves.power_basis import joint_spline
 
 
@@ -21,7 +21,7 @@ def joints(count: int) -> tuple[Joint, ...]:
 )
 def test_positions_and_derivatives_are_those_of_drake(seed, count, size, duration):
     rng = np.random.default_rng(seed)
-    spline = spline_of(rng.uniform(-3, 3, (count, size)), duration)
+    spline = make_bspline(rng.uniform(-3, 3, (count, size)), duration)
     curve = joint_spline(joints(size), spline)
     s = np.concatenate([[0.0, 1.0], rng.uniform(0, 1, 50)])
     t = np.minimum(s * duration, duration)
@@ -36,6 +36,6 @@ def test_positions_and_derivatives_are_those_of_drake(seed, count, size, duratio
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(4, 18))
 def test_the_ends_are_the_outer_control_points(seed, count):
     points = np.random.default_rng(seed).uniform(-3, 3, (count, 6))
-    curve = joint_spline(joints(6), spline_of(points))
+    curve = joint_spline(joints(6), make_bspline(points))
     np.testing.assert_array_equal(curve.start, points[0])
     np.testing.assert_allclose(curve.end, points[-1], atol=1e-13)

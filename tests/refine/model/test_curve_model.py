@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from planning.domain.request.options import ClearanceWish
-from planning.refine.constraints.clearance_objective import clearance_objective
+from planning.domain.request.options import ClearanceObjective
+from planning.refine.constraints.clearance_objective import make_clearance_objective
 from planning.refine.constraints.distance_buffers import DistanceBuffers
-from planning.refine.constraints.distance_query import nearness_of
+from planning.refine.constraints.distance_query import make_distance_query
 from planning.refine.constraints.rate_bounds import RateBounds
-from planning.refine.curves.fit import fit_control_points, unwrapped
+from planning.refine.curves.fit import fit_control_points, unwrapped_waypoints
 from planning.refine.model.curve_model import CurveModel
 
 NUM_INSTANTS = 60
@@ -16,32 +16,32 @@ NUM_INSTANTS = 60
 
 def model_of(case, wish=None) -> tuple[CurveModel, np.ndarray, RateBounds]:
     path, limits = case.request.path, case.request.limits
-    waypoints = unwrapped(path)
+    waypoints = unwrapped_waypoints(path)
     bounds = RateBounds.of(limits, jerk=case.request.jerk)
     ends = case.world.embed(path.group, waypoints[[0, -1]])
-    buffers = DistanceBuffers.between(case.world, case.request.margins, ends)
-    nearness = nearness_of(case.world, path.group, buffers)
+    buffers = DistanceBuffers.from_ends(case.world, case.request.margins, ends)
+    nearness = make_distance_query(case.world, path.group, buffers)
     guess = fit_control_points(waypoints, bounds.velocity)
-    wished = clearance_objective(case.world, path.group, case.request.margins, wish)
+    wished = make_clearance_objective(case.world, path.group, case.request.margins, wish)
     model = CurveModel(nearness, limits, bounds, len(guess), NUM_INSTANTS, wished)
     return model, guess, bounds
 
 
-@pytest.mark.parametrize("wish", [None, ClearanceWish(0.08, 5.0)])
+@pytest.mark.parametrize("wish", [None, ClearanceObjective(0.08, 5.0)])
 @pytest.mark.parametrize("box", [0.001, 0.004])
 def test_a_small_step_brings_what_it_promises(case, box, wish):
     model, points, _ = model_of(case, wish)
     for _ in range(3):
-        seen = model.look(points)
+        seen = model.evaluate(points)
         points, promised = model.step(seen, box)
-        brought = seen.cost - model.look(points).cost
+        brought = seen.merit - model.evaluate(points).merit
         assert promised > 0
         assert 0.3 * promised < brought < 3 * promised
 
 
 def test_a_step_stays_in_its_box_and_holds_the_ends(case):
     model, points, bounds = model_of(case)
-    seen = model.look(points)
+    seen = model.evaluate(points)
     after, _ = model.step(seen, 0.05)
     np.testing.assert_array_equal(after[[0, -1]], points[[0, -1]])
     assert (np.abs(after - points) <= 0.05 * bounds.velocity * (1 + 1e-9)).all()
@@ -52,15 +52,15 @@ def test_a_step_stays_in_its_box_and_holds_the_ends(case):
 
 def test_distances_that_are_too_short_cost(thin_wall):
     model, points, _ = model_of(thin_wall)
-    free = model.look(points)
+    free = model.evaluate(points)
     through = points.copy()
     through[1:-1] = np.linspace(points[0], points[-1], len(points))[1:-1]
-    broken = model.look(through)
+    broken = model.evaluate(through)
     assert broken.duration < free.duration
-    assert broken.cost > broken.duration
-    seen = model.look(through)
-    model.keep_distance_at(np.array([0.5, 0.501]))
-    assert model.look(through).cost > seen.cost
+    assert broken.merit > broken.duration
+    seen = model.evaluate(through)
+    model.add_samples(np.array([0.5, 0.501]))
+    assert model.evaluate(through).merit > seen.merit
 
 
 def test_a_violated_distance_is_repaired(thin_wall):
@@ -68,8 +68,8 @@ def test_a_violated_distance_is_repaired(thin_wall):
     # Pushed into the end of the wall a little.
     low = points - 0.03 * np.exp(-(((np.arange(len(points)) - 6.5) / 3) ** 2))[:, None] * [0, 1]
     low[[0, -1]] = points[[0, -1]]
-    while (model.look(low).near.spare > -0.002).all():
+    while (model.evaluate(low).distances.signed_margins > -0.002).all():
         low[1:-1, 1] -= 0.01
-    seen = model.look(low)
-    after = model.look(model.step(seen, 0.05)[0])
-    assert after.near.spare.min() > seen.near.spare.min()
+    seen = model.evaluate(low)
+    after = model.evaluate(model.step(seen, 0.05)[0])
+    assert after.distances.signed_margins.min() > seen.distances.signed_margins.min()

@@ -34,7 +34,7 @@ def random_program(seed: int, num_variables: int, num_rows: int) -> PenaltyQp:
 )
 def test_both_find_the_least_cost(seed, num_variables, num_rows):
     program = random_program(seed, num_variables, num_rows)
-    ours, theirs = program.solve(), program.solve(natively=False)
+    ours, theirs = program.solve(), program.solve(use_kernel=False)
     assert (ours >= program.lower - 1e-9).all()
     assert (ours <= program.upper + 1e-9).all()
     assert program.cost(ours) == pytest.approx(program.cost(theirs), abs=1e-4)
@@ -53,7 +53,7 @@ def test_a_row_is_kept_if_its_price_is_high_enough(natively, price, x):
     row = PenaltyRows(np.array([[0, -1]]), np.array([[1.0, 7.0]]), np.array([1.0]), price)
     one = np.ones(1)
     program = PenaltyQp(one, 0 * one, -2 * one, 2 * one, (row,))
-    assert program.solve(natively=natively)[0] == pytest.approx(x, abs=1e-4)
+    assert program.solve(use_kernel=natively)[0] == pytest.approx(x, abs=1e-4)
     assert program.cost(np.array([x])) == pytest.approx(x + price * max(0.0, 1 - x))
 
 
@@ -62,7 +62,7 @@ def test_rows_that_contradict_one_another_share_the_damage(natively):
     rows = PenaltyRows(np.array([[0], [0]]), np.array([[1.0], [-1.0]]), np.array([1.0, 1.0]), 3.0)
     zero, one = np.zeros(1), np.ones(1)
     program = PenaltyQp(zero, one, -5 * one, 5 * one, (rows,))
-    assert program.solve(natively=natively)[0] == pytest.approx(0.0, abs=1e-4)
+    assert program.solve(use_kernel=natively)[0] == pytest.approx(0.0, abs=1e-4)
     assert program.cost(zero) == pytest.approx(6.0)
 
 
@@ -75,4 +75,4 @@ def test_rows_between_bounds_keep_a_sum_within_them(seed):
     sums = now + values @ x
     # In units of the bound that is exceeded.
     excess = np.maximum(np.maximum(sums / high, sums / low) - 1, 0).sum()
-    assert rows.cost(x) == pytest.approx(2.0 * excess)
+    assert rows.penalty_at(x) == pytest.approx(2.0 * excess)

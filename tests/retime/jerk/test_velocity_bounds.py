@@ -9,7 +9,7 @@ from planning.domain.curves.curve import derivative
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.joints import JointType
 from planning.retime.blend import blend_corners
-from planning.retime.jerk.velocity_bounds import speed_caps
+from planning.retime.jerk.velocity_bounds import cell_velocity_bounds
 from planning.retime.polynomials import norms, to_bernstein
 from tests.conftest import group_of, random_waypoints
 
@@ -28,28 +28,30 @@ def fastest_seen(coefficients: np.ndarray, caps: np.ndarray) -> float:
 def test_no_speed_in_between_exceeds_the_limit(seed: int, degree: int, dims: int) -> None:
     slopes = np.random.default_rng(seed).normal(size=(1, degree + 1, dims))
     sizes = norms(to_bernstein(slopes, np.ones(1)))[:, :, None]
-    caps = speed_caps(sizes, VELOCITY)
+    caps = cell_velocity_bounds(sizes, VELOCITY)
     assert fastest_seen(slopes[0], caps[0]) <= VELOCITY[0] * (1 + 1e-12)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1.2, 2.0, 4.0])
 def test_linear_slopes_use_the_limit_up(ratio: float) -> None:
     slopes = np.array([[1.0], [ratio - 1.0]])
-    caps = speed_caps(np.array([[[1.0], [ratio]]]), VELOCITY)
+    caps = cell_velocity_bounds(np.array([[[1.0], [ratio]]]), VELOCITY)
     assert fastest_seen(slopes, caps[0]) == pytest.approx(VELOCITY[0], rel=1e-4)
     # Both ends are slowed by the same factor, not the flatter one to what the steeper one needs.
     assert np.sqrt(caps[0, 0]) == pytest.approx(ratio * np.sqrt(caps[0, 1]), rel=1e-12)
 
 
 def test_an_end_at_rest_in_the_parameter_does_no_harm() -> None:
-    caps = speed_caps(np.array([[[0.0], [2.0]], [[2.0], [0.0]], [[0.0], [0.0]]]), VELOCITY)
+    caps = cell_velocity_bounds(
+        np.array([[[0.0], [2.0]], [[2.0], [0.0]], [[0.0], [0.0]]]), VELOCITY
+    )
     assert np.allclose(caps[:2], (VELOCITY[0] / 2) ** 2)
     assert np.isinf(caps[2]).all()
 
 
 def test_a_joint_that_turns_back_bounds_the_speed_at_both_ends() -> None:
     # r' from -1 to 1: the norms at both ends are alike, and it is slower in between.
-    assert np.allclose(speed_caps(np.array([[[1.0], [1.0]]]), VELOCITY), VELOCITY[0] ** 2)
+    assert np.allclose(cell_velocity_bounds(np.array([[[1.0], [1.0]]]), VELOCITY), VELOCITY[0] ** 2)
 
 
 def test_of_several_blocks_the_slowest_counts() -> None:
@@ -57,5 +59,5 @@ def test_of_several_blocks_the_slowest_counts() -> None:
     curve = blend_corners(JointPath(group, random_waypoints(group, 2, 4)), 0.1)
     slopes = to_bernstein(derivative(curve.coefficients, 1), np.diff(curve.breaks))
     limits = np.array([0.5, 1.0, 2.0])
-    alone = [speed_caps(np.abs(slopes[:, :, [i]]), limits[[i]]) for i in range(3)]
-    assert np.array_equal(speed_caps(np.abs(slopes), limits), np.min(alone, axis=0))
+    alone = [cell_velocity_bounds(np.abs(slopes[:, :, [i]]), limits[[i]]) for i in range(3)]
+    assert np.array_equal(cell_velocity_bounds(np.abs(slopes), limits), np.min(alone, axis=0))

@@ -169,7 +169,7 @@ def test_torques_hold_ten_times_finer_by_other_means(name: str, method: str, see
     free, _ = timed(world, arm, path, RetimeOptions(method=method))
     limits = world.limits(group).effort
     # Crept along, the arm takes what holds it.
-    crept = free.slowed(1e4)
+    crept = free.time_scaled(1e4)
     held = independent_efforts(
         world, group, crept, crept.sample_times(crept.duration / 500), payload
     )

@@ -11,7 +11,7 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointLimits, JointType
-from planning.refine.curves.bspline_basis import spline_of
+from planning.refine.curves.bspline_basis import make_bspline
 from planning.refine.curves.power_basis import joint_spline
 from planning.retime.blend import blend_corners
 from planning.retime.cells import cut_at, even_edges
@@ -104,7 +104,7 @@ def test_many_more_cells_would_save_little(kind: JointType, seed: int) -> None:
 @given(seed=st.integers(0, 10_000))
 def test_a_curve_without_lines_is_as_quick_as_on_many_more_cells(seed: int) -> None:
     steps = np.random.default_rng(seed).normal(0.2, 0.05, (10, 7))
-    spline = joint_spline(SEVEN.joints, spline_of(np.cumsum(steps, axis=0)))
+    spline = joint_spline(SEVEN.joints, make_bspline(np.cumsum(steps, axis=0)))
     few, _ = retime(spline, limits_of(SEVEN), RetimeOptions())
     many, _ = retime(in_parts(spline, 8), limits_of(SEVEN), RetimeOptions())
     assert few.num_pieces * 2 < many.num_pieces

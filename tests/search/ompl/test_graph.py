@@ -9,7 +9,7 @@ import pytest
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.manifold import Manifold
 from planning.errors import DeadlineExceeded, NoPathFound
-from planning.search.ompl.graph import Graph, exported
+from planning.search.ompl.graph import Graph, export_graph
 from planning.search.ompl.planner_list import planner_names
 from planning.search.ompl.spaces import SearchSpace
 from planning.search.solver import search
@@ -36,7 +36,7 @@ def test_a_graph_leads_from_start_to_goal(plane, wall, soon, crossing, name):
         assert wall.are_free(vertices).all()
     assert kept.path[0] in kept.starts
     assert kept.path[-1] in kept.goals
-    plain = kept.plain
+    plain = kept.as_json
     assert plain["vertices"] == vertices.tolist()
     assert [tuple(edge) for edge in plain["edges"]] == list(kept.edges)
 
@@ -54,7 +54,7 @@ def test_a_large_graph_is_cut_but_not_its_path(plane):
     qs = np.random.default_rng(0).uniform(-1, 1, (3_000, 2))
     way = [*range(0, 3_000, 60), 2_999]
     graph = Graph(qs, [0], [2_999], lambda i: list(range(i + 1, min(i + 7, 3_000))))
-    cut = exported("PRM", graph, SearchSpace(*plane, qs[:1]), qs[way])
+    cut = export_graph("PRM", graph, SearchSpace(*plane, qs[:1]), qs[way])
     assert (len(cut.vertices), len(cut.edges)) == (2_000, 10_000)
     assert (cut.num_vertices, cut.num_edges) == (3_000, 6 * 3_000 - 21)
     assert cut.vertices[list(cut.path)].tolist() == qs[way].tolist()

@@ -75,7 +75,7 @@ def test_ompl_is_told_the_same_costs(make_group, make_limits, name):
     space = SearchSpace(group, limits, np.zeros((1, 2)), weights)
     information = ob.SpaceInformation(space.ompl)
     information.setup()
-    told = objective.of_ompl(information, space, "RRTstar")
+    told = objective.make_ompl_objective(information, space, "RRTstar")
     if told is None:
         told = ob.PathLengthOptimizationObjective(information)
     for q0, q1 in np.random.default_rng(0).uniform(-1, 1, (20, 2, 2)):

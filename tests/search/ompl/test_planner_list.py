@@ -5,7 +5,7 @@ from ompl import base as ob
 from ompl import geometric as og
 
 from planning.errors import ProblemInvalid, UnknownName
-from planning.search.ompl.parameters import declared, set_parameters, value_of
+from planning.search.ompl.parameters import declared_parameters, set_parameters, value_of
 from planning.search.ompl.planner_list import check_planner, make_planner, ompl_cards, planner_names
 
 BOUND = [
@@ -69,7 +69,7 @@ def test_every_declared_parameter_can_be_set(name):
 
 @pytest.mark.parametrize("name", BOUND)
 def test_a_setter_changes_the_parameter_that_it_is_listed_for(name):
-    for parameter, setter in declared(planner_named(name)).items():
+    for parameter, setter in declared_parameters(planner_named(name)).items():
         planner = planner_named(name)
         before = value_of(planner, setter)
         changed = (not before) if isinstance(before, bool) else _another(parameter, before)

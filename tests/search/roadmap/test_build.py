@@ -121,14 +121,14 @@ def test_a_path_through_the_roadmap_needs_few_checks(plane, make_oracle, soon, c
 @pytest.mark.parametrize("objective", ["length", "weighted_length", "duration", "clearance"])
 def test_the_way_is_the_cheapest_that_the_graph_has(plane, make_oracle, soon, crossing, objective):
     """What A* finds in the roadmap, Bellman and Ford find too."""
-    from planning.search.query import query_of
+    from planning.search.query import make_query
     from planning.search.roadmap import shortest_roadmap_path as roadmap_way
     from planning.search.verified_path import fine_checker
 
     oracle = make_oracle(beyond_wall)
     roadmap = grown(*plane, oracle, soon)
     task = crossing(3, objective=objective, weights={"r::j1": 3.0})
-    query, _ = query_of(*plane, oracle, task, soon, None)
+    query, _ = make_query(*plane, oracle, task, soon, None)
     way = roadmap_way.shortest_roadmap_path(roadmap, query, fine_checker(query, 0.05))
     assert not way.reason
     graph, cost = way.graph, query.objective.edge_costs

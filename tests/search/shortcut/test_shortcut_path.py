@@ -15,8 +15,8 @@ from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
 from planning.search.shortcut.backtracking import backtrack
 from planning.search.shortcut.corners import cut_corners
-from planning.search.shortcut.polyline import path_measure, points_on
-from planning.search.shortcut.relax import relaxed
+from planning.search.shortcut.polyline import length_by_norm, subdivide
+from planning.search.shortcut.relax import relax
 from planning.search.shortcut.resampling import resample
 from planning.search.shortcut.shortcut_path import shortcut
 from planning.search.shortcut.vertex_skipping import skip_vertices, tighten
@@ -96,8 +96,8 @@ def test_the_path_gets_shorter_and_keeps_its_ends(checkers):
     fine = checkers[1]
     assert shorter[[0, -1]].tobytes() == DETOUR[[0, -1]].tobytes()
     assert is_sound(shorter, fine)
-    assert path_measure(TAUT, fine) - 0.01 < path_measure(shorter, fine)
-    assert path_measure(shorter, fine) < 1.06 * path_measure(TAUT, fine)
+    assert length_by_norm(TAUT, fine) - 0.01 < length_by_norm(shorter, fine)
+    assert length_by_norm(shorter, fine) < 1.06 * length_by_norm(TAUT, fine)
     assert len(shorter) <= 6
 
 
@@ -117,7 +117,7 @@ def test_never_longer_and_always_sound_on_any_manifold(sieve, kinds, seed):
     coarse, fine = sieve(KINDS[kinds], seed)
     path = free_walk(fine, np.random.default_rng(seed), 12)
     shorter = shortcut(path, coarse, fine, never)
-    assert path_measure(shorter, fine) <= path_measure(path, fine) + 1e-9
+    assert length_by_norm(shorter, fine) <= length_by_norm(path, fine) + 1e-9
     assert shorter[[0, -1]].tobytes() == path[[0, -1]].tobytes()
     assert is_sound(shorter, fine)
 
@@ -128,19 +128,19 @@ def test_never_longer_and_always_sound_on_any_manifold(sieve, kinds, seed):
 def test_every_stage_keeps_a_sound_path_sound_and_short(sieve, kinds, seed):
     coarse, fine = sieve(KINDS[kinds], seed)
     path = free_walk(fine, np.random.default_rng(seed), 8)
-    bold = relaxed(path, coarse, never)
+    bold = relax(path, coarse, never)
     assert bold.shape == path.shape
     if (bold != path).any():
         assert is_sound(bold, coarse)
     stages = {
         "skipped": skip_vertices(path, fine, never),
         "taut": tighten(path, fine),
-        "relaxed": relaxed(path, fine, never),
+        "relaxed": relax(path, fine, never),
         "cut": cut_corners(path, fine),
     }
     for new in stages.values():
         if new is not None:
-            assert path_measure(new, fine) <= path_measure(path, fine) + 1e-9
+            assert length_by_norm(new, fine) <= length_by_norm(path, fine) + 1e-9
             assert new[[0, -1]].tobytes() == path[[0, -1]].tobytes()
             assert is_sound(new, fine)
     assert is_sound(backtrack(bold, path, fine), fine)
@@ -161,9 +161,9 @@ def test_waypoints_give_way_only_to_where_both_neighbours_are_in_sight(plane, ma
         path = rng.uniform(-1, 1, (4, 2))
         if is_sound(path, fine):
             tried += 1
-            bent = relaxed(path, fine, never)
+            bent = relax(path, fine, never)
             assert is_sound(bent, fine)
-            assert path_measure(bent, fine) <= path_measure(path, fine) + 1e-9
+            assert length_by_norm(bent, fine) <= length_by_norm(path, fine) + 1e-9
     assert tried > 5
 
 
@@ -206,7 +206,9 @@ def test_what_is_too_bold_steps_back_only_as_far_as_it_must(checkers):
     bold = np.array([[-0.8, -0.8], [-0.2, 0.58], [0.2, 0.58], [0.8, -0.8]])
     path = backtrack(bold, sound, fine)
     assert is_sound(path, fine)
-    assert path_measure(path, fine) < 0.5 * (path_measure(sound, fine) + path_measure(bold, fine))
+    assert length_by_norm(path, fine) < 0.5 * (
+        length_by_norm(sound, fine) + length_by_norm(bold, fine)
+    )
     moved = np.add(TAUT, [0, 0.05])
     assert np.array_equal(backtrack(moved, moved, fine), moved)
 
@@ -222,10 +224,10 @@ def test_whenever_time_runs_out_what_is_free_by_then_is_left(plane, wall):
         except DeadlineExceeded:
             lengths.append(np.inf)
             continue
-        with watched.until(no_hurry()):
+        with watched.with_deadline(no_hurry()):
             assert is_sound(path, fine)
         assert path[[0, -1]].tobytes() == DETOUR[[0, -1]].tobytes()
-        lengths.append(path_measure(path, fine))
+        lengths.append(length_by_norm(path, fine))
     assert lengths == sorted(lengths, reverse=True)
     assert lengths[0] == np.inf
     assert len(set(lengths)) > 4
@@ -240,7 +242,7 @@ def test_what_is_left_of_an_edge_has_the_same_samples(sieve, kinds, seed, pieces
     q0, q1 = manifold.normalized(
         np.random.default_rng(seed).uniform(-1, 1, (2, manifold.num_positions))
     )
-    points = points_on(np.stack([q0, q1]), fine, pieces)
+    points = subdivide(np.stack([q0, q1]), fine, pieces)
     assert np.array_equal(points.qs[[0, -1]], [q0, q1])
     delta = manifold.minus(points.qs[1:], points.qs[:-1])
     whole = manifold.minus(q1, q0)
@@ -253,14 +255,14 @@ def test_what_is_left_of_an_edge_has_the_same_samples(sieve, kinds, seed, pieces
 
 
 def test_points_know_their_edges(checkers):
-    points = points_on(DETOUR, checkers[1], 3)
+    points = subdivide(DETOUR, checkers[1], 3)
     assert len(points.qs) == 19
-    for way in (points, points.backwards):
-        on_edge = [way.share_edge(0, j) for j in range(1, 19)]
+    for way in (points, points.in_reverse):
+        on_edge = [way.are_on_one_edge(0, j) for j in range(1, 19)]
         assert on_edge == [True] * 3 + [False] * 15
-        assert not way.share_edge(1, 4)
-        assert way.share_edge(15, 18)
-    assert np.array_equal(points.backwards.qs[-1], DETOUR[0])
+        assert not way.are_on_one_edge(1, 4)
+        assert way.are_on_one_edge(15, 18)
+    assert np.array_equal(points.in_reverse.qs[-1], DETOUR[0])
 
 
 @pytest.mark.parametrize("count", [2, 7, 8, 50, 333])
@@ -269,7 +271,7 @@ def test_more_waypoints_on_the_same_path(checkers, count):
     dense = resample(edges, DETOUR, count)
     assert len(dense) >= count
     assert len(dense) <= max(count + len(DETOUR), len(DETOUR))
-    assert path_measure(dense, edges) == pytest.approx(path_measure(DETOUR, edges))
+    assert length_by_norm(dense, edges) == pytest.approx(length_by_norm(DETOUR, edges))
     rows = {row.tobytes() for row in dense}
     assert all(corner.tobytes() in rows for corner in DETOUR)
 

@@ -12,7 +12,7 @@ from planning.domain.goals.goal import (
     RegionGoal,
     RelativeGoal,
 )
-from planning.domain.request.options import ClearanceWish, IkOptions, PoseMetric, RefineOptions
+from planning.domain.request.options import ClearanceObjective, IkOptions, PoseMetric, RefineOptions
 from planning.domain.request.problem import PlanningProblem
 from service.convert.goals import problem_value
 from service.schemas.plan import PlanRequest
@@ -58,7 +58,7 @@ def test_every_option_arrives():
     assert [type(item) for item in search.parameters.values()] == [int, float, bool, str]
     assert (search.planner, search.attempts, search.num_states) == ("PRM", 2, 9)
     assert (search.allowed_planning_time, search.resolution) == (1.0, 0.01)
-    assert made.refine == RefineOptions("auto", ClearanceWish(0.05, 2.0))
+    assert made.refine == RefineOptions("auto", ClearanceObjective(0.05, 2.0))
     assert (made.retime.method, made.retime.sample_period) == ("ruckig", 0.02)
     assert (made.retime.velocity_scale, made.retime.acceleration_scale) == (0.5, 0.25)
     assert (made.margin, made.seed) == (0.02, 7)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.domain.curves.curve import TimedTrajectory
-from planning.domain.curves.sampling import Sampling, sampled
+from planning.domain.curves.sampling import Sampling, sample_trajectory
 from planning.domain.robot.joints import Joint, JointType
 from service.convert.trajectories import polynomial_wire, sampled_wire, trajectory_value
 from tests.profiles import num_cases
@@ -35,7 +35,7 @@ def test_polynomials_survive_json_bit_for_bit(seed, kind):
 @settings(max_examples=num_cases(6))
 def test_samples_have_both_ends_and_no_longer_gap_than_asked(seed, period):
     trajectory = random_trajectory(seed, JointType.FLOATING)
-    samples = sampled(trajectory, Sampling(period), np.full(7, np.inf))
+    samples = sample_trajectory(trajectory, Sampling(period), np.full(7, np.inf))
     wire = sampled_wire(samples, ())
     times = np.array(wire["times"])
     assert times[0] == 0.0

@@ -77,7 +77,7 @@ def mesh_scene(tmp_path) -> Scene:
 def alone(monkeypatch):
     """A process with one thread, whatever pytest and its plugins have running."""
     monkeypatch.setattr(trial.threading, "active_count", lambda: 1)
-    monkeypatch.setattr(trial, "_harmless", set())
+    monkeypatch.setattr(trial, "_loadable", set())
 
 
 @pytest.mark.usefixtures("alone")
@@ -91,19 +91,19 @@ def alone(monkeypatch):
     ],
 )
 def test_what_a_file_does_to_a_process_is_told(monkeypatch, mesh_scene, tmp_path, deed, word):
-    monkeypatch.setattr(trial, "build_alone", deed)
+    monkeypatch.setattr(trial, "build_single", deed)
     library = ModelLibrary.bundled(copies=tmp_path / "copies")
     with pytest.raises(ModelInvalid, match=word) as refusal:
-        trial.tried(mesh_scene, library)
+        trial.trial_load(mesh_scene, library)
     assert refusal.value.evidence["file"] == str(tmp_path / "m.gltf")
 
 
 @pytest.mark.usefixtures("alone")
 def test_what_never_ends_is_ended(monkeypatch, mesh_scene, tmp_path):
-    monkeypatch.setattr(trial, "build_alone", lambda *_: os.read(os.pipe()[0], 1))
+    monkeypatch.setattr(trial, "build_single", lambda *_: os.read(os.pipe()[0], 1))
     library = ModelLibrary.bundled(copies=tmp_path / "copies")
     with pytest.raises(ModelInvalid, match="it takes more than"):
-        trial.tried(mesh_scene, library, longest=0.05)
+        trial.trial_load(mesh_scene, library, time_limit=0.05)
 
 
 @pytest.mark.usefixtures("alone")
@@ -111,6 +111,6 @@ def test_what_loads_is_tried_once(monkeypatch, mesh_scene, tmp_path):
     forks = []
     monkeypatch.setattr(trial, "fork", lambda fork=trial.fork: forks.append(1) or fork())
     library = ModelLibrary.bundled(copies=tmp_path / "copies")
-    assert trial.tried(mesh_scene, library).files
-    trial.tried(mesh_scene, library)
+    assert trial.trial_load(mesh_scene, library).files
+    trial.trial_load(mesh_scene, library)
     assert forks == [1]

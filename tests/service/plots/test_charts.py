@@ -68,7 +68,7 @@ def test_limits_are_drawn_where_they_were_asked_for(pickup: World, series: Motio
 def test_the_margin_is_drawn_if_one_is_demanded(series: MotionSeries) -> None:
     assert "margin, 20 mm" in words("clearance", series)
     assert levels("clearance", series) == [{0.0, 20.0}]
-    bare = replace(series, margin=0.0, spare=series.clearance)
+    bare = replace(series, margin=0.0, signed_margin=series.clearance)
     assert "margin" not in words("clearance", bare)
 
 

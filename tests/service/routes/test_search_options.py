@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from planning.domain.planner.foreign_planners import KIN
+from planning.domain.planner.foreign_planners import CLOSEST_PLANNERS
 from planning.search.ompl.planner_list import planner_names
 
 MAZE = {
@@ -95,7 +95,7 @@ def test_planners_that_the_wheel_lacks_are_refused_with_the_closest(plan_in, nam
 
 
 def test_every_foreign_planner_is_foreign():
-    assert sorted(KIN) == sorted(COPPELIA)
+    assert sorted(CLOSEST_PLANNERS) == sorted(COPPELIA)
     assert not set(COPPELIA) & set(planner_names())
 
 

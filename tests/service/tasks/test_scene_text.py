@@ -64,7 +64,7 @@ def test_scenes_that_are_edited_in_part_are_those_that_are_posted_whole(edits):
         for operation in edit:
             if is_possible(scene, operation):
                 scene = edit_scene(scene, [operation])
-        whole = scene_document(scene, like=whole)
+        whole = scene_document(scene, previous=whole)
         text, after = text.after(before, scene)
         kept = {thing.name: thing for thing in before.objects}
         assert all(kept[t.name] is t for t in after.objects if kept.get(t.name) == t)

@@ -11,7 +11,7 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
-from planning.world.collision.drake_distance import distance_of, distances_within
+from planning.world.collision.drake_distance import distances_within, pair_distance
 from tests.profiles import num_cases, rng_of
 
 
@@ -83,7 +83,7 @@ def test_of_shapes_at_which_drake_throws_there_is_a_distance() -> None:
     query = Query(*TOUCHING)
     with pytest.raises(RuntimeError, match="outside of the polytope"):
         query.drake.ComputeSignedDistancePairClosestPoints(*query.ids)
-    found = distance_of(query.drake, *query.ids)
+    found = pair_distance(query.drake, *query.ids)
     assert abs(found.distance) < 1e-5
     (same,) = distances_within(query.drake, 0.1)
     assert same.distance == found.distance
@@ -99,7 +99,7 @@ def test_what_is_searched_is_what_drake_finds(a: Any, b: Any) -> None:
         turns = [turn(rng) for _ in range(2)]
         query = Query((a, RigidTransform(turns[0], [0, 0, 0])), (b, RigidTransform(turns[1], p_b)))
         theirs = query.drake.ComputeSignedDistancePairClosestPoints(*query.ids)
-        ours = distance_of(query, *query.ids)
+        ours = pair_distance(query, *query.ids)
         if theirs.distance <= 0:
             assert ours.distance <= 0
             continue

@@ -12,7 +12,11 @@ import planning
 from planning.domain.robot.manifold import Manifold
 from planning.errors import GoalInCollision
 from planning.refine.constraints.distance_buffers import DistanceBuffers
-from planning.refine.constraints.distance_query import DistanceQuery, DrakeNearness, KernelNearness
+from planning.refine.constraints.distance_query import (
+    DistanceQuery,
+    DrakeDistanceQuery,
+    KernelDistanceQuery,
+)
 from planning.world.collision.collision_check import DistanceProbe, DrakeCollisionOracle
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
@@ -126,7 +130,7 @@ def test_verdicts_and_distances_are_heights(seed: int, is_carried: bool, margin:
     if scene is not None:
         kernel = KernelCollisionOracle(model, scene, group, robot.state, margins)
         np.testing.assert_array_equal(kernel.are_free(qs), truth > margin)
-        assert kernel.num_left < 10
+        assert kernel.num_undecided < 10
     probe = DistanceProbe(model, margins)
     for q, height in zip(qs[:5], truth, strict=False):
         nearest = probe.pairs_within(model.embed(group, q, robot.state), 100.0)[0]
@@ -138,9 +142,9 @@ def test_verdicts_and_distances_are_heights(seed: int, is_carried: bool, margin:
 def measures(robot: Robot, demands: DistanceBuffers) -> list[DistanceQuery]:
     model, group, state = robot.model, robot.group, robot.state
     scene = kernel_scene(model)
-    found: list[DistanceQuery] = [DrakeNearness(model, group, state, demands)]
+    found: list[DistanceQuery] = [DrakeDistanceQuery(model, group, state, demands)]
     if scene is not None:
-        found.append(KernelNearness(scene, model, group, state, demands))
+        found.append(KernelDistanceQuery(scene, model, group, state, demands))
     return found
 
 
@@ -157,9 +161,9 @@ def test_slopes_of_heights_are_those_of_finite_differences(seed: int, is_carried
     )
     for measure in measures(robot, DistanceBuffers(PairMargins(0.0))):
         near = measure.within(q[None], 100.0)
-        order = np.argsort(near.spare)
+        order = np.argsort(near.signed_margins)
         assert len(order) == len(slopes)
-        np.testing.assert_allclose(np.sort(near.gradient @ way), np.sort(slopes), atol=1e-4)
+        np.testing.assert_allclose(np.sort(near.gradients @ way), np.sort(slopes), atol=1e-4)
 
 
 @pytest.mark.campaign

@@ -84,10 +84,10 @@ def document(rng: np.random.Generator, count: int = 14) -> dict[str, Any]:
 def both(text: dict[str, Any]) -> tuple[World, World]:
     """Return a scene with its objects outside of Drake's model, and inside."""
     scene = planning.parse_scene(text)
-    apart = planning.load_world(scene, most_in_model=0)
-    whole = planning.load_world(scene, most_in_model=len(scene.objects))
-    assert len(apart.drake.standing) == sum(thing.attached is None for thing in scene.objects)
-    assert not len(whole.drake.standing)
+    apart = planning.load_world(scene, max_objects_in_model=0)
+    whole = planning.load_world(scene, max_objects_in_model=len(scene.objects))
+    assert len(apart.drake.static_objects) == sum(thing.attached is None for thing in scene.objects)
+    assert not len(whole.drake.static_objects)
     return apart, whole
 
 
@@ -153,7 +153,7 @@ def test_what_is_shown_to_drake_in_parts_is_the_same(
     pair: tuple[World, World], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, whole = pair
-    monkeypatch.setattr("planning.world.collision.near_static.MOST_SHOWN", 3)
+    monkeypatch.setattr("planning.world.collision.near_static.MAX_REGISTERED", 3)
     group, margins = whole.group("arm"), whole.margins()
     probe, expected = (world.distance_probe(margins) for world in pair)
     for q in configurations(whole, group, 4, 4):
@@ -262,7 +262,7 @@ def test_a_frame_that_stands_is_no_tool() -> None:
     with pytest.raises(ProblemInvalid, match="'t1' stands in the world"):
         apart.drake.frame("t1")
     with pytest.raises(UnknownName, match="did you mean 't1'"):
-        apart.require_frame("T1")
+        apart.validate_frame("T1")
     assert apart.drake.frame("on_that") is apart.drake.frames["on_that"]
 
 
@@ -285,7 +285,7 @@ def test_an_execution_that_touches_what_stands_ends() -> None:
     ends, down = [], np.array([0.0, 0.5, 0.0, 0.0, 0.0, 0.0])
     for most in (0, 1):
         scene = planning.parse_scene({**text, "objects": [box]})
-        placed = planning.load_world(scene, most_in_model=most)
+        placed = planning.load_world(scene, max_objects_in_model=most)
         start = placed.positions(group)
         simulation = Simulation(placed, group, start)
         touched, time = (), 0.0
@@ -303,11 +303,11 @@ def test_too_many_pairs_and_too_many_objects_for_drake_are_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     scene = planning.parse_scene(document(rng_of(8)))
-    monkeypatch.setattr("planning.world.collision.shape_pairs.MOST_PAIRS", 20)
+    monkeypatch.setattr("planning.world.collision.shape_pairs.MAX_PAIRS", 20)
     with pytest.raises(SceneInvalid, match="at most 20 are looked at") as refused:
-        planning.load_world(scene, most_in_model=0)
+        planning.load_world(scene, max_objects_in_model=0)
     assert refused.value.evidence["bound"] == 20
-    monkeypatch.setattr("planning.world.loading.load_world.MOST_FOR_DRAKE", 5)
+    monkeypatch.setattr("planning.world.loading.load_world.MAX_OBJECTS_FOR_DRAKE", 5)
     with pytest.raises(SceneInvalid, match="there are 15, and Drake alone bears 5") as refused:
         planning.load_world(scene, kernel=False)
     assert refused.value.evidence == {"path": "objects", "count": 15, "bound": 5}
@@ -326,7 +326,7 @@ def test_names_are_taken_once_and_shapes_that_do_not_load_are_named() -> None:
         faults = []
         for most in (0, 100):
             with pytest.raises(SceneInvalid) as refused:
-                planning.load_world(scene, most_in_model=most)
+                planning.load_world(scene, max_objects_in_model=most)
             faults.append(refused.value)
         assert faults[0].detail == faults[1].detail
         assert faults[0].evidence["path"] == path == faults[1].evidence["path"]

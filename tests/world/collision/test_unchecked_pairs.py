@@ -12,7 +12,7 @@ from pydrake.multibody.tree import BodyIndex
 import planning
 from planning.kernel.shape_distance import distance_bounds
 from planning.world.kernel.convex_shapes import convex_shape
-from planning.world.loading.adjacent_links import _Probe
+from planning.world.loading.adjacent_links import _AdjacentPairProbe
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
@@ -176,13 +176,13 @@ def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shapes: tuple[str, str], factor: float
 ) -> None:
     """Drake's distances of separate shapes are too large now and then: here they all are."""
-    measured = _Probe._measured
+    measured = _AdjacentPairProbe._measure
 
     def enlarged(*args: Any) -> tuple[float, np.ndarray]:
         distance, normal = measured(*args)
         return factor * distance if distance > 0 else distance, normal
 
-    monkeypatch.setattr(_Probe, "_measured", enlarged)
+    monkeypatch.setattr(_AdjacentPairProbe, "_measure", enlarged)
     base, arm = shapes
     said, world = least_shown(tmp_path, NEAR.format(base=base, arm=arm, gap=0.3, up=0.02))
     model = world.drake

@@ -52,8 +52,8 @@ def test_what_is_written_is_read_again(scene: Scene) -> None:
     document = scene_document(scene)
     again = document.value()
     nearly(again, scene)
-    assert scene_document(again, like=document) == document
-    as_posted = scene_document(scene, like=document)
+    assert scene_document(again, previous=document) == document
+    as_posted = scene_document(scene, previous=document)
     assert as_posted.value() == again
 
 
@@ -66,7 +66,7 @@ def test_what_is_unchanged_stays_as_it_was_written() -> None:
         ],
     })
     edited = edit_scene(posted.value(), [MoveObject("a", Pose.from_parts((1, 2, 3)))])
-    document = scene_document(edited, like=posted)
+    document = scene_document(edited, previous=posted)
     assert document.objects[1] == posted.objects[1]
     assert document.value() == edited
 
@@ -79,7 +79,7 @@ def test_a_revised_document_may_have_no_more_than_any() -> None:
     before = posted.value()
     many = tuple(replace(before.objects[0], name=f"o{i}") for i in range(10_001))
     with pytest.raises(SceneInvalid, match="at most 10000"):
-        scene_document(replace(before, objects=many), like=posted)
+        scene_document(replace(before, objects=many), previous=posted)
 
 
 def test_attachments_are_written() -> None:

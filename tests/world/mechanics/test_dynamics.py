@@ -71,7 +71,7 @@ def test_series_agree_with_the_motion_and_its_certificate() -> None:
         assert used[rate].max() <= peak + 1e-9
         assert used[rate].max() > 0.9 * peak
     assert 0 < used["torque"].max() < 1
-    assert all(series.pairs[int(series.clearance.argmin())])
+    assert all(series.closest_pairs[int(series.clearance.argmin())])
 
 
 def _no_time() -> float:

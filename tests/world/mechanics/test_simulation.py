@@ -167,7 +167,7 @@ def test_a_cancel_ends_at_rest_within_the_acceleration_limits() -> None:
         world, "arm", quintic(world, "arm", [1.0, 0.2, -0.3, 0, 0, 0.5], 1.5)
     )
     run(runner, 0.7)
-    assert runner.status.rate == 1.0
+    assert runner.status.path_velocity == 1.0
     runner.cancel()
     before, peak = simulation.v, np.zeros(6)
     for i in range(200):

@@ -88,7 +88,7 @@ def test_it_has_the_motion_of_every_link_that_moves(page: str) -> None:
 
 
 def test_long_motions_have_fewer_frames_a_second(world: World) -> None:
-    page = replay_html(world, world.group("arm"), motion(world).slowed(1e9), most_frames=50)
+    page = replay_html(world, world.group("arm"), motion(world).time_scaled(1e9), max_frames=50)
     (animation,) = [m for m in messages(page) if b"set_animation" in m]
     assert animation.count(b"\xa4time") == 2 * 51 * animation.count(b".quaternion")
 

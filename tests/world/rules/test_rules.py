@@ -74,7 +74,7 @@ objects: [{name: ball, shape: {sphere: 0.1}, pose: {position: [0.0, 0.2, 0.03]}}
         joints = world.group("body")
         free = world.collision_oracle(joints, world.margins()).are_free(qs)
         rules = PathConstraints.compiled(world, joints, (BAND,), qs[0])
-        answers.append(free & rules.are_kept(qs))
+        answers.append(free & rules.are_satisfied(qs))
     np.testing.assert_array_equal(*answers)
     assert 10 < answers[0].sum() < 290
 
@@ -89,10 +89,10 @@ def test_an_edge_is_kept_if_its_samples_are(seed: int) -> None:
     rng = np.random.default_rng(seed)
     origin = world.positions(joints) + rng.normal(0, 0.01, 3)
     step = rng.normal(0, 0.03, 3)
-    resolution = rules.rules[0].step
+    resolution = rules.constraints[0].step
     count = max(1, int(np.ceil(np.linalg.norm(step) / resolution - 1e-9)))
     samples = origin + np.arange(1, count + 1)[:, None] / count * step
-    expected = bool((judge.are_free(samples) & rules.are_kept(samples)).all())
+    expected = bool((judge.are_free(samples) & rules.are_satisfied(samples)).all())
     oracle = rules.oracle(judge)
     assert oracle.is_motion_free(origin, step, 0.5) == expected
     assert bool(oracle.are_motions_free(origin[None], step[None], 0.5)[0]) == expected
@@ -108,7 +108,7 @@ def test_room_is_left_only_where_the_ends_have_it() -> None:
         TCP, PlacedBox(np.full(3, 0.2), Pose.from_parts(pose.position + np.array([0.0999, 0, 0])))
     )
     rooms = [
-        rules_of(world, "arm", constraint).leaving_room(start, start[None]).rules[0].room
+        rules_of(world, "arm", constraint).tightened(start, start[None]).constraints[0].margin
         for constraint in (roomy, tight)
     ]
     assert rooms == [4e-3, 0.0]
@@ -120,9 +120,9 @@ def test_keep_out_measures_from_the_faces() -> None:
     q = world.positions(joints)
     pose = world.frame_pose(TCP, world.embed(joints, q))
     box = PlacedBox(np.full(3, 0.1), Pose.from_parts(pose.position + np.array([0.0, 0.02, 0.0])))
-    (rule,) = rules_of(world, "arm", KeepOut(TCP, box)).rules
-    assert rule.reading(q).value == pytest.approx(0.03)
-    assert not rule.are_kept(q[None])[0]
+    (rule,) = rules_of(world, "arm", KeepOut(TCP, box)).constraints
+    assert rule.value(q).value == pytest.approx(0.03)
+    assert not rule.are_satisfied(q[None])[0]
 
 
 def test_a_band_speaks_of_what_moves_and_may_collide() -> None:
