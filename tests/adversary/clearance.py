@@ -113,7 +113,7 @@ def judge(case: Document, folder: Path) -> Outcome:
     stage = Stage.of(setting)
     for question in case["questions"]:
         wanted = planning.CertifyOptions(robustness=question.get("robustness", False))
-        answer = setting.ask(question, wanted=wanted)
+        answer = setting.ask(question, certify_options=wanted)
         outcome.count("asked")
         if isinstance(answer, Exception):
             outcome.blame("error", f"{type(answer).__name__}: {answer}")

@@ -80,7 +80,7 @@ def judge(case: Document, folder: Path) -> Outcome:
     for question in case["questions"]:
         outcome.count("asked")
         wanted = planning.CertifyOptions(stop_anywhere=True, max_stopping_time=question["most"])
-        answer = setting.ask(question, wanted=wanted)
+        answer = setting.ask(question, certify_options=wanted)
         if isinstance(answer, Exception):
             outcome.blame("error", f"{type(answer).__name__}: {answer}")
         elif answer[1].stop is not None:

@@ -1,14 +1,14 @@
 """ArcSegments: the arcs and lines of one car path, as the variables of its optimisation.
 
 A segment is a signed length (`signed_lengths`) [m], negative for backwards, and a curvature
-(`curvatures`) [1/m], positive to the left, both of the car's origin. Whatever their values, the car does not slip, and
-bounds on curvature bound the turning radius: the only equality constraint left is that the path
-ends at the goal. The other joints of the group move in straight lines along each segment, so their
-positions between segments determine them.
+(`curvatures`) [1/m], positive to the left, both of the car's origin. Whatever their values, the car
+does not slip, and bounds on curvature bound the turning radius: the only equality constraint left
+is that the path ends at the goal. The other joints of the group move in straight lines along each
+segment, so their positions between segments determine them.
 
-With t = bend * way a segment leads, in the complex plane and in the frame of its beginning, to
+With t = curvature * length a segment leads, in the complex plane and in the frame of its beginning, to
 
-    way * f(t),  f(t) = (exp(i t) - 1) / (i t),  f'(t) = (exp(i t) - f(t)) / t,
+    length * f(t),  f(t) = (exp(i t) - 1) / (i t),  f'(t) = (exp(i t) - f(t)) / t,
 
 and turns by t: the exponential of SE(2) (Lynch and Park, "Modern Robotics", 2017, section 3.2.3). A
 change of a segment moves all that comes after it as a rigid body: by the displacement of the
