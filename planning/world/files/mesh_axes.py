@@ -5,8 +5,11 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import iterparse
 from jaxtyping import Float64
+
+from planning.world.documents.xml_file import NO_ENTITIES
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -29,7 +32,7 @@ def upright(content: bytes, suffix: str) -> Float64[np.ndarray, "4 4"]:
         suffix: Its ending, in small letters.
 
     Raises:
-        ValueError: The COLLADA file states an invalid unit or axis.
+        ValueError: The COLLADA file states an invalid unit or axis, or has a document type.
     """
     matrix = np.eye(4)
     if suffix in (".glb", ".gltf"):
@@ -44,11 +47,14 @@ def collada_asset(content: bytes) -> tuple[float, str]:
     """Return the length of a COLLADA file's unit [m] and its `up_axis`; 1 and Y_UP unless stated.
 
     Raises:
-        ValueError: They are none.
+        ValueError: They are none, or the file has a document type, whatever its encoding.
     """
-    for _, element in iterparse(BytesIO(content), events=("end",), forbid_dtd=True):
-        if element.tag.rpartition("}")[2] == "asset":
-            return _unit(element), _axis(element)
+    try:
+        for _, element in iterparse(BytesIO(content), events=("end",), forbid_dtd=True):
+            if element.tag.rpartition("}")[2] == "asset":
+                return _unit(element), _axis(element)
+    except DefusedXmlException as fault:
+        raise ValueError(NO_ENTITIES) from fault
     return 1.0, "Y_UP"
 
 

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+from copy import deepcopy
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
@@ -52,8 +53,8 @@ def with_readable_meshes(
         return None
     twins = {name: _readable(file, path, read, folder) for name, path in meshes.items()}
     paths = {name: str(twin) if is_mjcf else twin.as_uri() for name, twin in twins.items()}
-    copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)
-    for element in copy.iter():
+    rewritten = deepcopy(root)
+    for element in rewritten.iter():
         if is_mjcf and element.tag == "mesh" and element.get("file") and not element.get("name"):
             element.set("name", Path(element.get("file", "")).stem)  # as MuJoCo does
         for attribute in ("filename", "file"):
@@ -61,10 +62,11 @@ def with_readable_meshes(
                 element.set(attribute, paths[element.get(attribute, "")])
         if element.tag == "uri" and (element.text or "").strip() in paths:
             element.text = paths[(element.text or "").strip()]
-    _tame_colors(copy)
-    for transmission in copy.findall("transmission"):
-        copy.remove(transmission)  # unused here, and fatal to Drake if its joint does not exist
-    return ET.tostring(copy, encoding="unicode")
+    _tame_colors(rewritten)
+    for transmission in rewritten.findall("transmission"):
+        # Unused here, and fatal to Drake if its joint does not exist.
+        rewritten.remove(transmission)
+    return ET.tostring(rewritten, encoding="unicode")
 
 
 def _tame_colors(root: ET.Element) -> None:
@@ -127,11 +129,13 @@ def _as_obj(content: bytes, suffix: str) -> str:
     import trimesh  # noqa: PLC0415
     from trimesh.exchange.obj import export_obj  # noqa: PLC0415
 
+    # First: trimesh's COLLADA reader would expand the entities of a document type.
+    placement = upright(content, suffix)
     loaded: Any = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
     if not np.isfinite(loaded.vertices).all():
         message = "a vertex is at no place: its coordinates are not finite"
         raise ValueError(message)
-    loaded.apply_transform(upright(content, suffix))
+    loaded.apply_transform(placement)
     text: str = export_obj(loaded, include_texture=False)
     return text
 
