@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from planning.domain.curves.cubic import cubic_through
 from planning.domain.curves.curve import JointSpline
@@ -110,20 +111,10 @@ def _fitted(joints: tuple[Joint, ...], places: Array, points: Array, count: int)
 
 
 def _basis(count: int, s: Array) -> Array:
-    """Return the clamped uniform cubic B-splines at s, shape (m, count), by Cox and de Boor."""
-    spans = count - _DEGREE
-    knots = np.concatenate([np.zeros(_DEGREE), np.linspace(0, 1, spans + 1), np.ones(_DEGREE)])
-    which = _DEGREE + np.clip((s * spans).astype(int), 0, spans - 1)
-    values = np.zeros((len(s), len(knots) - 1))
-    values[np.arange(len(s)), which] = 1.0
-    for degree in range(1, _DEGREE + 1):
-        widths = knots[degree:] - knots[:-degree]
-        share = (s[:, None] - knots[:-degree]) / np.where(widths > 0, widths, 1.0)
-        share[:, widths <= 0] = 0.0
-        rising = share[:, : values.shape[1] - 1] * values[:, :-1]
-        falling = np.where(widths[1:] > 0, 1 - share[:, 1:], 0.0) * values[:, 1:]
-        values = rising + falling
-    return values
+    """Return the clamped uniform cubic B-splines at s, shape (m, count)."""
+    inner = np.linspace(0.0, 1.0, count - _DEGREE + 1)
+    knots = np.concatenate([np.zeros(_DEGREE), inner, np.ones(_DEGREE)])
+    return BSpline.design_matrix(s, knots, _DEGREE).toarray()
 
 
 def _distance(curve: JointSpline, places: Array, points: Array) -> float:
