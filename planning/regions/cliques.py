@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
+from pydrake.planning import MaxCliqueSolverViaGreedy
+from scipy.sparse import csc_matrix
 
 from planning.regions.free_space import FreeSpace
 
@@ -22,27 +24,18 @@ _RESOLUTION = 0.1
 def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]:
     """Yield disjoint sets of mutually visible rows, by greedy cliques, about the largest first.
 
+    Drake's solver orders configurations by their degree in the whole graph (decision 39).
+
     Args:
         space: Checks whether configurations and motions are free.
         qs: Free configurations.
     """
     seen = _visibility(space, qs)
-    left = np.ones(len(qs), dtype=bool)
-    while left.any():
-        chosen = _clique(seen & left, left)
-        yield qs[chosen]
-        left[chosen] = False
-
-
-def _clique(seen: Flags, left: Flags) -> list[int]:
-    """Return a clique of the visibility graph, by greedy choice of the highest remaining degree."""
-    candidates, chosen = left.copy(), list[int]()
-    while candidates.any():
-        degrees = np.where(candidates, (seen & candidates).sum(axis=1), -1)
-        best = int(np.argmax(degrees))
-        chosen.append(best)
-        candidates &= seen[best]
-    return chosen
+    left, solver = np.arange(len(qs)), MaxCliqueSolverViaGreedy()
+    while len(left):
+        is_chosen = solver.SolveMaxClique(csc_matrix(seen[np.ix_(left, left)]))
+        yield qs[left[is_chosen]]
+        left = left[~is_chosen]
 
 
 def _visibility(space: FreeSpace, qs: Array) -> Flags:

@@ -155,7 +155,7 @@ class _RegionGrower:
             fruitless = fruitless + 1 if len(self._growth.regions) == before else 0
 
     def _plant_clique(self, clique: Array) -> None:
-        """Grow a region at the mean of a clique, or else at its vertex of highest degree.
+        """Grow a region at the mean of a clique, or else at its first configuration.
 
         None is grown where that seed is in collision or already covered.
         """
