@@ -8,6 +8,8 @@ from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Float64
+from pydrake.planning import MaxCliqueSolverViaGreedy
+from scipy.sparse import csc_matrix
 
 from planning.domain.arrays import Array, Flags
 from planning.regions.free_space import FreeSpace
@@ -19,27 +21,19 @@ _SAMPLE_SPACING = 0.1
 def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]:
     """Yield disjoint sets of mutually visible rows, by greedy cliques, about the largest first.
 
+    Drake's solver orders configurations by their degree in the whole graph (decision 39).
+
     Args:
         space: Checks whether configurations and motions are free.
         qs: Free configurations.
     """
     is_visible = _visibility(space, qs)
-    is_remaining = np.ones(len(qs), dtype=bool)
-    while is_remaining.any():
-        chosen = _clique(is_visible & is_remaining, is_remaining)
-        yield qs[chosen]
-        is_remaining[chosen] = False
-
-
-def _clique(is_visible: Flags, is_remaining: Flags) -> list[int]:
-    """Return a clique of the visibility graph, by greedy choice of the highest remaining degree."""
-    candidates, chosen = is_remaining.copy(), list[int]()
-    while candidates.any():
-        degrees = np.where(candidates, (is_visible & candidates).sum(axis=1), -1)
-        best = int(np.argmax(degrees))
-        chosen.append(best)
-        candidates &= is_visible[best]
-    return chosen
+    remaining, solver = np.arange(len(qs)), MaxCliqueSolverViaGreedy()
+    while len(remaining):
+        adjacency = csc_matrix(is_visible[np.ix_(remaining, remaining)])
+        is_chosen = solver.SolveMaxClique(adjacency)
+        yield qs[remaining[is_chosen]]
+        remaining = remaining[~is_chosen]
 
 
 def _visibility(space: FreeSpace, qs: Array) -> Flags:

@@ -158,7 +158,7 @@ class _RegionGrower:
             num_fruitless = num_fruitless + 1 if len(self._growth.regions) == num_before else 0
 
     def _add_clique_region(self, clique: Array) -> None:
-        """Grow a region at the mean of a clique, or else at its vertex of highest degree.
+        """Grow a region at the mean of a clique, or else at its first configuration.
 
         None is grown where that seed is in collision or already covered.
         """

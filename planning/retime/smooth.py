@@ -10,6 +10,7 @@ the difference from the path is a cubic, and lies in the convex hull of its Bern
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from planning.domain.arrays import Array
 from planning.domain.curves.cubic import cubic_through
@@ -117,20 +118,10 @@ def _fit_bspline(
 
 
 def _bspline_basis(num_control_points: int, s: Array) -> Array:
-    """Return the clamped uniform cubic B-splines at s, shape (m, count), by Cox and de Boor."""
-    spans = num_control_points - _DEGREE
-    knots = np.concatenate([np.zeros(_DEGREE), np.linspace(0, 1, spans + 1), np.ones(_DEGREE)])
-    knot_spans = _DEGREE + np.clip((s * spans).astype(int), 0, spans - 1)
-    values = np.zeros((len(s), len(knots) - 1))
-    values[np.arange(len(s)), knot_spans] = 1.0
-    for degree in range(1, _DEGREE + 1):
-        widths = knots[degree:] - knots[:-degree]
-        fractions = (s[:, None] - knots[:-degree]) / np.where(widths > 0, widths, 1.0)
-        fractions[:, widths <= 0] = 0.0
-        rising = fractions[:, : values.shape[1] - 1] * values[:, :-1]
-        falling = np.where(widths[1:] > 0, 1 - fractions[:, 1:], 0.0) * values[:, 1:]
-        values = rising + falling
-    return values
+    """Return the clamped uniform cubic B-splines at s, shape (m, num_control_points)."""
+    inner_knots = np.linspace(0.0, 1.0, num_control_points - _DEGREE + 1)
+    knots = np.concatenate([np.zeros(_DEGREE), inner_knots, np.ones(_DEGREE)])
+    return BSpline.design_matrix(s, knots, _DEGREE).toarray()
 
 
 def _deviation_bound(curve: JointSpline, parameters: Array, points: Array) -> float:

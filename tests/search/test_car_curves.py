@@ -24,8 +24,8 @@ def lengths_of(words, rows):
     return np.abs(words(np.array(rows, dtype=float)).lengths).sum(axis=1)
 
 
-def space_of(space):
-    bounds = ob.RealVectorBounds(3 if isinstance(space, ob.OwenStateSpace) else 2)
+def space_of(kind):
+    space, bounds = kind(1.0), ob.RealVectorBounds(2)
     bounds.setLow(-100)
     bounds.setHigh(100)
     space.setBounds(bounds)
@@ -34,30 +34,26 @@ def space_of(space):
 
 
 def theirs(space, rows):
-    """OMPL's lengths; of Dubins' curves only the flat ones of its airplanes are bound."""
+    """OMPL's lengths of the shortest curves from zero to each row."""
     here, there = space.allocState(), space.allocState()
-    zero = [0.0] if isinstance(space, ob.OwenStateSpace) else []
-    space.copyFromReals(here, [0.0, 0.0, *zero, 0.0])
+    space.copyFromReals(here, [0.0, 0.0, 0.0])
     found = []
     for x, y, yaw in rows:
-        space.copyFromReals(there, [x, y, *zero, np.remainder(yaw + PI, 2 * PI) - PI])
+        space.copyFromReals(there, [x, y, np.remainder(yaw + PI, 2 * PI) - PI])
         found.append(space.distance(here, there))
     return np.array(found)
 
 
 @pytest.mark.parametrize(
-    ("words", "make"),
-    [
-        (dubins_words, lambda: ob.OwenStateSpace(1.0, 0.5)),
-        (reeds_shepp_words, lambda: ob.ReedsSheppStateSpace(1.0)),
-    ],
+    ("words", "kind"),
+    [(dubins_words, ob.DubinsStateSpace), (reeds_shepp_words, ob.ReedsSheppStateSpace)],
     ids=["dubins", "reeds_shepp"],
 )
 @pytest.mark.parametrize("scale", [0.1, 1.0, 4.0, 30.0])
-def test_lengths_are_those_of_ompl(words, make, scale):
+def test_lengths_are_those_of_ompl(words, kind, scale):
     rng = np.random.default_rng(int(scale * 10))
     rows = rng.uniform([-scale, -scale, -PI], [scale, scale, PI], (400, 3))
-    assert np.abs(lengths_of(words, rows) - theirs(space_of(make()), rows)).max() < 1e-9
+    assert np.abs(lengths_of(words, rows) - theirs(space_of(kind), rows)).max() < 1e-9
 
 
 @pytest.mark.parametrize("words", BOTH)

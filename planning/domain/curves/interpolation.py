@@ -35,11 +35,10 @@ def trajectory_through(
         velocities: [rad/s or m/s].
         accelerations: [rad/s^2 or m/s^2]; ignored without velocities.
     """
-    widths = np.diff(times)
-    steps = positions[1:] - positions[:-1]
     if velocities is None:
-        velocities = _spline_slopes(widths, steps)
-    h = widths[:, None]
+        return TimedTrajectory(joints, times, positions[:-1], _clamped_spline(times, positions))
+    steps = positions[1:] - positions[:-1]
+    h = np.diff(times)[:, None]
     v0, v1 = velocities[:-1], velocities[1:]
     if accelerations is None:
         a0 = (6 * steps / h - 4 * v0 - 2 * v1) / h
@@ -94,23 +93,13 @@ def _displacements(joints: tuple[Joint, ...], positions: Array) -> Array:
     return steps
 
 
-def _spline_slopes(
-    widths: Float64[np.ndarray, " n_minus_1"], steps: Float64[np.ndarray, "n_minus_1 nv"]
-) -> Array:
-    """Return the velocities at which the acceleration is continuous, zero at both ends.
+def _clamped_spline(
+    times: Float64[np.ndarray, " n"], positions: Float64[np.ndarray, "n nv"]
+) -> Float64[np.ndarray, "n_minus_1 4 nv"]:
+    """Return the pieces' displacements in powers of time: acceleration is continuous, ends rest."""
+    # 0.4 s, which most who import this module need not wait for.
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
-    The equations are tridiagonal and diagonally dominant: Thomas's algorithm needs no pivots.
-    """
-    slopes = steps / widths[:, None]
-    velocities = np.zeros((len(widths) + 1, steps.shape[1]))
-    count = len(widths) - 1
-    upper = np.zeros(count)
-    for i in range(count):
-        before, after = widths[i], widths[i + 1]
-        right_side = 3 * (after * slopes[i] + before * slopes[i + 1])
-        pivot = 2 * (before + after) - (after * upper[i - 1] if i else 0.0)
-        upper[i] = before / pivot
-        velocities[i + 1] = (right_side - after * velocities[i]) / pivot
-    for i in range(count - 1, 0, -1):
-        velocities[i] -= upper[i - 1] * velocities[i + 1]
-    return velocities
+    coefficients = CubicSpline(times, positions, bc_type="clamped").c[::-1].transpose(1, 0, 2)
+    coefficients[:, 0] = 0.0
+    return np.ascontiguousarray(coefficients)

@@ -12,6 +12,8 @@ from defusedxml.common import DefusedXmlException
 MAX_BYTES = 20_000_000
 # Drake's own parser goes 500 deep; a body inside a body, and so on, is one level of a robot.
 MAX_DEPTH = 400
+# Reason of a refusal.
+NO_ENTITIES = "document types and entities are not allowed"
 
 
 def xml_root(content: bytes) -> ET.Element:
@@ -26,7 +28,7 @@ def xml_root(content: bytes) -> ET.Element:
     try:
         root: ET.Element = DefusedET.fromstring(content, forbid_dtd=True)
     except DefusedXmlException as fault:
-        raise ValueError("document types and entities are not allowed") from fault
+        raise ValueError(NO_ENTITIES) from fault
     except (ET.ParseError, ValueError, LookupError) as fault:
         message = f"not XML: {fault}"
         raise ValueError(message) from fault

@@ -1,11 +1,14 @@
-"""upright(): transform of a mesh's units and axes to metres with z up, as Drake does with glTF."""
+"""to_z_up(): transform of a mesh's units and axes to metres with z up, as Drake does with glTF."""
 
 from io import BytesIO
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import iterparse
 from jaxtyping import Float64
+
+from planning.world.documents.xml_file import NO_ENTITIES
 
 # Rows say where x, y and z come from (COLLADA 1.4.1, `up_axis`: right, up and in of each).
 _TO_Z_UP = {
@@ -26,7 +29,7 @@ def to_z_up(content: bytes, suffix: str) -> Float64[np.ndarray, "4 4"]:
         suffix: Its ending, in small letters.
 
     Raises:
-        ValueError: The COLLADA file states an invalid unit or axis.
+        ValueError: The COLLADA file states an invalid unit or axis, or has a document type.
     """
     matrix = np.eye(4)
     if suffix in (".glb", ".gltf"):
@@ -41,11 +44,14 @@ def collada_asset(content: bytes) -> tuple[float, str]:
     """Return the length of a COLLADA file's unit [m] and its `up_axis`; 1 and Y_UP unless stated.
 
     Raises:
-        ValueError: They are none.
+        ValueError: They are none, or the file has a document type, whatever its encoding.
     """
-    for _, element in iterparse(BytesIO(content), events=("end",), forbid_dtd=True):
-        if element.tag.rpartition("}")[2] == "asset":
-            return _unit(element), _axis(element)
+    try:
+        for _, element in iterparse(BytesIO(content), events=("end",), forbid_dtd=True):
+            if element.tag.rpartition("}")[2] == "asset":
+                return _unit(element), _axis(element)
+    except DefusedXmlException as fault:
+        raise ValueError(NO_ENTITIES) from fault
     return 1.0, "Y_UP"
 
 

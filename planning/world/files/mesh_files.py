@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+from copy import deepcopy
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
@@ -13,7 +14,6 @@ import numpy as np
 
 from planning.errors import ModelInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
-from planning.world.files.mesh_axes import to_z_up
 
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
 _READ_BY_DRAKE_IN_MJCF = (".obj",)
@@ -54,7 +54,7 @@ def with_readable_meshes(
         name: _readable(file, path, readable_suffixes, folder) for name, path in meshes.items()
     }
     paths = {name: str(twin) if is_mjcf else twin.as_uri() for name, twin in readable.items()}
-    copy = ET.fromstring(ET.tostring(root))  # noqa: S314  (our own output)
+    copy = deepcopy(root)
     for element in copy.iter():
         if is_mjcf and element.tag == "mesh" and element.get("file") and not element.get("name"):
             element.set("name", Path(element.get("file", "")).stem)  # as MuJoCo does
@@ -129,11 +129,13 @@ def _as_obj(content: bytes, suffix: str) -> str:
     import trimesh  # noqa: PLC0415
     from trimesh.exchange.obj import export_obj  # noqa: PLC0415
 
+    # First: trimesh's COLLADA reader would expand the entities of a document type.
+    to_z_up_transform = to_z_up(content, suffix)
     loaded: Any = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
     if not np.isfinite(loaded.vertices).all():
         message = "a vertex is at no place: its coordinates are not finite"
         raise ValueError(message)
-    loaded.apply_transform(to_z_up(content, suffix))
+    loaded.apply_transform(to_z_up_transform)
     text: str = export_obj(loaded, include_texture=False)
     return text
 

@@ -53,12 +53,38 @@ def mjcf(inner, body=BODY):
     return f'<mujoco model="m"><worldbody>{body}</worldbody>{inner}</mujoco>'
 
 
+def doubling(root):
+    """A document whose one entity stands for 2^30 letters (known as a billion laughs)."""
+    doubled = "".join(f'<!ENTITY e{k + 1} "&e{k};&e{k};">' for k in range(30))
+    return f'<!DOCTYPE {root} [<!ENTITY e0 "a">{doubled}]><{root}>&e30;</{root}>'
+
+
+MESH = '<mesh filename="m.dae"/>'
 DOCTYPE = '<?xml version="1.0" encoding="utf-16"?><!DOCTYPE robot [<!ENTITY a "aaaa">]>'
 ROBOTS = {
     "document type": robot(f'<!DOCTYPE r [<!ENTITY a "x">]>{urdf()}', INVALID, "entities"),
     "document type in UTF-16": robot((DOCTYPE + urdf()).encode("utf-16"), INVALID, "entities"),
     "entity of a file": robot(
         f'<!DOCTYPE r [<!ENTITY a SYSTEM "/etc/passwd">]>{urdf()}', INVALID, "entities"
+    ),
+    "SRDF with a document type in UTF-16": robot(
+        urdf(), INVALID, "r.srdf: document types",
+        **{"r.srdf": (DOCTYPE + "<robot/>").encode("utf-16")},
+    ),
+    "MJCF with entities that double": ({"r.xml": doubling("mujoco")}, INVALID, "entities"),
+    "SDF with entities that double": ({"r.sdf": doubling("sdf")}, INVALID, "entities"),
+    "COLLADA with a document type": robot(
+        urdf(MESH), INVALID, "entities", **{"m.dae": '<!DOCTYPE a [<!ENTITY a "x">]><COLLADA/>'}
+    ),
+    "COLLADA with a document type in UTF-16": robot(
+        urdf(MESH), INVALID, "entities", **{"m.dae": (DOCTYPE + "<COLLADA/>").encode("utf-16")}
+    ),
+    "COLLADA with entities that double": robot(
+        urdf(MESH), INVALID, "entities", **{"m.dae": doubling("COLLADA")}
+    ),
+    "COLLADA with a file as an entity": robot(
+        urdf(MESH), INVALID, "entities",
+        **{"m.dae": '<!DOCTYPE a [<!ENTITY a SYSTEM "/etc/passwd">]><COLLADA>&a;</COLLADA>'},
     ),
     "no XML": robot("robot: {}", INVALID, "not XML"),
     "unknown encoding": robot('<?xml version="1.0" encoding="x"?>' + urdf(), INVALID, "not XML"),
