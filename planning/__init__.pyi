@@ -3,11 +3,11 @@
 from .api.certify_trajectory import certify_trajectory as certify_trajectory
 from .api.grow_regions import grow_regions as grow_regions
 from .api.ik import solve_ik as solve_ik
-from .api.line import trace_line as trace_line
 from .api.retime_path import retime_path as retime_path
 from .api.reverse_plan import reverse_plan as reverse_plan
 from .api.splice_motion import splice_motion as splice_motion
 from .api.splice_motion import stop_motion as stop_motion
+from .api.trace_line import trace_line as trace_line
 from .domain.curves.curve import TimedTrajectory as TimedTrajectory
 from .domain.curves.interpolation import trajectory_through as trajectory_through
 from .domain.geometry.pose import Pose as Pose
@@ -125,7 +125,7 @@ from .kernel.native import kernel_name as kernel_name
 from .pipeline.plan import plan as plan
 from .roadmaps.load_or_build import build_roadmap as build_roadmap
 from .roadmaps.roadmap_cache import RoadmapCache as RoadmapCache
-from .world.check import check_configurations as check_configurations
+from .world.configuration_check import check_configurations as check_configurations
 from .world.documents.scene_edit import edit_scene as edit_scene
 from .world.documents.scene_file import parse_scene as parse_scene
 from .world.documents.scene_file import read_scene as read_scene

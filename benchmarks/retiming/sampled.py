@@ -11,8 +11,8 @@ from benchmarks.retiming.paths import Question
 from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.retime.blend import blend_corners
+from planning.retime.bspline_smoothing import smooth_path
 from planning.retime.retimer import RETIMERS, retime
-from planning.retime.smooth import smooth_path
 
 # How far a curve may be from the path, as plans have it (joint-space length).
 _ALLOWED = 0.1

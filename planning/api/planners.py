@@ -1,7 +1,7 @@
 """list_planners(): everybody whom a search may name."""
 
 from planning.domain.planner.planner_card import PlannerCard
-from planning.pipeline.region_guide import GCS_CARD
+from planning.pipeline.gcs_planner import GCS_CARD
 from planning.search.ompl.planner_list import ompl_cards
 
 

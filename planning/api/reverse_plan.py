@@ -18,7 +18,7 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.pipeline.certification import certify_request
-from planning.pipeline.segment_lines import line_sections
+from planning.pipeline.line_sections import line_sections
 from planning.pipeline.segments import empty_search_report
 from planning.pipeline.timing_options import resolve_retiming
 from planning.search.space_options import resolve_space

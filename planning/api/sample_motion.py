@@ -20,7 +20,7 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.value import Value
 from planning.pipeline.certification import certify_request
-from planning.pipeline.segment_lines import line_sections
+from planning.pipeline.line_sections import line_sections
 from planning.pipeline.timing_options import resolve_retiming
 from planning.search.space_options import resolve_space
 from planning.world.constraints.validate_constraints import validate_constraints

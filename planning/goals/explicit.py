@@ -19,7 +19,7 @@ from planning.goals.diagnosis.nearest_joints import NearestJointSearch
 from planning.goals.goal_query import GoalQuery
 from planning.goals.joint_metric import JointMetric
 from planning.goals.ranking import nearest_first
-from planning.goals.start import (
+from planning.goals.start_validation import (
     clip_rounding,
     describe_pairs,
     has_overlap,

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from planning.goals.goal_query import GoalQuery
-from planning.goals.start import within_limits
+from planning.goals.start_validation import within_limits
 from planning.world.world import World
 
 # Configurations per batch.

@@ -23,7 +23,7 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_search import PoseSearch
 from planning.goals.ik.solve import solve_tool_goal
 from planning.goals.joint_metric import JointMetric
-from planning.goals.lines.approach import with_moves
+from planning.goals.lines.approach_checker import with_moves
 from planning.goals.predicate import find_predicate_goals
 from planning.goals.ranking import full_turn_equivalents, nearest_first
 from planning.goals.timeout import check_time

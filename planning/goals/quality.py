@@ -10,7 +10,7 @@ from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.goals.configuration_quality import ArmBranch, ConfigurationQuality
 from planning.domain.robot.joints import JointGroup, JointLimits
-from planning.goals.branch import branch_of
+from planning.goals.arm_branch import branch_of
 from planning.goals.joint_metric import JointMetric
 from planning.world.kernel.link_tree import link_tree
 from planning.world.mechanics.tool_kinematics import ToolKinematics

@@ -18,10 +18,10 @@ from planning.errors import ProblemInvalid
 from planning.goals import find_goals as goals_stage
 from planning.goals.goal_query import GoalQuery
 from planning.goals.lines.line_goal import follow_lines
-from planning.goals.start import validate_start
+from planning.goals.start_validation import validate_start
 from planning.pipeline.constrained_search import compile_constraints, filter_goals
 from planning.pipeline.context import PlanContext
-from planning.pipeline.region_guide import validate_regions
+from planning.pipeline.gcs_planner import validate_regions
 from planning.pipeline.segments import end_of_moves
 from planning.pipeline.timing_options import resolve_retiming
 from planning.refine.constraints.clearance_objective import validate_clearance_objective

@@ -20,7 +20,7 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointLimits
 from planning.errors import DeadlineExceeded, RetimingFailed
 from planning.pipeline.segments import MotionSegment
-from planning.retime.explain import explain_duration, join_explanations
+from planning.retime.duration_explanation import explain_duration, join_explanations
 from planning.retime.limit_utilization import RATES
 from planning.retime.limits.path_limit import PathLimit
 from planning.world.mechanics.tool_kinematics import ToolKinematics

@@ -10,7 +10,7 @@ from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.steering import steering_of
 from planning.retime.blend import blend_corners
-from planning.retime.smooth import smooth_path
+from planning.retime.bspline_smoothing import smooth_path
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import CollisionChecker
 

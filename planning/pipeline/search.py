@@ -9,7 +9,7 @@ from planning.domain.request.deadline import Deadline
 from planning.errors import Canceled, DeadlineExceeded, NoPathFound
 from planning.pipeline.constrained_search import search_constrained
 from planning.pipeline.context import SEARCH_FRACTION, PlanContext
-from planning.pipeline.region_guide import make_gcs_planner
+from planning.pipeline.gcs_planner import make_gcs_planner
 from planning.search.roadmap.query_roadmap import make_roadmap_report
 from planning.search.solver import SearchResult, SearchTask, search
 from planning.world.collision.obstacle_distance import obstacle_distances

@@ -9,7 +9,6 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.domain.robot.manifold import Manifold
-from planning.refine.audit import Auditor, is_within_limits, satisfies_predicates
 from planning.refine.constraints.clearance_objective import ClearanceCost, make_clearance_objective
 from planning.refine.constraints.constraint_distances import (
     ConstraintDistanceQuery,
@@ -21,10 +20,11 @@ from planning.refine.constraints.distance_query import DistanceQuery, make_dista
 from planning.refine.constraints.load import Load
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.constraints.request_bounds import request_bounds, signed_accelerations
+from planning.refine.curve_checks import Auditor, is_within_limits, satisfies_predicates
+from planning.refine.curves.bspline_fit import fit_control_points
 from planning.refine.curves.chart import Chart, make_chart
 from planning.refine.curves.curve_evaluation import CurveEvaluation
 from planning.refine.curves.duration_bound import duration_lower_bound
-from planning.refine.curves.fit import fit_control_points
 from planning.refine.curves.path_velocity import duration_of, path_grid
 from planning.refine.model.curve_model import CurveModel
 from planning.refine.model.load_evaluation import path_velocity_along

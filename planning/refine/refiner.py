@@ -14,8 +14,8 @@ from planning.domain.curves.path import JointPath
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.steering import steering_of
-from planning.refine.audit import curve_length
 from planning.refine.cars.drive_refiner import refine_drive
+from planning.refine.curve_checks import curve_length
 from planning.refine.curves.chart import FlatChart, make_chart
 from planning.refine.model.penalty_qp import solver_name
 from planning.refine.multi_start import solve_multi_start

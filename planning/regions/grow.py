@@ -20,7 +20,7 @@ from planning.errors import DeadlineExceeded
 from planning.regions.cliques import cliques
 from planning.regions.free_space import FreeSpace
 from planning.regions.iris_zo import IrisZo
-from planning.regions.overlap import portals_of, without_redundant_faces
+from planning.regions.portals import portals_of, without_redundant_faces
 
 # Free samples by which coverage is estimated; they seed no region.
 _NUM_COVERAGE_SAMPLES = 2000

@@ -12,7 +12,7 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, derivative
 from planning.domain.robot.joints import JointLimits
-from planning.retime.bounds import block_norms, floating_rotation_blocks
+from planning.retime.block_peaks import block_norms, floating_rotation_blocks
 from planning.retime.limits.angular_rate_bounds import (
     has_moving_axis,
     rate_bounds,

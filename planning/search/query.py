@@ -12,9 +12,9 @@ from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.options import SearchOptions
 from planning.domain.request.stopwatch import Stopwatch
-from planning.domain.robot.car_request import validate_forward_planners
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.steering import steering_of
+from planning.domain.robot.steering_request import validate_forward_planners
 from planning.errors import NoPathFound
 from planning.search.collision_oracle import CollisionOracle, WatchedOracle
 from planning.search.ompl.car_space import CarSpace

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.robot.car_request import invalid_space, resolve_steering
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.steering import Steering, steered, steering_of
+from planning.domain.robot.steering_request import invalid_space, resolve_steering
 from planning.errors import ProblemInvalid, UnknownName
 
 _WEIGHT_RANGE = (1e-3, 1e3)

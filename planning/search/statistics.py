@@ -8,7 +8,7 @@ from typing import Any
 
 from planning.domain.planner.planner_graph import PlannerGraph
 from planning.domain.report.search_report import AttemptReport, RoadmapReport
-from planning.search.ompl.attempt import Attempt
+from planning.search.ompl.run_planner import Attempt
 from planning.search.query import Query
 from planning.search.verified_path import VerificationTrial, VerifiedPath
 

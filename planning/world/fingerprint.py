@@ -15,7 +15,7 @@ from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import digest
-from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.world import World

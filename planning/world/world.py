@@ -22,9 +22,9 @@ from planning.world.collision.collision_check import (
     DrakeCollisionOracle,
     make_collision_checker,
 )
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.collision.margins import PairMargins
 from planning.world.collision.near_static import NearStatic
-from planning.world.collision.shape_pairs import candidates_of
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
@@ -32,7 +32,7 @@ from planning.world.files.hull_warnings import hull_warnings
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.loading.builder import pose_of
-from planning.world.loading.placement import initial_state, named_configurations
+from planning.world.loading.initial_state import initial_state, named_configurations
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.start_warnings import start_warnings
 from planning.world.models.groups import RobotGroups, group_limits, robot_groups

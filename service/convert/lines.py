@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from planning.api.line import TraceResolution
+from planning.api.trace_line import TraceResolution
 from planning.domain.goals.line_trace import LineStop, LineTrace
 from service.convert.goals import pose_wire
 from service.convert.numbers import listed

@@ -6,7 +6,7 @@ from planning.domain.geometry.body_pair import BodyPair
 from service.convert.numbers import finite, listed
 
 if TYPE_CHECKING:
-    from planning.world.check import StateVerdict
+    from planning.world.configuration_check import StateVerdict
 
 
 def pair_wire(pair: BodyPair) -> dict[str, Any]:

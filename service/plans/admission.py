@@ -4,8 +4,8 @@ from typing import Any
 
 from anyio import to_thread
 
-from planning.domain.planner.foreign_planners import unknown_planner
-from planning.domain.robot.car_request import resolve_steering, validate_forward_planners
+from planning.domain.planner.unavailable_planners import unknown_planner
+from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
 from service.convert.goals import steering_value
 from service.convert.trajectories import require_one_sampling

@@ -12,7 +12,7 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest
-from planning.certify.frames.frame_chain import direction_errors, origin_errors
+from planning.certify.frames.frame_derivative_bounds import direction_errors, origin_errors
 from planning.certify.frames.frame_poses import FramePoses
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.frames.tool_checks import tool_checks

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
-from planning.api.line import TraceResolution, trace_line
+from planning.api.trace_line import TraceResolution, trace_line
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import PoseTarget
 from planning.domain.goals.line_trace import LineTrace

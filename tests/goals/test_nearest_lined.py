@@ -15,8 +15,8 @@ from planning.domain.request.problem import PlanningProblem
 from planning.errors import ApproachBlocked
 from planning.goals.find_goals import GoalQuery
 from planning.goals.ik.pose_solvers import kernel_pose_solver
-from planning.goals.lines.approach import ApproachChecker
-from planning.goals.start import within_limits
+from planning.goals.lines.approach_checker import ApproachChecker
+from planning.goals.start_validation import within_limits
 from planning.goals.targets.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.world import World

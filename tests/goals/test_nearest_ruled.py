@@ -27,7 +27,7 @@ from planning.domain.request.options import IkOptions, PoseMetric
 from planning.domain.request.problem import PlanningProblem
 from planning.errors import GoalViolatesConstraint, PlanningFailure
 from planning.goals.ik.pose_solvers import kernel_pose_solver
-from planning.goals.start import within_limits
+from planning.goals.start_validation import within_limits
 from planning.goals.targets.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.constraints.path_constraints import PathConstraints

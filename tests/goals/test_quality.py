@@ -9,7 +9,7 @@ import planning
 from planning.api.ik import assess_configurations
 from planning.domain.geometry.pose import Pose
 from planning.domain.goals.goal import PoseGoal
-from planning.goals.branch import branch_of
+from planning.goals.arm_branch import branch_of
 from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
 from planning.world.mechanics.tool_kinematics import ToolKinematics

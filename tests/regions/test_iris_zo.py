@@ -6,7 +6,7 @@ import pytest
 from planning.errors import Canceled, DeadlineExceeded
 from planning.regions.hit_and_run import hit_and_run
 from planning.regions.iris_zo import IrisZo
-from planning.regions.overlap import portals_of, without_redundant_faces
+from planning.regions.portals import portals_of, without_redundant_faces
 from tests.clocks import after_looks, no_hurry
 from tests.regions.conftest import Plane, in_triangle, off_wall
 

@@ -12,14 +12,14 @@ from scipy.spatial import cKDTree
 from planning.domain.curves.motion_samples import steps_of
 from planning.domain.request.options import SearchOptions
 from planning.domain.request.stopwatch import Stopwatch
-from planning.domain.robot.car_request import validate_forward_planners
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import Steering, manifold_of, steered
+from planning.domain.robot.steering_request import validate_forward_planners
 from planning.errors import DeadlineExceeded, ProblemInvalid, UnknownName
-from planning.search.cars.drive_shortcut import shortcut_steering_path
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.cars.steering_paths import SteeringPaths
+from planning.search.cars.steering_shortcut import shortcut_steering_path
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.ompl.planner_list import planner_names
 from planning.search.shortcut.polyline import path_length

@@ -9,8 +9,8 @@ from pydrake.geometry import GeometryId
 
 from planning.certify.clearance.collision_shapes import CollisionShapes, collision_shapes
 from planning.certify.clearance.motion_bounds import MotionBounds
+from planning.world.collision.collision_pairs import Candidates, candidates_of
 from planning.world.collision.margins import PairMargins
-from planning.world.collision.shape_pairs import Candidates, candidates_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
 

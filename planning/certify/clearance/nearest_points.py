@@ -19,7 +19,7 @@ from planning.certify.clearance.collision_shapes import CollisionShapes
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.kernel.gjk import closest_points
-from planning.world.collision.distance_rounding import DistanceLowerBounds
+from planning.world.collision.distance_lower_bounds import DistanceLowerBounds
 from planning.world.collision.drake_distance import pair_distance
 from planning.world.collision.near_static import NearStatic
 from planning.world.contexts import shared_context

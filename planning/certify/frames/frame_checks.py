@@ -5,7 +5,7 @@ from typing import Any, override
 
 import numpy as np
 
-from planning.certify.frames.frame_chain import (
+from planning.certify.frames.frame_derivative_bounds import (
     derivative_bounds,
     direction_bounds,
     direction_errors,

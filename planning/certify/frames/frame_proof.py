@@ -12,7 +12,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from planning.certify.frames.frame_chain import derivative_bounds, origin_errors
+from planning.certify.frames.frame_derivative_bounds import derivative_bounds, origin_errors
 from planning.certify.frames.frame_states import FrameMotion, FrameStates
 from planning.certify.joints.limit_checks import MAX_UTILIZATION
 from planning.certify.request import CertifyRequest

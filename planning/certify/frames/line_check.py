@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from planning.certify.frames.frame_chain import direction_errors, origin_errors
+from planning.certify.frames.frame_derivative_bounds import direction_errors, origin_errors
 from planning.certify.frames.tool_rates import RateCells, ToolRates
-from planning.certify.intervals.equal_parts import split_equally
+from planning.certify.intervals.equal_split import split_equally
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.geometry import rotation

@@ -19,8 +19,8 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.multibody.tree import JacobianWrtVariable
 
-from planning.certify.intervals.equal_parts import split_equally
-from planning.certify.intervals.turn_bounds import angular_velocity_bounds
+from planning.certify.intervals.angular_velocity_bounds import angular_velocity_bounds
+from planning.certify.intervals.equal_split import split_equally
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import Deadline

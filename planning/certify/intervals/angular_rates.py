@@ -28,9 +28,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
+from planning.certify.intervals.quaternion_series import quaternion_angular_velocity
 from planning.certify.intervals.rounding import UNIT_ROUNDOFF, rounding_bounds
 from planning.certify.intervals.taylor import skew
-from planning.certify.intervals.turn_series import quaternion_angular_velocity
 from planning.domain.arrays import Array
 
 _ORDER = 6

@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.equal_parts import split_equally
-from planning.certify.intervals.turn_bounds import angular_velocity_bounds
+from planning.certify.intervals.angular_velocity_bounds import angular_velocity_bounds
+from planning.certify.intervals.equal_split import split_equally
 from planning.certify.joints.limit_checks import (
     MAX_UTILIZATION,
     RATE_NAMES,

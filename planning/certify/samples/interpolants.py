@@ -22,7 +22,7 @@ from planning.certify.certifier import (
 )
 from planning.certify.clearance.clearance_check import check_clearance
 from planning.certify.clearance.clearance_result import MARGIN_TOLERANCE
-from planning.certify.clearance.levers import lever_arms_of
+from planning.certify.clearance.lever_arms import lever_arms_of
 from planning.certify.intervals.hermite_errors import HermiteErrors
 from planning.certify.request import CertifyRequest
 from planning.certify.samples.deviation import Deviations

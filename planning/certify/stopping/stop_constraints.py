@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from planning.certify.frames.frame_chain import derivative_bounds, origin_errors
+from planning.certify.frames.frame_derivative_bounds import derivative_bounds, origin_errors
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.motion_cells import MotionCells

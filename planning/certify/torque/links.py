@@ -17,7 +17,7 @@ from jaxtyping import Float64
 
 from planning.certify.intervals.taylor import skew
 from planning.certify.request import CertifyRequest
-from planning.certify.torque.link_motion import JointMotion, JointMotions, MotionKind
+from planning.certify.torque.joint_motion import JointMotion, JointMotions, MotionKind
 from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel

@@ -26,7 +26,7 @@ from planning.certify.intervals.taylor import (
     sine_and_cosine,
     skew,
 )
-from planning.certify.torque.link_motion import MotionKind
+from planning.certify.torque.joint_motion import MotionKind
 from planning.certify.torque.links import Link
 from planning.domain.arrays import Array
 from planning.domain.geometry.rotation import exp, matrix, multiply

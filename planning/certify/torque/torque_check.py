@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from planning.certify.intervals import bernstein
-from planning.certify.intervals.equal_parts import split_equally
+from planning.certify.intervals.equal_split import split_equally
 from planning.certify.joints.limit_checks import MAX_UTILIZATION
 from planning.certify.request import CertifyRequest
 from planning.certify.torque.links import links_of

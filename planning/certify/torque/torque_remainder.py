@@ -14,7 +14,7 @@ import numpy as np
 from planning.certify.intervals.angular_rates import velocity_series
 from planning.certify.intervals.rounding import UNIT_ROUNDOFF
 from planning.certify.intervals.taylor import derivative, enlarged, expand_at, scaled
-from planning.certify.torque.link_motion import MotionKind
+from planning.certify.torque.joint_motion import MotionKind
 from planning.certify.torque.links import Link
 from planning.certify.torque.newton_euler import TERMS, inertial_derivative
 from planning.domain.arrays import Array

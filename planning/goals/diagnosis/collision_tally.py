@@ -8,7 +8,7 @@ from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.goals.funnel import PairTally
 from planning.domain.request.deadline import Deadline
 from planning.goals.goal_query import GoalQuery
-from planning.goals.start import has_overlap
+from planning.goals.start_validation import has_overlap
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 

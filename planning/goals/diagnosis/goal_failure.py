@@ -22,7 +22,7 @@ from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_search import PoseSearch
 from planning.goals.lines.shorter_moves import shorter_moves
 from planning.goals.ranking import UniqueSolutions
-from planning.goals.start import describe_pairs, pair_evidence
+from planning.goals.start_validation import describe_pairs, pair_evidence
 from planning.goals.targets.target_selection import TargetSelection
 from planning.world.world import World
 

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from planning.domain.geometry.body_pair import BodyPair
 from planning.goals.goal_query import GoalQuery
-from planning.goals.start import limit_violations, pair_evidence
+from planning.goals.start_validation import limit_violations, pair_evidence
 from planning.world.constraints.body_pairs import moved_bodies
 from planning.world.world import World
 

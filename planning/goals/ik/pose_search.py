@@ -10,9 +10,9 @@ from planning.errors import DeadlineExceeded
 from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_solvers import PoseSolver
 from planning.goals.ik.seeds import Seeds
-from planning.goals.lines.approach import ApproachChecker
+from planning.goals.lines.approach_checker import ApproachChecker
 from planning.goals.ranking import UniqueSolutions
-from planning.goals.start import clip_rounding, within_limits
+from planning.goals.start_validation import clip_rounding, within_limits
 from planning.goals.targets.target_samples import TargetSamples
 from planning.world.world import World
 

@@ -16,7 +16,7 @@ from planning.goals.ik.pose_solvers import (
     exact_kernel_solver,
     kernel_pose_solver,
 )
-from planning.goals.lines.approach import approach_checker
+from planning.goals.lines.approach_checker import approach_checker
 from planning.goals.ranking import UniqueSolutions
 from planning.goals.targets.target_samples import ExactPoses, TargetSamples
 from planning.goals.targets.target_selection import TargetSelection, select_targets

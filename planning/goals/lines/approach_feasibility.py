@@ -17,7 +17,7 @@ from planning.goals.diagnosis.nearest_program import Target, displaced_target_po
 from planning.goals.feasibility import Feasibility
 from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_solvers import exact_kernel_solver
-from planning.goals.lines.approach import ApproachChecker, goal_with_approach
+from planning.goals.lines.approach_checker import ApproachChecker, goal_with_approach
 from planning.goals.lines.line_tracer import TraceResolution
 from planning.goals.targets.tool_target import ToolTarget
 from planning.world.mechanics.tool_kinematics import ToolKinematics

@@ -10,7 +10,7 @@ from planning.domain.goals.line_trace import LineStop, LineTrace
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.goals.lines.trace_state import TraceState, TraceStop
-from planning.goals.start import pair_evidence
+from planning.goals.start_validation import pair_evidence
 from planning.world.collision.margins import PairMargins
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World

@@ -17,7 +17,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.goals.lines.line_steps import LineSteps
 from planning.goals.lines.trace_state import BISECTION_TOLERANCE, CheckedStep, TraceState, TraceStop
-from planning.goals.start import ROUNDING
+from planning.goals.start_validation import ROUNDING
 from planning.world.collision.margins import PairMargins
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World

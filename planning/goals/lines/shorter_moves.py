@@ -10,7 +10,7 @@ from planning.domain.goals.goal import PoseGoal, RegionGoal
 from planning.domain.request.deadline import Deadline
 from planning.domain.value import Value
 from planning.goals.goal_query import GoalQuery
-from planning.goals.lines.approach import ApproachChecker
+from planning.goals.lines.approach_checker import ApproachChecker
 from planning.world.world import World
 
 # Number of configurations tried, those whose lines get farthest.

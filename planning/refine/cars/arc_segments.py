@@ -6,7 +6,7 @@ does not slip, and bounds on curvature bound the turning radius: the only equali
 is that the path ends at the goal. The other joints of the group move in straight lines along each
 segment, so their positions between segments determine them.
 
-With t = curvature * length a segment leads, in the complex plane and in the frame of its beginning, to
+With t = curvature * length a segment leads, in the complex plane and in its first frame, to
 
     length * f(t),  f(t) = (exp(i t) - 1) / (i t),  f'(t) = (exp(i t) - f(t)) / t,
 

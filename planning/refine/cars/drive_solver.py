@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from planning.domain.curves.path import JointPath
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
-from planning.refine.audit import Auditor, is_within_limits, satisfies_predicates
 from planning.refine.cars.arc_segments import NO_SAMPLES, ArcSegments
 from planning.refine.cars.drive_evaluation import DriveEvaluation
 from planning.refine.cars.drive_model import DriveModel
@@ -24,6 +23,7 @@ from planning.refine.constraints.constraint_distances import (
 )
 from planning.refine.constraints.distance_buffers import DistanceBuffers
 from planning.refine.constraints.distance_query import make_distance_query
+from planning.refine.curve_checks import Auditor, is_within_limits, satisfies_predicates
 from planning.refine.curves.chart import FlatChart
 from planning.refine.request import RefineRequest
 from planning.world.constraints.predicate_constraint import PredicateConstraint

@@ -23,7 +23,7 @@ from planning.domain.robot.joints import JointLimits
 from planning.domain.robot.manifold import Manifold
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.curves.bspline_basis import make_bspline
-from planning.refine.curves.fit import unwrapped_waypoints
+from planning.refine.curves.bspline_fit import unwrapped_waypoints
 from planning.refine.curves.power_basis import joint_spline
 from planning.refine.curves.unwrapped_tangents import rotation_angles, tangents_along
 

@@ -17,7 +17,7 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_basis import basis_weights, num_spans
-from planning.refine.model.path_velocity_rows import (
+from planning.refine.model.path_velocity_constraints import (
     MIN_COEFFICIENT,
     RATE_PENALTY,
     PathVelocityConstraints,

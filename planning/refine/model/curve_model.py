@@ -27,7 +27,7 @@ from planning.refine.curves.path_velocity import (
     path_grid,
 )
 from planning.refine.model.load_evaluation import path_velocity_along
-from planning.refine.model.path_velocity_rows import RATE_PENALTY
+from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
 from planning.refine.model.variable_layout import make_variable_layout
 

@@ -16,7 +16,7 @@ from planning.refine.curves.path_velocity import (
     path_grid,
 )
 from planning.refine.model.load_linearization import LoadLinearization
-from planning.refine.model.path_velocity_rows import PathVelocityConstraints
+from planning.refine.model.path_velocity_constraints import PathVelocityConstraints
 
 # Penalty of static load beyond its largest value, per limit and grid point [s].
 _STATIC_LOAD_PENALTY = 10.0

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array, Flags, Indices
 from planning.refine.constraints.load import MAX_STATIC_LOAD, Load, difference_quotients
 from planning.refine.curves.curve_samples import CurveSamples
-from planning.refine.model.path_velocity_rows import RATE_PENALTY
+from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyRows
 
 # Load ratios below this have no row.

@@ -19,7 +19,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline, derivative
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
-from planning.retime.bounds import block_peaks
+from planning.retime.block_peaks import block_peaks
 from planning.retime.compose import compose
 from planning.retime.jerk.timing_spline import TimingSpline
 from planning.retime.limit_utilization import RATES

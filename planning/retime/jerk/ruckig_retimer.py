@@ -19,7 +19,7 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.bounds import block_peaks
+from planning.retime.block_peaks import block_peaks
 from planning.retime.cells import cut_at, even_edges, num_parts, with_extra_edges
 from planning.retime.compose import compose
 from planning.retime.jerk.profile_optimizer import optimize_profile

@@ -17,7 +17,7 @@ from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.bounds import block_norms
+from planning.retime.block_peaks import block_norms
 from planning.retime.cells import cut_at, even_edges
 from planning.retime.compose import compose
 from planning.retime.limit_utilization import max_utilization

@@ -12,7 +12,7 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.robot.joints import JointLimits
-from planning.retime.bounds import bernstein_block_norms, block_peaks
+from planning.retime.block_peaks import bernstein_block_norms, block_peaks
 from planning.retime.jerk.velocity_bounds import cell_velocity_bounds
 from planning.retime.limit_utilization import max_utilization
 from planning.retime.limits.path_limit import HEADROOM, PathUtilization

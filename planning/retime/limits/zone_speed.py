@@ -10,7 +10,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import Curve, JointSpline, TimedTrajectory
 from planning.domain.geometry import rotation
 from planning.domain.request.motion_limits import SpeedZone
-from planning.retime.bounds import bernstein_block_norms, block_peaks
+from planning.retime.block_peaks import bernstein_block_norms, block_peaks
 from planning.retime.compose import taylor_shifted
 from planning.retime.jerk.velocity_bounds import cell_velocity_bounds
 from planning.retime.limit_utilization import max_utilization

@@ -16,7 +16,7 @@ from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.bounds import bernstein_block_norms
+from planning.retime.block_peaks import bernstein_block_norms
 from planning.retime.cells import (
     cut_at,
     even_edges,

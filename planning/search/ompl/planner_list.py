@@ -11,8 +11,8 @@ from ompl import base as ob
 from ompl import geometric as og
 from ompl import util as ou
 
-from planning.domain.planner.foreign_planners import unknown_planner
 from planning.domain.planner.planner_card import PlannerCard, PlannerParameter
+from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.errors import UnknownName
 from planning.search.ompl.parameters import (
     Scalar,

@@ -22,7 +22,7 @@ from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.steering import manifold_of
 from planning.search.collision_oracle import WatchedOracle
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.space_parts import (
+from planning.search.ompl.space_components import (
     SpaceComponent,
     are_angles,
     space_components,

@@ -2,8 +2,8 @@
 
 from planning.domain.planner.roadmap import Roadmap
 from planning.domain.report.search_report import RoadmapReport
-from planning.search.ompl.attempt import Attempt
 from planning.search.ompl.graph import export_graph
+from planning.search.ompl.run_planner import Attempt
 from planning.search.query import Query
 from planning.search.roadmap.shortest_roadmap_path import RoadmapPath, shortest_roadmap_path
 from planning.search.statistics import SearchStatistics

@@ -14,8 +14,8 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 from planning.search.edges import EdgeChecker
-from planning.search.ompl.attempt import run_planner
 from planning.search.ompl.car_space import CarSpace
+from planning.search.ompl.run_planner import run_planner
 from planning.search.query import Query
 
 # Time budget after a cancel, all edges together [s].

@@ -11,7 +11,7 @@ from pydrake.planning import RobotDiagram
 
 from planning.domain.arrays import Array
 from planning.kernel.box_distance import box_distances, box_gaps
-from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
 
 

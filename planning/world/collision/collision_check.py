@@ -14,13 +14,16 @@ from planning.domain.curves import motion_samples
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.world.collision.distance_rounding import DistanceLowerBounds, inflated_query_distance
+from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.distance_lower_bounds import (
+    DistanceLowerBounds,
+    inflated_query_distance,
+)
 from planning.world.collision.drake_distance import distances_within
 from planning.world.collision.half_spaces import exclude_half_spaces
 from planning.world.collision.margins import PairMargins
 from planning.world.collision.measured_pairs import MeasuredMargins, measured_pairs_of
 from planning.world.collision.near_static import NearStatic
-from planning.world.collision.shape_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
 
 # With more pairs than this the nearest one is searched nearby first [m]: a far search takes longer.

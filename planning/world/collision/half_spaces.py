@@ -25,7 +25,7 @@ from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
-from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.convex_shapes import convex_shape
 

@@ -17,8 +17,8 @@ from pydrake.systems.framework import Context
 
 from planning.domain.arrays import Array, Indices
 from planning.world.collision.box_pairs import signed_box_distances
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.collision.measured_pairs import GeometryDistance
-from planning.world.collision.shape_pairs import candidates_of
 from planning.world.contexts import make_query_context
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.convex_shapes import convex_shape

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.multibody.tree import BodyIndex
 
 from planning.domain.geometry.unchecked_pair import UncheckedPair, UncheckedReason
-from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
 

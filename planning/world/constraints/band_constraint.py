@@ -15,7 +15,7 @@ from planning.domain.curves.motion_samples import is_motion_free
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.world.constraints.compiled_constraint import MIN_STEP, ConstraintValue, suggested_step
-from planning.world.constraints.pair_nearness import PairProximity
+from planning.world.constraints.pair_proximity import PairProximity
 from planning.world.world import World
 
 # Preferred margin: this share of the band, and no more than this [m].

@@ -5,7 +5,7 @@ import numpy as np
 from planning.domain.request.constraint import DistanceBand
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
-from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.drake_model import DrakeModel
 from planning.world.world import World
 

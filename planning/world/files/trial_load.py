@@ -18,7 +18,7 @@ from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
 from planning.errors import ModelInvalid
 from planning.parallel.fork_pool import die_with_parent, end_fork, fork
-from planning.world.files.keep_files import StoredScene, store_files
+from planning.world.files.stored_scene import StoredScene, store_files
 from planning.world.loading.builder import build_single
 from planning.world.models.model_library import ModelLibrary
 

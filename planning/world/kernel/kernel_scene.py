@@ -14,8 +14,8 @@ from pydrake.math import RigidTransform
 from planning.kernel.coverings.covering import Covering, cached_covering
 from planning.kernel.native import native
 from planning.kernel.shape import ConvexShape, ShapeKind
+from planning.world.collision.collision_pairs import Candidates, candidates_of
 from planning.world.collision.margins import PairMargins
-from planning.world.collision.shape_pairs import Candidates, candidates_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
 from planning.world.files.mesh_files import cache_folder

@@ -21,9 +21,9 @@ from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid
 from planning.world.drake_model import DrakeModel
-from planning.world.files.keep_files import StoredScene
 from planning.world.files.mesh_check import validate_mesh
-from planning.world.files.only_kept import validate_stored_meshes
+from planning.world.files.stored_meshes import validate_stored_meshes
+from planning.world.files.stored_scene import StoredScene
 from planning.world.loading.attached_objects import validate_owners
 from planning.world.loading.collision_filters import (
     allow_attached_contacts,

@@ -6,11 +6,11 @@ from planning.world.collision.half_spaces import has_moving_half_space
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
-from planning.world.files.keep_files import StoredScene, store_files
+from planning.world.files.stored_scene import StoredScene, store_files
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.loading.builder import build_diagram
-from planning.world.loading.reuse import reuse_model
+from planning.world.loading.model_reuse import reuse_model
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.static_build import MAX_OBJECTS_IN_MODEL, static_object_names
 from planning.world.models.model_library import ModelLibrary

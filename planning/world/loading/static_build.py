@@ -15,8 +15,8 @@ from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.errors import SceneInvalid
 from planning.kernel.shape import ConvexShape
 from planning.world.collision.static_objects import StaticObjects
-from planning.world.files.keep_files import StoredScene
 from planning.world.files.mesh_check import validate_mesh
+from planning.world.files.stored_scene import StoredScene
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.loading.drake_shapes import drake_shape
 

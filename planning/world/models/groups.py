@@ -18,7 +18,7 @@ from planning.domain.robot.steering import Steering, steered
 from planning.errors import ModelInvalid, UnknownName
 from planning.world.drake_model import DrakeModel
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.mechanics.turns import is_continuous, joint_followers
+from planning.world.mechanics.joint_followers import is_continuous, joint_followers
 from planning.world.models.default_groups import wanted_groups
 from planning.world.models.robot_card import EffortCard, LimitsCard
 

@@ -9,7 +9,7 @@ from planning.domain.robot.followers import Follower, combine_limits
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.world.drake_model import DrakeModel
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.mechanics.turns import joint_followers
+from planning.world.mechanics.joint_followers import joint_followers
 from planning.world.models.groups import (
     ACCELERATION_PER_VELOCITY,
     JERK_PER_ACCELERATION,

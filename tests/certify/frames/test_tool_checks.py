@@ -11,7 +11,7 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.certifier import CertifyRequest
-from planning.certify.frames.frame_chain import derivative_bounds
+from planning.certify.frames.frame_derivative_bounds import derivative_bounds
 from planning.certify.frames.frame_states import FrameStates
 from planning.certify.frames.tool_checks import tool_checks
 from planning.domain.curves.curve import TimedTrajectory

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from planning.certify.intervals import bernstein
 from planning.certify.intervals.angular_rates import angular_peak, velocity_series
+from planning.certify.intervals.quaternion_series import quaternion_angular_velocity
 from planning.certify.intervals.taylor import skew
-from planning.certify.intervals.turn_series import quaternion_angular_velocity
 from planning.domain.geometry import rotation
 
 pytestmark = pytest.mark.drake_only

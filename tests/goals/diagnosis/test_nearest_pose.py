@@ -17,7 +17,7 @@ from planning.errors import GoalInCollision, GoalUnreachable, WayproofError
 from planning.goals.find_goals import find_goals
 from planning.goals.goal_query import GoalQuery
 from planning.goals.ik.pose_solvers import kernel_pose_solver
-from planning.goals.start import within_limits
+from planning.goals.start_validation import within_limits
 from planning.goals.targets.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.world import World

@@ -17,7 +17,7 @@ from planning.domain.request.options import IkOptions
 from planning.errors import Canceled, DeadlineExceeded, GoalInCollision, GoalUnreachable
 from planning.goals.find_goals import GoalQuery, find_goals
 from planning.goals.ik.pose_solvers import KernelPoseSolver
-from planning.goals.start import validate_start
+from planning.goals.start_validation import validate_start
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.goals.conftest import ENGINES, EXACT, ask, at, with_engine, world_by

@@ -8,7 +8,7 @@ from planning.refine.constraints.clearance_objective import make_clearance_objec
 from planning.refine.constraints.distance_buffers import DistanceBuffers
 from planning.refine.constraints.distance_query import make_distance_query
 from planning.refine.constraints.rate_bounds import RateBounds
-from planning.refine.curves.fit import fit_control_points, unwrapped_waypoints
+from planning.refine.curves.bspline_fit import fit_control_points, unwrapped_waypoints
 from planning.refine.model.curve_model import CurveModel
 
 NUM_INSTANTS = 60

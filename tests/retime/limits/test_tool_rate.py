@@ -10,7 +10,7 @@ from planning.domain.curves.path import JointPath
 from planning.domain.request.motion_limits import ToolLimit
 from planning.domain.request.options import RetimeOptions
 from planning.retime.blend import blend_corners
-from planning.retime.explain import explain_duration
+from planning.retime.duration_explanation import explain_duration
 from planning.retime.limits.request_limits import path_limits
 from planning.retime.retimer import RETIMERS, retime
 from planning.world.world import World

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from planning.domain.planner.foreign_planners import CLOSEST_PLANNERS
+from planning.domain.planner.unavailable_planners import CLOSEST_PLANNERS
 from planning.search.ompl.planner_list import planner_names
 
 MAZE = {

@@ -16,7 +16,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.errors import PlanningFailure, ProblemInvalid, SceneInvalid, UnknownName
 from planning.kernel.native import native
 from planning.world.collision.collision_check import DrakeCollisionOracle
-from planning.world.collision.shape_pairs import candidates_of
+from planning.world.collision.collision_pairs import candidates_of
 from planning.world.constraints.body_pairs import banded_pairs
 from planning.world.mechanics.simulation import Simulation
 from planning.world.replay.replay_writer import replay_html
@@ -303,7 +303,7 @@ def test_too_many_pairs_and_too_many_objects_for_drake_are_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     scene = planning.parse_scene(document(rng_of(8)))
-    monkeypatch.setattr("planning.world.collision.shape_pairs.MAX_PAIRS", 20)
+    monkeypatch.setattr("planning.world.collision.collision_pairs.MAX_PAIRS", 20)
     with pytest.raises(SceneInvalid, match="at most 20 are looked at") as refused:
         planning.load_world(scene, max_objects_in_model=0)
     assert refused.value.evidence["bound"] == 20

@@ -10,7 +10,7 @@ from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointType
 from planning.errors import RetimingFailed
 from planning.retime.blend import blend_corners
-from planning.retime.explain import explain_duration
+from planning.retime.duration_explanation import explain_duration
 from planning.retime.retimer import RETIMERS, retime
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import num_cases

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from planning.domain.curves.path import JointPath
 from planning.domain.robot.joints import Joint, JointGroup, JointType
 from planning.refine.curves.bspline_basis import make_bspline
-from planning.refine.curves.fit import fit_control_points, unwrapped_waypoints
+from planning.refine.curves.bspline_fit import fit_control_points, unwrapped_waypoints
 
 
 def path_of(waypoints: np.ndarray, kind: JointType) -> JointPath:

@@ -9,8 +9,8 @@ from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointType
 from planning.retime.blend import blend_corners
+from planning.retime.bspline_smoothing import smooth_path
 from planning.retime.retimer import retime
-from planning.retime.smooth import smooth_path
 from planning.retime.smooth_pieces import smooth_pieces
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import num_cases

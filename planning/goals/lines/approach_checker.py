@@ -26,7 +26,7 @@ from planning.goals.lines.line_stop import make_line_trace
 from planning.goals.lines.line_tracer import LineTracer, TraceResolution
 from planning.goals.lines.trace_state import TraceState
 from planning.goals.ranking import nearest_first
-from planning.goals.start import ROUNDING
+from planning.goals.start_validation import ROUNDING
 from planning.world.world import World
 
 # Largest number of blocked lines analyzed for the report.

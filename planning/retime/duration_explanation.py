@@ -18,7 +18,7 @@ from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointLimits
 from planning.errors import RetimingFailed
-from planning.retime.bounds import block_norms
+from planning.retime.block_peaks import block_norms
 from planning.retime.limit_utilization import RATES
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import RETIMERS, retime

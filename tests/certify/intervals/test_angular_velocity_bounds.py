@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
+from planning.certify.intervals.angular_velocity_bounds import angular_velocity_bounds
 from planning.certify.intervals.axis_drift import axis_drift
-from planning.certify.intervals.turn_bounds import angular_velocity_bounds
 from planning.domain.geometry import rotation
 from tests.clocks import no_hurry
 from tests.profiles import num_cases

@@ -10,7 +10,7 @@ from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 from planning.certify.clearance.collision_shapes import collision_shapes
-from planning.certify.clearance.levers import lever_arms_of
+from planning.certify.clearance.lever_arms import lever_arms_of
 from planning.certify.request import CertifyRequest
 from planning.certify.samples.deviation import Deviations
 from planning.domain.robot.joints import JointType

@@ -33,8 +33,8 @@ from pydrake.multibody.tree import (
 
 from planning.certify.clearance.motion_bounds import MovingJoint, joint_chains, moving_joints
 from planning.certify.intervals import bernstein
+from planning.certify.intervals.angular_velocity_bounds import angular_velocity_bounds
 from planning.certify.intervals.rounding import UNIT_ROUNDOFF, rounding_bounds
-from planning.certify.intervals.turn_bounds import angular_velocity_bounds
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.errors import ModelInvalid

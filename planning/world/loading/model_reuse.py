@@ -9,10 +9,10 @@ from dataclasses import replace
 
 from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
-from planning.world.collision.shape_pairs import copy_candidates
+from planning.world.collision.collision_pairs import copy_candidates
 from planning.world.collision.unchecked_pairs import copy_unchecked_pairs
 from planning.world.drake_model import DrakeModel
-from planning.world.files.keep_files import StoredScene
+from planning.world.files.stored_scene import StoredScene
 from planning.world.kernel.kernel_scene import copy_kernel_scene
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.start_warnings import copy_start_warnings
