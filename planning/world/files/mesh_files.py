@@ -14,6 +14,7 @@ import numpy as np
 
 from planning.errors import ModelInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
+from planning.world.files.mesh_axes import to_z_up
 
 _READ_BY_DRAKE = (".obj", ".vtk", ".gltf")
 _READ_BY_DRAKE_IN_MJCF = (".obj",)
