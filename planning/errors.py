@@ -140,9 +140,9 @@ class PlanningFailure(WayproofError):
 
     def saying[F: "PlanningFailure"](self: F, detail: str, more: Evidence) -> F:  # noqa: PYI019
         """Return the same failure in other words and with more evidence, of the same stage."""
-        told = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
-        told.timings = self.timings
-        return told
+        failure = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
+        failure.timings = self.timings
+        return failure
 
 
 class StartInCollision(PlanningFailure):
