@@ -12,7 +12,7 @@ from jaxtyping import Float64
 
 from planning.kernel.gjk import GjkResult, separation
 from planning.kernel.shape import ConvexShape, ShapeKind
-from planning.kernel.support import farthest_point
+from planning.kernel.support import farthest_point, no_farthest_point
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -64,7 +64,13 @@ def slab(
 
 def _ball(shape: ConvexShape) -> float:
     """Return the radius of the ball around each point of the core [m]."""
-    return float(shape.size[0]) if shape.kind in {ShapeKind.SPHERE, ShapeKind.CAPSULE} else 0.0
+    match shape.kind:
+        case ShapeKind.SPHERE | ShapeKind.CAPSULE:
+            return float(shape.size[0])
+        case ShapeKind.BOX | ShapeKind.CYLINDER | ShapeKind.ELLIPSOID | ShapeKind.HULL:
+            return 0.0
+        case ShapeKind.HALF_SPACE:
+            raise no_farthest_point()
 
 
 def _farthest_of_core(shape: ConvexShape, n: Array) -> Array:
@@ -73,5 +79,7 @@ def _farthest_of_core(shape: ConvexShape, n: Array) -> Array:
             return np.zeros(3)
         case ShapeKind.CAPSULE:
             return np.array([0.0, 0.0, np.copysign(shape.size[1], n[2])])
-        case _:
+        case ShapeKind.BOX | ShapeKind.CYLINDER | ShapeKind.ELLIPSOID | ShapeKind.HULL:
             return farthest_point(shape, n)
+        case ShapeKind.HALF_SPACE:
+            raise no_farthest_point()

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from planning.domain.robot.manifold import Manifold
-from planning.kernel.native import native
+from planning.kernel.native import native, verdict_numbers
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_oracle import pair_thresholds
 from planning.world.kernel.kernel_scene import KernelScene, kernel_scene
 from tests.certify.chains import FLOATING, Robot
 
-FREE, COLLIDING, UNSURE = 0, 1, 2
+_module: Any = native()
+FREE, COLLIDING, UNSURE = verdict_numbers(_module) if _module else (0, 1, 2)
 
 
 @pytest.fixture(autouse=True)

@@ -30,7 +30,9 @@ def lane_kernels() -> list[str]:
 def tolerance(target: ToolTarget) -> Any:
     module: Any = native()
     rest = target.rotation_freedom
-    return module.IkTolerance(target.position_tolerance, rest.kind, rest.axis, rest.bound)
+    return module.IkTolerance(
+        target.position_tolerance, module.Freedom[rest.kind.name], rest.axis, rest.bound
+    )
 
 
 def flat(poses: np.ndarray) -> np.ndarray:

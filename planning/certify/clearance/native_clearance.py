@@ -21,8 +21,8 @@ from planning.kernel.native import native
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene
 
-# Outcome codes of the kernel (prover.hpp).
-_PROVEN, _TOO_NEAR, _UNPROVEN = 0, 1, 2
+# Outcomes that come with the closest approach of all pairs.
+_MEASURED = ("PROVEN", "TOO_NEAR")
 
 
 def native_clearance(
@@ -42,7 +42,7 @@ def native_clearance(
         checked=_spot(scene, _worst(proof)),
         intervals=proof.segments,
         queries=proof.looks,
-        is_decided=proof.outcome != _UNPROVEN,
+        is_decided=proof.outcome.name != "UNPROVEN",
     )
 
 
@@ -63,9 +63,9 @@ def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margi
 
 def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
     """Return the check of the pair with the smallest reserve, or of the unproven pair."""
-    worst, passed = _worst(proof), proof.outcome == _PROVEN
+    worst, passed = _worst(proof), proof.outcome.name == "PROVEN"
     pair = worst.pair
-    if proof.outcome in {_PROVEN, _TOO_NEAR}:
+    if proof.outcome.name in _MEASURED:
         gap = max(0.0, proof.nearest.distance - proof.floor) if pair >= 0 and passed else 0.0
     else:
         gap = proof.uncertainty
@@ -89,4 +89,4 @@ def _spot(scene: KernelScene, seen: Any) -> WitnessPoint:
 
 def _worst(proof: Any) -> Any:
     """Return the record of the worst pair: the closest approach, or the proof itself."""
-    return proof.tightest if proof.outcome in {_PROVEN, _TOO_NEAR} else proof
+    return proof.tightest if proof.outcome.name in _MEASURED else proof

@@ -9,7 +9,7 @@ from planning.domain.geometry import rotation
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup
 from planning.goals.ik.ik_program import IkProgram
-from planning.goals.targets.tool_target import FreedomKind, ToolTarget
+from planning.goals.targets.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.world import World
@@ -137,7 +137,8 @@ def kernel_pose_solver(
         return None
     module: Any = native()
     rest = targets[0].rotation_freedom
-    tolerance = module.IkTolerance(targets[0].position_tolerance, rest.kind, rest.axis, rest.bound)
+    freedom = module.Freedom[rest.kind.name]
+    tolerance = module.IkTolerance(targets[0].position_tolerance, freedom, rest.axis, rest.bound)
     positions = np.stack([target.pose.position for target in targets])
     quaternions = np.stack([target.pose.quaternion for target in targets])
     return KernelPoseSolver(world, group, chain, (positions, quaternions), tolerance)
@@ -161,5 +162,5 @@ def exact_kernel_solver(
     if chain is None:
         return None
     module: Any = native()
-    tolerance = module.IkTolerance(np.zeros(3), FreedomKind.BALL, 0, 0.0)
+    tolerance = module.IkTolerance(np.zeros(3), module.Freedom.BALL, 0, 0.0)
     return KernelPoseSolver(world, group, chain, poses, tolerance)

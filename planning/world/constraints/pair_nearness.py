@@ -9,12 +9,10 @@ from jaxtyping import Bool, Float64
 from planning.domain.curves.motion_samples import sample_batches
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.kernel.native import native
+from planning.kernel.native import native, verdict_numbers
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.world import CollisionJudge, World
-
-_FREE, _COLLIDING, _UNSURE = 0, 1, 2
 
 
 class PairNearness:
@@ -36,6 +34,7 @@ class PairNearness:
         scene, module = kernel_scene_of(world.drake), native()
         self._checker: Any = None
         if scene is not None and module is not None:
+            self._free, self._colliding, self._unsure = verdict_numbers(module)
             demands = scene.demands(self._margins)
             self._checker = module.Checker(
                 scene.native,
@@ -50,8 +49,8 @@ class PairNearness:
         if self._checker is None:
             return ~self._judge.are_free(qs)
         verdicts = self._checker.judge(np.ascontiguousarray(qs))
-        near = verdicts == _COLLIDING
-        unsure = verdicts == _UNSURE
+        near = verdicts == self._colliding
+        unsure = verdicts == self._unsure
         if unsure.any():
             near[unsure] = ~self._judge.are_free(qs[unsure])
         return near
@@ -67,8 +66,8 @@ class PairNearness:
             return self._judge.is_motion_free(origin, displacement, resolution)
         if self._is_straight:
             verdict = self._checker.judge_motion(origin, displacement, resolution)
-            if verdict != _UNSURE:
-                return verdict == _FREE
+            if verdict != self._unsure:
+                return verdict == self._free
         batches = sample_batches(self._manifold, (origin, displacement), resolution)
         return not any(self.are_near(qs).any() for qs in batches)
 

@@ -11,15 +11,13 @@ from pydrake.planning import SceneGraphCollisionChecker
 from planning.domain.curves import motion_samples
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.kernel.native import native
+from planning.kernel.native import native, verdict_numbers
 from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
-
-_FREE, _COLLIDING, _UNSURE = 0, 1, 2
 
 
 class KernelCollisionOracle:
@@ -48,6 +46,8 @@ class KernelCollisionOracle:
         self._drake_arguments = model, group, state, margins, bare
         self._manifold = Manifold.of(group.joints)
         module: Any = native()
+        # As numbers: comparisons of enum members would cost as much as a check.
+        self._free, self._colliding, self._unsure = verdict_numbers(module)
         self._checker = module.Checker(
             scene.native,
             model.position_indices(group).astype(np.int64),
@@ -60,23 +60,23 @@ class KernelCollisionOracle:
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
         verdict = self._checker.judge_one(q)
-        if verdict == _UNSURE:
+        if verdict == self._unsure:
             self.num_left += 1
             return self._drake.is_free(q)
-        return verdict == _FREE
+        return verdict == self._free
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
         verdicts = self.verdicts(qs)
-        free = verdicts == _FREE
-        unsure = np.flatnonzero(verdicts == _UNSURE)
+        free = verdicts == self._free
+        unsure = np.flatnonzero(verdicts == self._unsure)
         if len(unsure):
             self.num_left += len(unsure)
             free[unsure] = self._drake.are_free(qs[unsure])
         return free
 
     def verdicts(self, qs: Float64[np.ndarray, "m nq"]) -> UInt8[np.ndarray, " m"]:
-        """Return the kernel's own verdicts: 0 free, 1 colliding, 2 undecided."""
+        """Return the kernel's own verdicts, as numbers of its Verdict."""
         return self._checker.judge(qs)
 
     def is_motion_free(
@@ -88,8 +88,8 @@ class KernelCollisionOracle:
         """Return whether every sample of a motion is free, as `motion_samples` defines them."""
         if self._is_straight:
             verdict = self._checker.judge_motion(origin, displacement, resolution)
-            if verdict != _UNSURE:
-                return verdict == _FREE
+            if verdict != self._unsure:
+                return verdict == self._free
         return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
@@ -98,8 +98,8 @@ class KernelCollisionOracle:
         Both ends are checked. For joints that do not float.
         """
         verdict, steps = self._checker.judge_edge(q0, q1, resolution)
-        if verdict != _UNSURE:
-            return verdict == _FREE, steps
+        if verdict != self._unsure:
+            return verdict == self._free, steps
         begin, end = np.array(q0), np.array(q1)
         return self.is_free(begin) and self.is_motion_free(begin, end - begin, resolution), steps
 
@@ -116,7 +116,7 @@ class KernelCollisionOracle:
                 self._manifold, self.are_free, motions, resolution
             )
         verdicts, unsure = self._checker.judge_motions(origins, displacements, resolution)
-        free = verdicts != _COLLIDING
+        free = verdicts != self._colliding
         for motion in np.unique(unsure[:, 0]):
             rows = unsure[unsure[:, 0] == motion]
             fractions = rows[:, 1] / rows[:, 2]

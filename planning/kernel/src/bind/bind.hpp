@@ -17,6 +17,7 @@ namespace nb = nanobind;
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Integers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
+void bind_kinds(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_checker(nb::module_& m);
 void bind_ik(nb::module_& m);

@@ -102,7 +102,7 @@ auto judge_edge(const Checker& checker, const std::vector<double>& from, const s
 }  // namespace
 
 void bind_checker(nb::module_& m) {
-  nb::class_<Checker>(m, "Checker", "Collision verdicts: 0 free, 1 colliding, 2 unsure.")
+  nb::class_<Checker>(m, "Checker", "Collision verdicts, as the values of Verdict.")
       .def("__init__", [](Checker* self, std::shared_ptr<Scene> scene, const Integers& positions, const Integers& velocities,
                           const Doubles& state, const Doubles& demands, const std::string& kernel) {
         const std::size_t count = scene->pairs.size();

@@ -73,10 +73,10 @@ IkKernel kernel_named(const std::string& name) {
   throw std::invalid_argument("this machine has no lane kernel " + name);
 }
 
-IkTolerance tolerance(const Doubles& box, int freedom, int axis, double bound) {
+IkTolerance tolerance(const Doubles& box, Freedom freedom, int axis, double bound) {
   require(box.size() == 3, "a box has three half-widths");
-  require(freedom >= 0 && freedom <= 2 && axis >= 0 && axis <= 2, "no such freedom or axis");
-  return {{box.data()[0], box.data()[1], box.data()[2]}, static_cast<Freedom>(freedom), axis, bound};
+  require(axis >= 0 && axis <= 2, "no such axis");
+  return {{box.data()[0], box.data()[1], box.data()[2]}, freedom, axis, bound};
 }
 
 auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, const Doubles& targets,
@@ -115,7 +115,7 @@ auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, cons
 
 void bind_ik(nb::module_& m) {
   nb::class_<IkTolerance>(m, "IkTolerance", "How far a pose may be missed.")
-      .def("__init__", [](IkTolerance* self, const Doubles& box, int freedom, int axis, double bound) {
+      .def("__init__", [](IkTolerance* self, const Doubles& box, Freedom freedom, int axis, double bound) {
         new (self) IkTolerance(tolerance(box, freedom, axis, bound));
       }, nb::arg("box"), nb::arg("freedom"), nb::arg("axis"), nb::arg("bound"));
   nb::class_<Chain>(m, "Chain", "How a frame depends on a group's q.")

@@ -78,8 +78,8 @@ void bind_prover(nb::module_& m) {
       .def_ro("pair", &Sighting::pair)
       .def_ro("distance", &Sighting::distance)
       .def_ro("time", &Sighting::time);
-  nb::class_<Proof>(m, "Proof", "Outcome: 0 proven, 1 too near, 2 unproven, 3 too near though nothing moves.")
-      .def_prop_ro("outcome", [](const Proof& p) { return static_cast<int>(p.outcome); })
+  nb::class_<Proof>(m, "Proof", "Outcome of a clearance proof, and its evidence.")
+      .def_ro("outcome", &Proof::outcome)
       .def_ro("pair", &Proof::pair)
       .def_ro("distance", &Proof::distance)
       .def_ro("uncertainty", &Proof::uncertainty)

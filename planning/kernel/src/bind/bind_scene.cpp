@@ -17,11 +17,10 @@ std::vector<Sphere> spheres(const Doubles& rows) {
   return found;
 }
 
-void add_link(Scene& scene, int parent, const Doubles& X_PF, int kind, const Doubles& axis, int position, int velocity) {
+void add_link(Scene& scene, int parent, const Doubles& X_PF, JointKind kind, const Doubles& axis, int position, int velocity) {
   require(parent < static_cast<int>(scene.tree.links.size()), "a link comes after its parent");
-  require(kind >= 0 && kind <= 4, "no such kind of joint");
   require(X_PF.size() == 12 && axis.size() == 3, "X_PF has 12 numbers, an axis 3");
-  scene.tree.links.push_back({parent, transform(X_PF.data()), static_cast<JointKind>(kind), vec(axis.data()), position, velocity});
+  scene.tree.links.push_back({parent, transform(X_PF.data()), kind, vec(axis.data()), position, velocity});
 }
 
 void add_follower(Scene& scene, std::array<int, 4> where, double multiplier, double offset) {
@@ -29,21 +28,20 @@ void add_follower(Scene& scene, std::array<int, 4> where, double multiplier, dou
   scene.tree.followers.push_back({where[0], where[1], multiplier, offset, where[2], where[3]});
 }
 
-void add_geometry(Scene& scene, int link, const Doubles& X_LG, int kind, const Doubles& size, const Doubles& vertices,
+void add_geometry(Scene& scene, int link, const Doubles& X_LG, ShapeKind kind, const Doubles& size, const Doubles& vertices,
                   const Doubles& planes, const Doubles& outer, const Doubles& inner, const Doubles& bound) {
   require(link < static_cast<int>(scene.tree.links.size()), "no such link");
-  require(kind >= 0 && kind <= 6, "no such kind of shape");
   require(X_LG.size() == 12 && size.size() == 3 && bound.size() == 4, "X_LG has 12 numbers, a size 3, a bound 4");
   std::vector<Vec3> points;
   for (std::size_t i = 0; i + 2 < vertices.size(); i += 3) points.push_back(vec(vertices.data() + i));
-  require(kind != static_cast<int>(ShapeKind::hull) || points.size() >= 4, "a hull has four vertices or more");
+  require(kind != ShapeKind::hull || points.size() >= 4, "a hull has four vertices or more");
   std::vector<std::array<double, 4>> faces;
   for (std::size_t i = 0; i + 3 < planes.size(); i += 4) {
     const double* p = planes.data() + i;
     faces.push_back({p[0], p[1], p[2], p[3]});
   }
   scene.geometries.push_back({link, transform(X_LG.data()),
-                              Shape(static_cast<ShapeKind>(kind), vec(size.data()), points, std::move(faces)),
+                              Shape(kind, vec(size.data()), points, std::move(faces)),
                               spheres(outer), spheres(inner), {vec(bound.data()), bound.data()[3]}});
 }
 

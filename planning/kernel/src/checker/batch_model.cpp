@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "checker/checker.hpp"
 
@@ -61,6 +62,19 @@ std::vector<std::array<double, 4>> spread(const std::vector<std::array<double, 4
   return taken;
 }
 
+ObstacleKind obstacle_kind(ShapeKind kind) {
+  switch (kind) {
+    case ShapeKind::box: return ObstacleKind::box;
+    case ShapeKind::sphere: return ObstacleKind::sphere;
+    case ShapeKind::cylinder: return ObstacleKind::cylinder;
+    case ShapeKind::capsule: return ObstacleKind::capsule;
+    case ShapeKind::ellipsoid:
+    case ShapeKind::hull: return ObstacleKind::polyhedron;
+    case ShapeKind::half_space: return ObstacleKind::half_space;
+  }
+  throw std::logic_error("a shape of no known kind");
+}
+
 struct Builder {
   const Scene& scene;
   const Group& group;
@@ -77,7 +91,7 @@ struct Builder {
       const Link& link = scene.tree.links[i];
       const int parent = link.parent < 0 ? -1 : lane_link[link.parent];
       const Transform X = parent < 0 && link.parent >= 0 ? X_WL[link.parent] * link.X_PF : link.X_PF;
-      LaneLink made{parent, static_cast<int>(link.kind), static_cast<int>(out.coordinates.size()), {}, {}, {}};
+      LaneLink made{parent, link.kind, static_cast<int>(out.coordinates.size()), {}, {}, {}};
       write(X, made.R, made.p);
       for (int k = 0; k < 3; ++k) made.axis[k] = static_cast<float>(link.axis[k]);
       add_coordinates(link);
@@ -100,7 +114,7 @@ struct Builder {
         for (int k = 1; k < 4; ++k) add(k, Kind::quaternion_xyz);
         for (int k = 4; k < 7; ++k) add(k, Kind::length);
         break;
-      default: break;
+      case JointKind::fixed: break;
     }
   }
 
@@ -122,21 +136,28 @@ struct Builder {
     const Geometry& g = scene.geometries[geometry];
     const Transform X_WO = scene.pose(geometry, X_WL.data());
     LaneObstacle made{};
-    made.kind = static_cast<int>(g.shape.kind);
+    made.kind = obstacle_kind(g.shape.kind);
     Transform X{transposed(X_WO.R), X_WO.p};
     write(X, made.R, made.p);
     for (int k = 0; k < 3; ++k) made.size[k] = static_cast<float>(g.shape.size[k]);
     made.bound = lane_sphere(X_WO, {g.shape.center, std::min(g.shape.radius, endless)}, true);
-    if (g.shape.kind == ShapeKind::ellipsoid) add_planes(made, tangent_planes(g.shape.axes), X_WO, false);
-    if (g.shape.kind == ShapeKind::hull)
-      add_planes(made, spread(g.shape.planes), X_WO, g.shape.planes.size() <= max_planes);
+    switch (g.shape.kind) {
+      case ShapeKind::ellipsoid: add_planes(made, tangent_planes(g.shape.axes), X_WO, false); break;
+      case ShapeKind::hull:
+        add_planes(made, spread(g.shape.planes), X_WO, g.shape.planes.size() <= max_planes);
+        break;
+      case ShapeKind::box:
+      case ShapeKind::sphere:
+      case ShapeKind::cylinder:
+      case ShapeKind::capsule:
+      case ShapeKind::half_space: break;  // exactly by their sizes
+    }
     out.obstacles.push_back(made);
     return obstacle_of[geometry] = static_cast<int>(out.obstacles.size()) - 1;
   }
 
   void add_planes(LaneObstacle& made, const std::vector<std::array<double, 4>>& planes, const Transform& X_WO,
                   bool are_all) {
-    made.kind = static_cast<int>(ShapeKind::hull);
     made.planes_are_all = are_all;
     made.planes_begin = static_cast<int>(out.planes.size());
     for (const auto& p : planes) {

@@ -8,11 +8,10 @@
 
 #include "checker/batch_model.hpp"
 #include "checker/simd_checker.hpp"
+#include "model/kinds.hpp"
 #include "model/scene.hpp"
 
 namespace wayproof {
-
-enum class Verdict : std::uint8_t { free = 0, colliding = 1, unsure = 2 };
 
 // Distance thresholds of a pair: its distance must be at least `margin`. A pair is certainly in collision if it is
 // nearer than `touching`, which is the margin, or 0 where the exact checker is known to overstate positive distances.

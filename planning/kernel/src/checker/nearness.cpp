@@ -62,7 +62,7 @@ Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
       case JointKind::floating:
         for (int k = 0; k < 3; ++k) add(k, true, true, unit(k)), add(3 + k, false, true, unit(k));
         break;
-      default: break;
+      case JointKind::fixed: break;
     }
   }
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {

@@ -4,6 +4,8 @@
 // anything of the standard library that the linker could share between them.
 #pragma once
 
+#include "model/kinds.hpp"
+
 namespace wayproof {
 
 struct LaneSphere {
@@ -13,7 +15,7 @@ struct LaneSphere {
 // Moving link; see Link. The parent is a lane link, or -1 if it is static.
 struct LaneLink {
   int parent;
-  int kind;
+  JointKind kind;
   int coordinate;
   float R[9], p[3];
   float axis[3];
@@ -26,9 +28,12 @@ struct LaneBody {
   LaneSphere bound;
 };
 
+// Kinds of obstacles that have distances in lanes. Ellipsoids and hulls are polyhedra that contain them.
+enum class ObstacleKind : int { box, sphere, cylinder, capsule, polyhedron, half_space };
+
 // Static collision geometry: R_OW, p_WO and its size, or planes in W.
 struct LaneObstacle {
-  int kind;
+  ObstacleKind kind;
   float R[9], p[3], size[3];
   LaneSphere bound;
   int planes_begin, planes_end;
@@ -102,9 +107,17 @@ LaneKernel best_lane_kernel();
 // Every kernel that this machine can run, for tests; the best one first.
 int lane_kernels(LaneKernel* found, int most);
 
-// Floats that `scratch` must hold.
+// Numbers per lane of a point and of a pose.
+inline constexpr int floats_per_point = 3, floats_per_pose = 12;
+
+// Words of a set of bodies, a bit for each.
+inline int words_of_bodies(const LaneModel& m) { return m.num_bodies / 64 + 1; }
+
+// Floats that `scratch` must hold: poses and bounds of links, bounds and spheres of bodies, two sets of bodies.
 inline long scratch_floats(const LaneModel& m, int width) {
-  return static_cast<long>(width) * (15L * m.num_links + 3L * (m.num_bodies + m.num_outer + m.num_inner) + 8);
+  const long points = m.num_links + m.num_bodies + m.num_outer + m.num_inner;
+  const long words = 2L * words_of_bodies(m) * static_cast<long>(sizeof(unsigned long long) / sizeof(float));
+  return width * (floats_per_pose * static_cast<long>(m.num_links) + floats_per_point * points) + words;
 }
 
 }  // namespace wayproof

@@ -1,6 +1,7 @@
 #include "model/kinematics.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace wayproof {
 namespace {
@@ -33,8 +34,16 @@ ChainRate resolve_rate(const Tree& tree, const Group& group, int velocity, int b
   return {find(group.velocities, velocity), 1};
 }
 
-int num_velocities(JointKind kind) {
-  return kind == JointKind::floating ? 6 : kind == JointKind::planar ? 3 : kind == JointKind::fixed ? 0 : 1;
+// Whether a coordinate of a joint is an angle about an axis that does not move with the joint.
+bool is_angle(JointKind kind, int coordinate) {
+  switch (kind) {
+    case JointKind::revolute: return true;
+    case JointKind::planar: return coordinate == 2;
+    case JointKind::fixed:
+    case JointKind::prismatic:
+    case JointKind::floating: return false;
+  }
+  throw std::logic_error("a joint of no known kind");
 }
 
 // A rotation that takes z to a unit axis.
@@ -46,7 +55,7 @@ Mat3 to_axis(Vec3 a) {
 }
 
 Transform moved(const ChainJoint& joint, const double* q) {
-  double x[7];
+  double x[max_joint_positions];
   for (int k = 0; k < num_positions(joint.kind); ++k) {
     const ChainCoordinate& c = joint.coordinates[k];
     x[k] = c.source < 0 ? c.offset : c.multiplier * q[c.source] + c.offset;
@@ -66,7 +75,7 @@ void add_coordinates(Chain& chain, const Tree& tree, const Group& group, const L
   if (floats) chain.quaternions.push_back({q, v});
   const int first_q = floats ? 4 : 0, first_v = floats ? 3 : 0;
   for (int k = 0; first_q + k < num_positions(link.kind); ++k) {
-    bool turns = link.kind == JointKind::revolute || (link.kind == JointKind::planar && k == 2);
+    bool turns = is_angle(link.kind, k);
     for (const Follower& f : tree.followers) turns &= f.leader != link.position + k;
     chain.flat.push_back({q + first_q + k, v + first_v + k, turns});
   }
@@ -151,7 +160,7 @@ void Chain::jacobian(const double* q, double* J) const {
           sliding(3 + i, i);
         }
         break;
-      default: break;
+      case JointKind::fixed: break;
     }
   }
 }

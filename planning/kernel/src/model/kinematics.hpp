@@ -23,8 +23,8 @@ struct ChainRate {
 struct ChainJoint {
   JointKind kind;
   Transform X_BF;  // B: the moving frame of the previous joint, or the world
-  ChainCoordinate coordinates[7];
-  ChainRate rates[6];
+  ChainCoordinate coordinates[max_joint_positions];
+  ChainRate rates[max_joint_velocities];
 };
 
 // Element of the group's q that simply adds its element of v.

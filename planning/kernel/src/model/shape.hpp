@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "math/vec.hpp"
+#include "model/kinds.hpp"
 
 namespace wayproof {
-
-enum class ShapeKind { box, sphere, cylinder, capsule, ellipsoid, hull, half_space };
 
 struct Shape {
   ShapeKind kind = ShapeKind::sphere;
@@ -35,6 +34,8 @@ struct Shape {
 
  private:
   void make_boxes();
+
+  bool has_few_corners_ = false;  // one or two, on the z axis
 };
 
 }  // namespace wayproof

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "math/vec.hpp"
+#include "model/kinds.hpp"
 
 namespace wayproof {
-
-enum class JointKind { fixed = 0, revolute = 1, prismatic = 2, planar = 3, floating = 4 };
 
 // Link L with its parent joint. The frame of L is the joint's moving frame M, so that X_WL = X_WP X_PF X_FM(q). Planar:
 // q = (x, y, angle about z). Floating: q = (quaternion [w, x, y, z], p_FM).
@@ -28,7 +27,9 @@ struct Follower {
   int follower_velocity, leader_velocity;
 };
 
+// Number of coordinates of a joint in q, and in v.
 int num_positions(JointKind kind);
+int num_velocities(JointKind kind);
 Transform joint_transform(const Link& link, const double* q);
 
 // Kinematic tree of all links, the world excluded. A link comes after its parent.

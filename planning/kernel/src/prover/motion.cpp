@@ -59,21 +59,10 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
     for (const Link& l : tree.links)
       if (l.kind != JointKind::fixed && l.position == group.positions[q]) link = &l;
     if (!link) throw std::invalid_argument("a group has whole joints");
-    const int size = link->kind == JointKind::planar ? 3 : link->kind == JointKind::floating ? 6 : 1;
-    if (v + size > nv_ || q + size > nq_)
+    if (v + wayproof::num_velocities(link->kind) > nv_ || q + num_positions(link->kind) > nq_)
       throw std::invalid_argument("a group's positions and velocities differ");
-    if (link->kind == JointKind::floating) {
-      balls_.push_back({q, v});
-      for (int i = 0; i < 3; ++i) plain_.push_back({q + 4 + i, v + 3 + i});
-      blocks_.push_back({v, 3, true});
-      blocks_.push_back({v + 3, 3, false});
-      ++q;
-    } else {
-      for (int i = 0; i < size; ++i) plain_.push_back({q + i, v + i});
-      if (size == 3) blocks_.push_back({v, 2, false});
-      blocks_.push_back({v + size - 1, 1, false});
-    }
-    q += size, v += size;
+    add_coordinates(link->kind, q, v);
+    q += num_positions(link->kind), v += wayproof::num_velocities(link->kind);
   }
   if (v != nv_) throw std::invalid_argument("a group's positions and velocities differ");
   block_of_.assign(nv_, 0);
@@ -114,6 +103,32 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
   }
   bound_loose();
   bound_chords();
+}
+
+// Of a joint whose coordinates begin at q and v of the group's.
+void Motion::add_coordinates(JointKind kind, int q, int v) {
+  const auto add_plain = [&](int from_q, int from_v, int count) {
+    for (int i = 0; i < count; ++i) plain_.push_back({q + from_q + i, v + from_v + i});
+  };
+  switch (kind) {
+    case JointKind::fixed: break;
+    case JointKind::revolute:
+    case JointKind::prismatic:
+      add_plain(0, 0, 1);
+      blocks_.push_back({v, 1, false});
+      break;
+    case JointKind::planar:
+      add_plain(0, 0, 3);
+      blocks_.push_back({v, 2, false});
+      blocks_.push_back({v + 2, 1, false});
+      break;
+    case JointKind::floating:
+      balls_.push_back({q, v});
+      add_plain(4, 3, 3);
+      blocks_.push_back({v, 3, true});
+      blocks_.push_back({v + 3, 3, false});
+      break;
+  }
 }
 
 void Motion::bound_loose() {

@@ -64,6 +64,7 @@ class Motion {
     int position, column;
   };
 
+  void add_coordinates(JointKind kind, int q, int v);
   void bound_loose();
   void bound_chords();
   Segment range(int first, int last) const;

@@ -84,10 +84,10 @@ bool Prover::find_fixed_violation() {
     if (found.lower - required < worst) {
       worst = found.lower - required;
       // Of two half spaces both are minus infinity, and their difference is no number.
-      refuse(Outcome::fixed, static_cast<int>(i), found.upper, std::max(0.0, found.upper - found.lower), 0);
+      refuse(Outcome::static_pair, static_cast<int>(i), found.upper, std::max(0.0, found.upper - found.lower), 0);
     }
   }
-  return proof_.outcome == Outcome::fixed;
+  return proof_.outcome == Outcome::static_pair;
 }
 
 void Prover::refuse(Outcome outcome, int pair, double distance, double uncertainty, double time) {

@@ -12,13 +12,12 @@
 #include <memory>
 #include <vector>
 
+#include "model/kinds.hpp"
 #include "prover/motion.hpp"
 #include "prover/motion_bounds.hpp"
 #include "model/scene.hpp"
 
 namespace wayproof {
-
-enum class Outcome { proven = 0, too_near = 1, unproven = 2, fixed = 3 };
 
 // The pair with the least value of some quantity.
 struct Sighting {
