@@ -262,7 +262,7 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
         judge.prove(interrupt)
     assert len(calls) == 3
     # And the same prover goes on to prove it.
-    assert judge.prove(lambda: None).outcome == 0
+    assert judge.prove(lambda: None).outcome.name == "PROVEN"
 
 
 def test_margins_of_all_pairs_at_once_are_those_of_each() -> None:

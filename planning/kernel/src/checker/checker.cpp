@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "checker/sample_order.hpp"
+#include "math/aligned.hpp"
 #include "model/gjk.hpp"
 
 namespace wayproof {
@@ -16,23 +16,18 @@ namespace {
 constexpr double turn = 6.283185307179586;
 // Largest position [rad or m] of which single precision gives a verdict; for NaN it gives none.
 constexpr double far_off = 1e6;
+// More samples would take years, and their number is to fit into an integer.
+constexpr double most_samples = 1e15;
 
 // The same number as planning/domain/curves/motion_samples.py has, operation by operation.
 std::int64_t num_samples(const double* displacement, int nq, double resolution) {
   double square = 0;
   for (int i = 0; i < nq; ++i) square += displacement[i] * displacement[i];
   if (!(square < far_off * far_off)) throw std::invalid_argument("a motion is finite and not too long");
-  return static_cast<std::int64_t>(std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0));
+  const double count = std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0);
+  if (!(count < most_samples)) throw std::invalid_argument("the resolution is too fine for so long a motion");
+  return static_cast<std::int64_t>(count);
 }
-
-struct Aligned {
-  float* data;
-  explicit Aligned(std::size_t floats)
-      : data(static_cast<float*>(::operator new[](std::max<std::size_t>(floats, 1) * sizeof(float), std::align_val_t{64}))) {}
-  ~Aligned() { ::operator delete[](data, std::align_val_t{64}); }
-  Aligned(const Aligned&) = delete;
-  Aligned& operator=(const Aligned&) = delete;
-};
 
 }  // namespace
 
@@ -40,7 +35,7 @@ struct Aligned {
 struct Checker::Workspace {
   LaneModel model;
   int width;
-  Aligned coordinates, scratch;
+  Aligned<float> coordinates, scratch;
   std::vector<int> pairs;
   std::vector<unsigned> lanes;
   std::vector<double> full;
@@ -79,7 +74,7 @@ struct Checker::Workspace {
       if (kind == Kind::length) reach = std::max(reach, std::abs(x));
       if (kind == Kind::quaternion_w) scale = quaternion_scale(&full[position]);
       if (kind == Kind::quaternion_w || kind == Kind::quaternion_xyz) x *= scale;
-      coordinates.data[i * width + lane] = is_near ? static_cast<float>(x) : 0.0f;
+      coordinates.data()[i * width + lane] = is_near ? static_cast<float>(x) : 0.0f;
     }
     return is_near ? reach : std::numeric_limits<double>::infinity();
   }
@@ -175,7 +170,7 @@ bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Worksp
     if (lane < count) active |= 1u << lane;
   }
   LaneVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
-  kernel_.judge(w.model, w.coordinates.data, active, static_cast<float>(lanes_.slack_per_metre * reach), w.scratch.data, v);
+  kernel_.judge(w.model, w.coordinates.data(), active, static_cast<float>(lanes_.slack_per_metre * reach), w.scratch.data(), v);
   if (any_hit_decides && v.hit) return true;
   unsigned unsure = 0;
   for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
@@ -191,11 +186,12 @@ bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Worksp
   return false;
 }
 
-void Checker::judge(const double* qs, std::int64_t count, Verdict* verdicts) const {
+void Checker::judge(std::span<const double> qs, std::span<Verdict> verdicts) const {
   const Lease lease(*this);
   Workspace& w = *lease.workspace;
-  for (std::int64_t i = 0; i < count; i += w.width)
-    judge_block(qs + num_positions() * i, static_cast<int>(std::min<std::int64_t>(w.width, count - i)), verdicts + i, w, false);
+  const auto nq = static_cast<std::size_t>(num_positions()), width = static_cast<std::size_t>(w.width);
+  for (std::size_t i = 0; i < verdicts.size(); i += width)
+    judge_block(qs.data() + nq * i, static_cast<int>(std::min(width, verdicts.size() - i)), &verdicts[i], w, false);
 }
 
 Verdict Checker::judge_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const {
@@ -224,25 +220,27 @@ Verdict Checker::judge_motion(const Motion& motion, std::int64_t number, std::ve
   return unsure.size() > before ? Verdict::unsure : Verdict::free;
 }
 
-void Checker::judge_motions(const double* origins, const double* displacements, double resolution, std::int64_t count,
-                            Verdict* verdicts, std::vector<Unsure>& unsure) const {
+void Checker::judge_motions(std::span<const double> origins, std::span<const double> displacements, double resolution,
+                            std::span<Verdict> verdicts, std::vector<Unsure>& unsure) const {
   const Lease lease(*this);
   const int nq = num_positions();
-  for (std::int64_t j = 0; j < count; ++j) {
-    const double* displacement = displacements + j * nq;
-    const Motion motion{origins + j * nq, displacement, num_samples(displacement, nq, resolution), false};
-    verdicts[j] = judge_motion(motion, j, unsure, *lease.workspace);
+  for (std::size_t j = 0; j < verdicts.size(); ++j) {
+    const std::size_t at = j * static_cast<std::size_t>(nq);
+    const double* displacement = displacements.data() + at;
+    const Motion motion{origins.data() + at, displacement, num_samples(displacement, nq, resolution), false};
+    verdicts[j] = judge_motion(motion, static_cast<std::int64_t>(j), unsure, *lease.workspace);
   }
 }
 
-Verdict Checker::judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const {
+Verdict Checker::judge_edge(std::span<const double> from, std::span<const double> to, double resolution,
+                            std::int64_t& n) const {
   const Lease lease(*this);
   const int nq = num_positions();
   std::vector<double> displacement(nq);
   for (int i = 0; i < nq; ++i) displacement[i] = to[i] - from[i];
   n = num_samples(displacement.data(), nq, resolution);
   std::vector<Unsure> unsure;
-  return judge_motion({from, displacement.data(), n, true}, 0, unsure, *lease.workspace);
+  return judge_motion({from.data(), displacement.data(), n, true}, 0, unsure, *lease.workspace);
 }
 
 }  // namespace wayproof

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "checker/batch_model.hpp"
@@ -35,17 +36,18 @@ class Checker {
 
   int num_positions() const { return static_cast<int>(group_.positions.size()); }
 
-  // Checks configurations, [count][nq].
-  void judge(const double* qs, std::int64_t count, Verdict* verdicts) const;
+  // Checks configurations, [count][nq], a verdict for each.
+  void judge(std::span<const double> qs, std::span<Verdict> verdicts) const;
 
   // Checks motions origin + (i / n) displacement, i = 1 .. n, n the least number whose steps are at most `resolution`
   // long: free or colliding; unsure if only some samples are, which are then appended to `unsure`. [count][nq] each.
   // For joints whose q and v are the same.
-  void judge_motions(const double* origins, const double* displacements, double resolution,
-                     std::int64_t count, Verdict* verdicts, std::vector<Unsure>& unsure) const;
+  void judge_motions(std::span<const double> origins, std::span<const double> displacements, double resolution,
+                     std::span<Verdict> verdicts, std::vector<Unsure>& unsure) const;
 
   // Checks one motion between two configurations, both ends included; sets its number of samples.
-  Verdict judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const;
+  Verdict judge_edge(std::span<const double> from, std::span<const double> to, double resolution,
+                     std::int64_t& n) const;
 
   // Static pairs, checked once since the group does not move them, that are not certainly free: with any of them no
   // configuration is called free.

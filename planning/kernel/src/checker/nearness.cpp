@@ -129,13 +129,13 @@ void Nearness::look(const MovedPair& moved, double reach, Workspace& w, std::int
   slope(moved, w, n, met.p_W - shift, met.p_W, near.gradient.data() + near.gradient.size() - num_velocities());
 }
 
-Near Nearness::within(const double* qs, std::int64_t count, const double* reach) const {
+Near Nearness::within(std::span<const double> qs, std::size_t count, std::span<const double> reach) const {
   const Tree& tree = scene_->tree;
   Workspace w{group_.state, X_WL_, {}, {}, {}, std::vector<Vec3>(moved_.size())};
   w.X_WG.resize(scene_->geometries.size()), w.centers.resize(scene_->geometries.size()), w.screws.resize(rates_.size());
   Near near;
-  for (std::int64_t i = 0; i < count; ++i) {
-    group_.embed(tree, qs + i * num_positions(), w.full.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    group_.embed(tree, qs.data() + i * static_cast<std::size_t>(num_positions()), w.full.data());
     group_.place(tree, w.full.data(), w.X_WL.data());
     for (std::size_t g = 0; g < scene_->geometries.size(); ++g) {
       if (i && !scene_->is_moved(group_, static_cast<int>(g))) continue;
@@ -148,7 +148,7 @@ Near Nearness::within(const double* qs, std::int64_t count, const double* reach)
       const Mat3 R = rates_[k].in_parent ? R_WP * link.X_PF.R : w.X_WL[rates_[k].link].R;
       w.screws[k] = {R * rates_[k].axis, w.X_WL[rates_[k].link].p};
     }
-    for (const MovedPair& moved : moved_) look(moved, reach[moved.pair], w, i, near);
+    for (const MovedPair& moved : moved_) look(moved, reach[moved.pair], w, static_cast<std::int64_t>(i), near);
   }
   return near;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "model/scene.hpp"
@@ -28,7 +29,7 @@ class Nearness {
 
   // Returns every pair that is nearer than its reach in one of [count][nq] configurations, in order of configurations,
   // then of pairs.
-  Near within(const double* qs, std::int64_t count, const double* reach) const;
+  Near within(std::span<const double> qs, std::size_t count, std::span<const double> reach) const;
 
  private:
   // Motion of a link by a coordinate of the group's v: about or along an axis.

@@ -23,7 +23,7 @@ void write(const Transform& X, double* R, double* p) {
 
 }  // namespace
 
-IkStorage::IkStorage(const Chain& chain, const double* lower, const double* upper) : model{} {
+IkStorage::IkStorage(const Chain& chain, std::span<const double> lower, std::span<const double> upper) : model{} {
   for (const ChainJoint& from : chain.joints) {
     IkJoint to{};
     to.kind = from.kind;

@@ -54,7 +54,7 @@ Mat3 to_axis(Vec3 a) {
   return {{x.x, y.x, a.x, x.y, y.y, a.y, x.z, y.z, a.z}};
 }
 
-Transform moved(const ChainJoint& joint, const double* q) {
+Transform moved(const ChainJoint& joint, std::span<const double> q) {
   double x[max_joint_positions];
   for (int k = 0; k < num_positions(joint.kind); ++k) {
     const ChainCoordinate& c = joint.coordinates[k];
@@ -81,9 +81,9 @@ void add_coordinates(Chain& chain, const Tree& tree, const Group& group, const L
   }
 }
 
-void put(double* J, int nv, const ChainRate& rate, Vec3 w, Vec3 v) {
+void put(std::span<double> J, int nv, const ChainRate& rate, Vec3 w, Vec3 v) {
   if (rate.column < 0) return;
-  double* column = J + rate.column;
+  double* column = J.data() + rate.column;
   const double entries[6] = {w.x, w.y, w.z, v.x, v.y, v.z};
   for (int i = 0; i < 6; ++i) column[i * nv] += rate.factor * entries[i];
 }
@@ -126,14 +126,14 @@ Chain::Chain(const Tree& tree, const Group& group, int link, const Transform& X_
   for (const Link& at : tree.links) add_coordinates(*this, tree, group, at);
 }
 
-Transform Chain::pose(const double* q) const {
+Transform Chain::pose(std::span<const double> q) const {
   Transform X_WM;
   for (const ChainJoint& joint : joints) X_WM = X_WM * joint.X_BF * moved(joint, q);
   return X_WM * X_MT;
 }
 
-void Chain::jacobian(const double* q, double* J) const {
-  std::fill(J, J + 6 * num_velocities, 0.0);
+void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
+  std::fill(J.begin(), J.end(), 0.0);
   const Vec3 p_WT = pose(q).p;
   Transform X_WM;
   for (const ChainJoint& joint : joints) {

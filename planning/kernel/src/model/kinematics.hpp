@@ -1,6 +1,7 @@
 // Chain: kinematics of a frame T on a link by a group's q: its pose and its Jacobian.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "model/tree.hpp"
@@ -47,10 +48,10 @@ struct Chain {
 
   Chain(const Tree& tree, const Group& group, int link, const Transform& X_LT);
 
-  Transform pose(const double* q) const;
+  Transform pose(std::span<const double> q) const;
 
   // Geometric Jacobian J, [6][num_velocities]: [w_WT; v_WT] = J v, all in W.
-  void jacobian(const double* q, double* J) const;
+  void jacobian(std::span<const double> q, std::span<double> J) const;
 };
 
 }  // namespace wayproof

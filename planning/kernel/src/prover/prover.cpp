@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "model/overlap.hpp"
@@ -44,7 +45,22 @@ Prover::Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, s
   hints_.resize(scene_->pairs.size());
 }
 
+// The one call that uses the prover.
+class Prover::Turn {
+ public:
+  explicit Turn(std::atomic<bool>& is_busy) : is_busy_(is_busy) {
+    if (is_busy_.exchange(true)) throw std::logic_error("the prover is in use by another call");
+  }
+  ~Turn() { is_busy_ = false; }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  std::atomic<bool>& is_busy_;
+};
+
 Proof Prover::prove(const std::function<void()>& interrupt) {
+  const Turn turn(is_busy_);
   proof_ = {};
   leaves_.clear();
   number_ = work_ = 0;
@@ -231,6 +247,7 @@ void Prover::split(const Node& node, double floor, const std::vector<Open>& rest
 }
 
 std::vector<PairBound> Prover::bounds(const Segment& segment) {
+  const Turn turn(is_busy_);
   enter(segment);
   std::vector<PairBound> found;
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {

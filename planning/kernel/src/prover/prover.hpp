@@ -7,6 +7,7 @@
 // by points of both shapes, so every result is supported by both bounds.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -49,7 +50,7 @@ class Prover {
          double slack);
   Prover(const Prover&) = delete;
 
-  // `interrupt` is called now and then and may throw.
+  // `interrupt` is called now and then and may throw. A prover is used by one call at a time.
   Proof prove(const std::function<void()>& interrupt);
 
   // Bounds of every pair on one segment; prove() uses the same.
@@ -70,6 +71,7 @@ class Prover {
     Segment segment;
     std::vector<Open> open;
   };
+  class Turn;
   struct Judged {
     bool decided;
     bool unbounded;   // no segment is short enough
@@ -109,6 +111,7 @@ class Prover {
   int number_ = 0;
   int work_ = 0;
   const std::function<void()>* interrupt_ = nullptr;
+  std::atomic<bool> is_busy_ = false;
 };
 
 }  // namespace wayproof

@@ -63,7 +63,8 @@ void Prover::look(double time) {
   for (int i : moved_) {
     const Pair& pair = scene_->pairs[i];
     const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
-    order.emplace_back(norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius, i);
+    const double gap = norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius;
+    order.emplace_back(std::isnan(gap) ? -inf : gap, i);  // sorting needs numbers
   }
   std::sort(order.begin(), order.end());
   for (const auto& [gap, i] : order) {
