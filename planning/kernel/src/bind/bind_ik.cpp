@@ -92,7 +92,7 @@ void bind_ik(nb::module_& m) {
   nb::class_<IkTolerance>(m, "IkTolerance", "How far a pose may be missed.")
       .def("__init__", [](IkTolerance* self, const Doubles& box, Freedom freedom, std::int64_t axis, double bound) {
         new (self) IkTolerance(tolerance(box, freedom, axis, bound));
-      }, nb::arg("box"), nb::arg("freedom"), nb::arg("axis"), nb::arg("bound"));
+      }, nb::arg("box"), nb::arg("freedom").noconvert(), nb::arg("axis"), nb::arg("bound"));
   nb::class_<Chain>(m, "Chain", "How a frame depends on a group's q.")
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
            nb::arg("link"), nb::arg("X_LT"))

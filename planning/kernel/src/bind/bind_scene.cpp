@@ -142,11 +142,11 @@ void bind_scene(nb::module_& m) {
         self->tree.num_positions = num_positions;
         self->tree.num_velocities = num_velocities;
       }, nb::arg("num_positions"), nb::arg("num_velocities"))
-      .def("add_link", &add_link, nb::arg("parent"), nb::arg("X_PF"), nb::arg("kind"), nb::arg("axis"),
+      .def("add_link", &add_link, nb::arg("parent"), nb::arg("X_PF"), nb::arg("kind").noconvert(), nb::arg("axis"),
            nb::arg("position"), nb::arg("velocity"))
       .def("add_follower", &add_follower, nb::arg("follower"), nb::arg("leader"), nb::arg("follower_velocity"),
            nb::arg("leader_velocity"), nb::arg("multiplier"), nb::arg("offset"))
-      .def("add_geometry", &add_geometry, nb::arg("link"), nb::arg("X_LG"), nb::arg("kind"), nb::arg("size"),
+      .def("add_geometry", &add_geometry, nb::arg("link"), nb::arg("X_LG"), nb::arg("kind").noconvert(), nb::arg("size"),
            nb::arg("vertices"), nb::arg("planes"), nb::arg("outer"), nb::arg("inner"), nb::arg("bound"))
       .def("add_pair", &add_pair, nb::arg("a"), nb::arg("b"))
       .def("add_pairs", &add_pairs, nb::arg("rows"))
