@@ -27,4 +27,4 @@ def verdict_numbers(module: ModuleType) -> tuple[int, int, int]:
 def kernel_name() -> str:
     """Return the instruction set that the kernel runs on, or "none"."""
     module = native()
-    return module.lane_kernels()[0] if module else "none"
+    return module.batch_kernels()[0] if module else "none"

@@ -17,7 +17,7 @@ INDEX, INDICES, EXACT, ROWS, SIZING, SCALAR, KIND, OBJECT, ANY = range(9)
 # Arrays in which NaN is refused; elsewhere it leaves a verdict unsure.
 FINITE = {
     "X_PF", "X_LG", "X_LT", "axis", "size", "vertices", "planes", "outer", "inner", "bound",
-    "state", "demands", "box", "breaks", "bases", "coefficients", "margins", "reach", "least",
+    "state", "thresholds", "box", "breaks", "bases", "coefficients", "margins", "reach", "least",
     "price", "c", "q_diagonal", "lower", "upper", "values",
 }  # fmt: skip
 IDENTITY = np.array([1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 0, 0, 0])
@@ -115,9 +115,9 @@ def chain() -> Any:
     return module.Chain(*(value for value, _ in group(floats=True).values()), 2, IDENTITY)
 
 
-def nearness() -> Any:
+def distance_query() -> Any:
     module: Any = native()
-    return module.Nearness(*(value for value, _ in group(floats=True).values()))
+    return module.DistanceQuery(*(value for value, _ in group(floats=True).values()))
 
 
 def curve() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -184,20 +184,20 @@ def calls() -> dict[str, Call]:
             X_LG=(np.stack([IDENTITY, IDENTITY]), EXACT),
         ),
         "Checker": call(
-            module.Checker, **group(floats=False), demands=(np.full((7, 2), 0.01), EXACT),
+            module.Checker, **group(floats=False), thresholds=(np.full((7, 2), 0.01), EXACT),
             kernel=("base", OBJECT),
         ),
-        "Checker.judge": call(checker().judge, qs=(qs, ROWS)),
-        "Checker.judge_one": call(checker().judge_one, q=(q, EXACT)),
-        "Checker.judge_motions": call(
-            checker().judge_motions, origins=(qs, ROWS), displacements=(qs + 0.3, EXACT),
+        "Checker.check": call(checker().check, qs=(qs, ROWS)),
+        "Checker.check_one": call(checker().check_one, q=(q, EXACT)),
+        "Checker.check_motions": call(
+            checker().check_motions, origins=(qs, ROWS), displacements=(qs + 0.3, EXACT),
             **resolution,
         ),
-        "Checker.judge_motion": call(
-            checker().judge_motion, origin=(q, EXACT), displacement=(q + 0.3, EXACT), **resolution
+        "Checker.check_motion": call(
+            checker().check_motion, origin=(q, EXACT), displacement=(q + 0.3, EXACT), **resolution
         ),
-        "Checker.judge_edge": call(
-            checker().judge_edge, q0=(q.tolist(), OBJECT), q1=((q + 0.3).tolist(), OBJECT),
+        "Checker.check_edge": call(
+            checker().check_edge, q0=(q.tolist(), OBJECT), q1=((q + 0.3).tolist(), OBJECT),
             **resolution,
         ),
         "IkTolerance": call(
@@ -213,9 +213,9 @@ def calls() -> dict[str, Call]:
             upper=(np.full(11, 9.0), EXACT), tolerance=(tolerance(), OBJECT), enough=(9, ANY),
             max_iterations=(20, ANY), kernel=("base", OBJECT),
         ),
-        "Nearness": call(module.Nearness, **group(floats=True)),
-        "Nearness.within": call(
-            nearness().within, qs=(with_ball, ROWS), reach=(np.full(7, 9.0), EXACT)
+        "DistanceQuery": call(module.DistanceQuery, **group(floats=True)),
+        "DistanceQuery.within": call(
+            distance_query().within, qs=(with_ball, ROWS), reach=(np.full(7, 9.0), EXACT)
         ),
         "Prover": call(
             partial(with_curve, module.Prover), **group(floats=True), breaks=(curve()[0], EXACT),
@@ -224,10 +224,10 @@ def calls() -> dict[str, Call]:
         ),
         "Prover.prove": call(prover().prove, interrupt=(int, OBJECT)),
         "Prover.bounds": call(prover().bounds, halvings=([0, 1, 1], INDICES)),
-        "lane_kernels": call(module.lane_kernels),
+        "batch_kernels": call(module.batch_kernels),
         "peak": call(module.peak, coefficients=(np.ones((2, 3)), ANY), tolerance=(1e-6, ANY)),
-        "solve_soft_rows": call(
-            partial(with_program, module.solve_soft_rows), c=(ones, SIZING),
+        "solve_penalty_qp": call(
+            partial(with_program, module.solve_penalty_qp), c=(ones, SIZING),
             q_diagonal=(ones, EXACT), lower=(-ones, EXACT), upper=(ones, EXACT),
             starts=(np.array([0, 1, 2]), OBJECT),
             columns=(np.array([0, 1]), INDICES), values=(ones, EXACT), least=(zeros, SIZING),

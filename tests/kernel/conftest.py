@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from planning.domain.robot.manifold import Manifold
-from planning.kernel.native import native, verdict_numbers
+from planning.kernel.native import native
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_oracle import pair_thresholds
 from planning.world.kernel.kernel_scene import KernelScene, kernel_scene
 from tests.certify.chains import FLOATING, Robot
 
-_module: Any = native()
-FREE, COLLIDING, UNSURE = verdict_numbers(_module) if _module else (0, 1, 2)
+FREE, COLLIDING, UNSURE = 0, 1, 2
 
 
 @pytest.fixture(autouse=True)
@@ -24,14 +23,14 @@ def _only_with_kernel() -> None:
 
 
 @dataclass(frozen=True)
-class Judged:
+class ComparedRobot:
     """A robot in both."""
 
     robot: Robot
     scene: KernelScene
 
     @classmethod
-    def of(cls, robot: Robot) -> "Judged":
+    def of(cls, robot: Robot) -> "ComparedRobot":
         scene = kernel_scene(robot.model)
         assert scene is not None
         return cls(robot, scene)

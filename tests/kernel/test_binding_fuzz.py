@@ -25,9 +25,9 @@ from tests.kernel.binding_calls import (
     SIZING,
     Call,
     calls,
+    distance_query,
     exported,
     group,
-    nearness,
     prover,
     scene,
 )
@@ -173,7 +173,7 @@ def test_a_part_of_a_joint_is_no_group(positions: list[int]) -> None:
     arguments = {name: value for name, (value, _) in group(floats=False).items()}
     arguments |= {"positions": np.array(positions), "velocities": np.array(positions)}
     with pytest.raises(ValueError, match="positions"):
-        module.Nearness(**arguments)
+        module.DistanceQuery(**arguments)
 
 
 def test_a_moving_geometry_without_spheres_is_refused() -> None:
@@ -182,12 +182,12 @@ def test_a_moving_geometry_without_spheres_is_refused() -> None:
         calls()["Scene.add_geometry"](outer=np.zeros((0, 4)))
 
 
-@pytest.mark.parametrize("made", [prover, nearness])
+@pytest.mark.parametrize("made", [prover, distance_query])
 def test_a_scene_in_use_does_not_grow(made: Any) -> None:
     """Checkers and provers have tables of its links, geometries and pairs; copies may change."""
     module: Any = native()
     arguments = {name: value for name, (value, _) in group(floats=True).items()}
-    module.Nearness(**arguments)
+    module.DistanceQuery(**arguments)
     with pytest.raises(ValueError, match="in use"):
         arguments["scene"].add_pair(0, 1)
     arguments["scene"].with_poses(np.zeros(0, np.int64), np.zeros((0, 12))).add_pair(0, 1)

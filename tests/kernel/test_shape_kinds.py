@@ -12,7 +12,7 @@ import pytest
 from planning.errors import ModelInvalid
 from planning.goals.targets.tool_target import FreedomKind
 from planning.kernel.coverings.covering import cover
-from planning.kernel.native import native
+from planning.kernel.native import native, verdict_numbers
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
 from planning.world.kernel.link_tree import LinkKind
@@ -41,6 +41,7 @@ def test_python_and_the_kernel_have_the_same_kinds() -> None:
     module: Any = native()
     assert [kind.name for kind in ShapeKind] == [kind.name for kind in module.ShapeKind]
     assert {kind.name for kind in LinkKind} | {"FIXED"} == {k.name for k in module.JointKind}
+    assert verdict_numbers(module) == (FREE, COLLIDING, UNSURE)
     assert {kind.name for kind in FreedomKind} == {kind.name for kind in module.Freedom}
 
 
@@ -91,8 +92,8 @@ def test_no_verdict_on_a_sphere_beside_the_shape_is_wrong(
     qs = _configurations(centers, rng, moves=moves)
     samples = np.concatenate([surface, inside(shape, rng, 2000)])
     module: Any = native()
-    for name in module.lane_kernels():
-        verdicts = _checker(shape, name, moves=moves).judge(qs)
+    for name in module.batch_kernels():
+        verdicts = _checker(shape, name, moves=moves).check(qs)
         for center in centers[verdicts == FREE]:
             assert np.linalg.norm(samples - center, axis=1).min() > RADIUS
         assert (distance(shape, centers[verdicts == COLLIDING]) < RADIUS).all()

@@ -34,7 +34,7 @@ def native_clearance(
         DeadlineExceeded: Time ran out; nothing is proven.
         Canceled: The caller canceled.
     """
-    margins = scene.demands(request.margins)
+    margins = scene.pair_margins(request.margins)
     proof = prover(scene, model, request, margins).prove(partial(deadline.check, "certify"))
     return ClearanceResult(
         check=_check(scene, proof, margins),

@@ -24,14 +24,14 @@ _GAIN = 0.005
 _SHRINKING = 0.6 ** np.arange(5)
 _STENCIL = directions(18)
 # Accuracy of the faces of hulls, as a share of the shape's size.
-_DUST = 3e-7
+_FACE_ACCURACY = 3e-7
 
 
 def inner_spheres(solid: Solid, choices: BallChoices) -> Float64[np.ndarray, "n 4"]:
     """Return balls as rows (x, y, z, r), in decreasing order of benefit; each lies inside."""
     surface = choices.points[: choices.num_surface]
-    dust = _DUST * float((solid.high - solid.low).max())
-    usable = choices.depths > max(dust, _LEAST_SHARE * float(choices.depths.max()))
+    accuracy = _FACE_ACCURACY * float((solid.high - solid.low).max())
+    usable = choices.depths > max(accuracy, _LEAST_SHARE * float(choices.depths.max()))
     if not usable.any():
         return np.zeros((0, 4))
     squares = np.maximum(choices.gaps[usable, : len(surface)], 0.0) ** 2
@@ -47,7 +47,7 @@ def inner_spheres(solid: Solid, choices: BallChoices) -> Float64[np.ndarray, "n 
             best = int(np.argmin(sums))
             if sums[best] < np.minimum(table[i], left).sum():
                 centers[i], table[i] = tried[i, best], anew[i, best]
-    return np.column_stack([centers, solid.depth(centers) - dust])
+    return np.column_stack([centers, solid.depth(centers) - accuracy])
 
 
 def _taken(squares: Float64[np.ndarray, "n m"]) -> list[int]:

@@ -35,7 +35,7 @@ class OuterPolytope:
         All planes are moved outwards by a rounding margin: corners that lie on a plane but for
         rounding, as many do in symmetric shapes, are then below it.
         """
-        low, high = solid.low - solid.dust, solid.high + solid.dust
+        low, high = solid.low - solid.rounding_margin, solid.high + solid.rounding_margin
         piece = ConvexPolytope.box(low, high)
         sides = np.eye(3)
         planes = [np.append(-n, d) for n, d in zip(sides, -low, strict=True)]
@@ -52,7 +52,7 @@ class OuterPolytope:
             for plane in tangents[worst[excess[worst] > bar]]:
                 if (piece.corners @ plane[:3]).max() - plane[3] <= bar:
                     continue
-                offset = float(plane[3]) + solid.dust
+                offset = float(plane[3]) + solid.rounding_margin
                 planes.append(np.append(plane[:3], offset))
                 piece = piece.below(plane[:3], offset, len(planes))
         return cls(piece, np.array(planes))

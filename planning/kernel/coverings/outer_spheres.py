@@ -44,19 +44,19 @@ def outer_spheres(
     if solid.shape.kind is ShapeKind.CAPSULE:
         radius, half_length, _ = solid.shape.size
         balls, reach = capsule_spheres(radius, half_length, aim, _MOST_BALLS)
-        balls[:, 3] += solid.dust
-        return balls, reach + solid.dust
+        balls[:, 3] += solid.rounding_margin
+        return balls, reach + solid.rounding_margin
     closest = _CLOSEST * float((solid.high - solid.low).max())
     centers, reach = initial_spheres(choices, aim, _MOST_BALLS)
     best, least = np.zeros((0, 4)), np.inf
     for round_ in range(_ROUNDS):
         centers = _apart(centers, closest)
         balls = np.column_stack([centers, solid.depth(centers) + reach])
-        cells = power_cells(polytope.piece, balls, solid.dust)
+        cells = power_cells(polytope.piece, balls, solid.rounding_margin)
         kept = [i for i, cell in enumerate(cells) if len(cell)]
         shares = _stacked([cells[i] for i in kept])
         centers = _moved(solid, shares, centers[kept], choices.spacing / 2)
-        radii = _radii(shares, centers[:, None])[:, 0] * (1 + 1e-12) + solid.dust
+        radii = _radii(shares, centers[:, None])[:, 0] * (1 + 1e-12) + solid.rounding_margin
         reaches = radii - solid.depth(centers)
         reach = float(reaches.max())
         if reach <= least:

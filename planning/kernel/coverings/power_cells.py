@@ -19,14 +19,14 @@ _FIRST_FACE = 10_000
 
 
 def power_cells(
-    piece: ConvexPolytope, balls: Float64[np.ndarray, "n 4"], dust: float
+    piece: ConvexPolytope, balls: Float64[np.ndarray, "n 4"], rounding_margin: float
 ) -> list[Array]:
     """Return the corners of every ball's cell; none if its cell is empty.
 
     Args:
         piece: The polytope.
-        balls: As rows (x, y, z, r); their centres differ by far more than `dust`.
-        dust: Rounding margin by which each cell reaches into its neighbours [m].
+        balls: As rows (x, y, z, r); their centres differ by far more than `rounding_margin`.
+        rounding_margin: Rounding margin by which each cell reaches into its neighbours [m].
     """
     middle = piece.corners.mean(axis=0)
     centers = balls[:, :3] - middle
@@ -34,7 +34,7 @@ def power_cells(
     normals = 2 * (centers[None] - centers[:, None])
     lengths = np.linalg.norm(normals, axis=2) + np.eye(len(balls))
     normals /= lengths[:, :, None]
-    offsets = (powers[None] - powers[:, None]) / lengths + normals @ middle + dust
+    offsets = (powers[None] - powers[:, None]) / lengths + normals @ middle + rounding_margin
     cells: list[Array] = []
     for i, order in enumerate(np.argsort(lengths, axis=1, kind="stable")):
         cell = piece

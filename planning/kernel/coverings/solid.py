@@ -48,7 +48,7 @@ class Solid:
         return float((self.high - self.low).min())
 
     @property
-    def dust(self) -> float:
+    def rounding_margin(self) -> float:
         """Rounding margin [m]: larger than rounding errors of lengths computed from the shape's."""
         return 1e-9 * float(np.abs([self.low, self.high]).max())
 

@@ -108,7 +108,7 @@ class PenaltyQp:
         module: Any = native() if natively else None
         if module is None:
             return self._by_clarabel(starts, entries, values, least, price)
-        x, _, _ = module.solve_soft_rows(
+        x, _, _ = module.solve_penalty_qp(
             (self.c, self.q, self.lower, self.upper),
             (starts, entries.astype(np.int64), values),
             least,

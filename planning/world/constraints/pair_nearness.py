@@ -35,7 +35,7 @@ class PairNearness:
         self._checker: Any = None
         if scene is not None and module is not None:
             self._free, self._colliding, self._unsure = verdict_numbers(module)
-            demands = scene.demands(self._margins)
+            demands = scene.pair_margins(self._margins)
             self._checker = module.Checker(
                 scene.native,
                 world.drake.position_indices(group).astype(np.int64),
@@ -48,7 +48,7 @@ class PairNearness:
         """Return whether a pair is near at each row; undefined for a row in collision."""
         if self._checker is None:
             return ~self._judge.are_free(qs)
-        verdicts = self._checker.judge(np.ascontiguousarray(qs))
+        verdicts = self._checker.check(np.ascontiguousarray(qs))
         near = verdicts == self._colliding
         unsure = verdicts == self._unsure
         if unsure.any():
@@ -65,7 +65,7 @@ class PairNearness:
         if self._checker is None:
             return self._judge.is_motion_free(origin, displacement, resolution)
         if self._is_straight:
-            verdict = self._checker.judge_motion(origin, displacement, resolution)
+            verdict = self._checker.check_motion(origin, displacement, resolution)
             if verdict != self._unsure:
                 return verdict == self._free
         batches = sample_batches(self._manifold, (origin, displacement), resolution)

@@ -59,7 +59,7 @@ class KernelCollisionOracle:
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
-        verdict = self._checker.judge_one(q)
+        verdict = self._checker.check_one(q)
         if verdict == self._unsure:
             self.num_left += 1
             return self._drake.is_free(q)
@@ -77,7 +77,7 @@ class KernelCollisionOracle:
 
     def verdicts(self, qs: Float64[np.ndarray, "m nq"]) -> UInt8[np.ndarray, " m"]:
         """Return the kernel's own verdicts, as numbers of its Verdict."""
-        return self._checker.judge(qs)
+        return self._checker.check(qs)
 
     def is_motion_free(
         self,
@@ -87,7 +87,7 @@ class KernelCollisionOracle:
     ) -> bool:
         """Return whether every sample of a motion is free, as `motion_samples` defines them."""
         if self._is_straight:
-            verdict = self._checker.judge_motion(origin, displacement, resolution)
+            verdict = self._checker.check_motion(origin, displacement, resolution)
             if verdict != self._unsure:
                 return verdict == self._free
         return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
@@ -97,7 +97,7 @@ class KernelCollisionOracle:
 
         Both ends are checked. For joints that do not float.
         """
-        verdict, steps = self._checker.judge_edge(q0, q1, resolution)
+        verdict, steps = self._checker.check_edge(q0, q1, resolution)
         if verdict != self._unsure:
             return verdict == self._free, steps
         begin, end = np.array(q0), np.array(q1)
@@ -115,7 +115,7 @@ class KernelCollisionOracle:
             return motion_samples.are_motions_free(
                 self._manifold, self.are_free, motions, resolution
             )
-        verdicts, unsure = self._checker.judge_motions(origins, displacements, resolution)
+        verdicts, unsure = self._checker.check_motions(origins, displacements, resolution)
         free = verdicts != self._colliding
         for motion in np.unique(unsure[:, 0]):
             rows = unsure[unsure[:, 0] == motion]
@@ -133,5 +133,5 @@ class KernelCollisionOracle:
 
 def pair_thresholds(scene: KernelScene, margins: PairMargins) -> Array:
     """Return margin and touching distance of every pair [m], shape (n, 2)."""
-    margin = scene.demands(margins)
+    margin = scene.pair_margins(margins)
     return np.column_stack([margin, margin])

@@ -62,7 +62,7 @@ class KernelScene:
         a, b = self.candidates.rows[row]
         return self.candidates.names[a], self.candidates.names[b]
 
-    def demands(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
+    def pair_margins(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
         return self.by_pair(margins.of, margins.by_pair)
 

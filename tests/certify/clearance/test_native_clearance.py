@@ -94,7 +94,7 @@ def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int])
     """Hold what is proven on a segment against the distances at some instants in it."""
     request = robot.request(trajectory, PairMargins(0.0))
     scene, shapes = scene_of(robot), collision_shapes(robot.model)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     begin, end, middle, rows = judge.bounds(halvings)
     assert begin < middle < end
     at_middle = placed(robot, shapes, trajectory.positions(np.array([middle]))[0])
@@ -156,7 +156,7 @@ def test_a_lever_that_swings_over_a_face_is_bounded_to_second_order(turned: floa
     swing = quintic(robot.group, np.array([-turned]), np.array([turned]), 1.0)
     request = robot.request(swing, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     ((_, lower, along),) = judge.bounds([])[3]
     nearest = np.cos(turned) - 0.05 - 0.6
     assert nearest - turned**4 <= along <= nearest
@@ -171,7 +171,7 @@ def test_the_bounds_close_in_on_the_distance(seed: int) -> None:
     trajectory = random_trajectory(rng, robot.group, 2, 0.3)
     request = robot.request(trajectory, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     # The direct bound halves with the segment, the other one's slack is quartered.
     coarse, fine = (judge.bounds([0] + [1] * count)[3] for count in (9, 12))
     assert (fine[:, 0] <= coarse[:, 0] / 4 + 1e-9).all()
@@ -249,7 +249,7 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
     turned = np.array([np.cos(1.0), 0.0, 0.0, np.sin(1.0), 0.0, 0.0, 0.0])
     request = robot.request(quintic(robot.group, np.eye(7)[0], turned, 1.0), PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.demands(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     calls: list[int] = []
 
     def interrupt() -> None:
@@ -271,7 +271,7 @@ def test_margins_of_all_pairs_at_once_are_those_of_each() -> None:
     assert scene is not None
     a, b = scene.bodies[-1]
     margins = PairMargins(0.03, {(min(a, b), max(a, b)): 0.07, ("no", "pair"): 1.0})
-    assert scene.demands(margins).tolist() == [margins.of(*pair) for pair in scene.bodies]
+    assert scene.pair_margins(margins).tolist() == [margins.of(*pair) for pair in scene.bodies]
 
 
 def test_a_scene_is_read_once() -> None:
@@ -282,7 +282,7 @@ def test_a_scene_is_read_once() -> None:
 def test_malformed_arrays_are_refused() -> None:
     robot, request = beside_a_wall(0.1)
     scene = scene_of(robot)
-    margins = scene.demands(request.margins)
+    margins = scene.pair_margins(request.margins)
     for changes in (
         {"breaks": np.array([0.0, 0.5, 1.0])},
         {"bases": np.zeros((1, 2))},

@@ -35,8 +35,8 @@ void require_whole(std::span<const int> of_group, std::size_t from, int first, i
     const std::size_t i = from + static_cast<std::size_t>(k);
     if (i < of_group.size() && of_group[i] == first + k) continue;
     const std::string found = i < of_group.size() ? std::to_string(of_group[i]) : "missing";
-    refuse("a group has whole joints: " + std::string(name) + "[" + std::to_string(i) + "] is " +
-                                found + ", not " + std::to_string(first + k));
+    refuse("a group has whole joints: " + std::string(name) + "[" + std::to_string(i) + "] is " + found + ", not " +
+           std::to_string(first + k));
   }
 }
 
@@ -93,8 +93,7 @@ Table table(const Doubles& array, std::size_t rows, std::size_t columns, const c
 std::span<const double> finite(std::span<const double> numbers, const char* name) {
   for (std::size_t i = 0; i < numbers.size(); ++i)
     if (!std::isfinite(numbers[i]))
-      refuse(std::string(name) + " has " + text(numbers[i]) + " at " + std::to_string(i) +
-                                  ", not a finite number");
+      refuse(std::string(name) + " has " + text(numbers[i]) + " at " + std::to_string(i) + ", not a finite number");
   return numbers;
 }
 
@@ -105,13 +104,13 @@ double finite(double number, const char* name) {
 
 std::span<const double> ordered(std::span<const double> numbers, const char* name) {
   for (std::size_t i = 0; i < numbers.size(); ++i)
-    if (std::isnan(numbers[i]))
-      refuse(std::string(name) + " has no number at " + std::to_string(i));
+    if (std::isnan(numbers[i])) refuse(std::string(name) + " has no number at " + std::to_string(i));
   return numbers;
 }
 
 double positive(double number, const char* name) {
-  if (!(number > 0) || !std::isfinite(number)) refuse(std::string(name) + " is " + text(number) + ", not a positive number");
+  if (!(number > 0) || !std::isfinite(number))
+    refuse(std::string(name) + " is " + text(number) + ", not a positive number");
   return number;
 }
 

@@ -24,23 +24,23 @@ std::vector<std::uint8_t> numbers_of(const std::vector<Verdict>& verdicts) {
 
 std::size_t columns(const Checker& checker) { return static_cast<std::size_t>(checker.num_positions()); }
 
-auto judge(const Checker& checker, const Doubles& qs) {
+auto check(const Checker& checker, const Doubles& qs) {
   const Table rows = table(qs, columns(checker), "qs");
   std::vector<Verdict> verdicts(rows.rows);
   {
     nb::gil_scoped_release released;
-    checker.judge(rows.all(), verdicts);
+    checker.check(rows.all(), verdicts);
   }
   return array_of(numbers_of(verdicts), verdicts.size());
 }
 
-int judge_one(const Checker& checker, const Doubles& q) {
+int check_one(const Checker& checker, const Doubles& q) {
   Verdict verdict{};
-  checker.judge(row(q, columns(checker), "q"), {&verdict, 1});
+  checker.check(row(q, columns(checker), "q"), {&verdict, 1});
   return static_cast<int>(verdict);
 }
 
-auto judge_motions(const Checker& checker, const Doubles& origins, const Doubles& displacements, double resolution) {
+auto check_motions(const Checker& checker, const Doubles& origins, const Doubles& displacements, double resolution) {
   const Table from = table(origins, columns(checker), "origins");
   const Table by = table(displacements, from.rows, columns(checker), "displacements");
   positive(resolution, "resolution");
@@ -48,7 +48,7 @@ auto judge_motions(const Checker& checker, const Doubles& origins, const Doubles
   std::vector<Unsure> unsure;
   {
     nb::gil_scoped_release released;
-    checker.judge_motions(from.all(), by.all(), resolution, verdicts, unsure);
+    checker.check_motions(from.all(), by.all(), resolution, verdicts, unsure);
   }
   std::vector<std::int64_t> rows;
   for (const Unsure& u : unsure) rows.insert(rows.end(), {u.motion, u.i, u.n});
@@ -56,42 +56,44 @@ auto judge_motions(const Checker& checker, const Doubles& origins, const Doubles
 }
 
 // One motion: its verdict alone.
-int judge_motion(const Checker& checker, const Doubles& origin, const Doubles& displacement, double resolution) {
+int check_motion(const Checker& checker, const Doubles& origin, const Doubles& displacement, double resolution) {
   const auto from = row(origin, columns(checker), "origin"), by = row(displacement, columns(checker), "displacement");
   positive(resolution, "resolution");
   Verdict verdict{};
   std::vector<Unsure> unsure;
   {
     nb::gil_scoped_release released;
-    checker.judge_motions(from, by, resolution, {&verdict, 1}, unsure);
+    checker.check_motions(from, by, resolution, {&verdict, 1}, unsure);
   }
   return static_cast<int>(verdict);
 }
 
 // An edge between two lists of numbers: its verdict and its number of samples.
-auto judge_edge(const Checker& checker, const std::vector<double>& from, const std::vector<double>& to, double resolution) {
+auto check_edge(const Checker& checker, const std::vector<double>& from, const std::vector<double>& to,
+                double resolution) {
   const std::size_t nq = columns(checker);
-  if (from.size() != nq || to.size() != nq) refuse("q0 and q1 have " + std::to_string(from.size()) + " and " + std::to_string(to.size()) + " numbers, not " +
-              std::to_string(nq) + " each");
+  if (from.size() != nq || to.size() != nq)
+    refuse("q0 and q1 have " + std::to_string(from.size()) + " and " + std::to_string(to.size()) + " numbers, not " +
+           std::to_string(nq) + " each");
   positive(resolution, "resolution");
   std::int64_t n = 0;
   Verdict verdict{};
   {
     nb::gil_scoped_release released;
-    verdict = checker.judge_edge(from, to, resolution, n);
+    verdict = checker.check_edge(from, to, resolution, n);
   }
   return std::make_tuple(static_cast<int>(verdict), n);
 }
 
 void make(Checker* self, const std::shared_ptr<Scene>& scene, const Integers& positions, const Integers& velocities,
-          const Doubles& state, const Doubles& demands, const std::string& kernel) {
-  const Table thresholds = table(demands, scene->pairs.size(), 2, "demands");
-  ordered(thresholds.all(), "demands");
-  std::vector<Demand> demanded;
-  for (std::size_t i = 0; i < thresholds.rows; ++i) demanded.push_back({thresholds.row(i)[0], thresholds.row(i)[1]});
-  const LaneKernel chosen = kernel_named(kernel, &lane_kernels);
+          const Doubles& state, const Doubles& thresholds, const std::string& kernel) {
+  const Table rows = table(thresholds, scene->pairs.size(), 2, "thresholds");
+  ordered(rows.all(), "thresholds");
+  std::vector<PairThreshold> limits;
+  for (std::size_t i = 0; i < rows.rows; ++i) limits.push_back({rows.row(i)[0], rows.row(i)[1]});
+  const BatchKernel chosen = kernel_named(kernel, &batch_kernels);
   Group moving = group(*scene, positions, velocities, state);
-  new (self) Checker(immutable(scene), std::move(moving), std::move(demanded), chosen);
+  new (self) Checker(immutable(scene), std::move(moving), std::move(limits), chosen);
 }
 
 }  // namespace
@@ -99,21 +101,24 @@ void make(Checker* self, const std::shared_ptr<Scene>& scene, const Integers& po
 void bind_checker(nb::module_& m) {
   nb::class_<Checker>(m, "Checker", "Collision verdicts, as the values of Verdict.")
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
-           nb::arg("demands"), nb::arg("kernel") = "")
-      .def("judge", &judge, nb::arg("qs"))
-      .def("judge_one", &judge_one, nb::arg("q"))
-      .def("judge_motions", &judge_motions, nb::arg("origins"), nb::arg("displacements"), nb::arg("resolution"))
-      .def("judge_motion", &judge_motion, nb::arg("origin"), nb::arg("displacement"), nb::arg("resolution"))
-      .def("judge_edge", &judge_edge, nb::arg("q0"), nb::arg("q1"), nb::arg("resolution"))
-      .def_prop_ro("doubtful_fixed_pairs", &Checker::doubtful_fixed_pairs)
-      .def_prop_ro("lane_kernel", [](const Checker& c) { return std::string(c.kernel().name); });
-  m.def("lane_kernels", [] {
-    LaneKernel all[4];
-    const int count = lane_kernels(all, 4);
-    std::vector<std::string> names;
-    for (int i = 0; i < count; ++i) names.emplace_back(all[i].name);
-    return names;
-  }, "Names of the instruction sets that this machine can run, the fastest first.");
+           nb::arg("thresholds"), nb::arg("kernel") = "")
+      .def("check", &check, nb::arg("qs"))
+      .def("check_one", &check_one, nb::arg("q"))
+      .def("check_motions", &check_motions, nb::arg("origins"), nb::arg("displacements"), nb::arg("resolution"))
+      .def("check_motion", &check_motion, nb::arg("origin"), nb::arg("displacement"), nb::arg("resolution"))
+      .def("check_edge", &check_edge, nb::arg("q0"), nb::arg("q1"), nb::arg("resolution"))
+      .def_prop_ro("undecided_static_pairs", &Checker::undecided_static_pairs)
+      .def_prop_ro("batch_kernel", [](const Checker& c) { return std::string(c.kernel().name); });
+  m.def(
+      "batch_kernels",
+      [] {
+        BatchKernel all[4];
+        const int count = batch_kernels(all, 4);
+        std::vector<std::string> names;
+        for (int i = 0; i < count; ++i) names.emplace_back(all[i].name);
+        return names;
+      },
+      "Names of the instruction sets that this machine can run, the fastest first.");
 }
 
 }  // namespace wayproof

@@ -63,16 +63,19 @@ auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, cons
   require(count > 0, "seeds has no rows: there is nothing to solve from");
   const auto low = ordered(row(lower, nq, "lower"), "lower"), high = ordered(row(upper, nq, "upper"), "upper");
   const auto which = row(target_of, "target_of");
-  if (which.size() != count) refuse("target_of has " + std::to_string(which.size()) + " numbers, not " +
-                                     std::to_string(count) + ": one for each seed");
+  if (which.size() != count)
+    refuse("target_of has " + std::to_string(which.size()) + " numbers, not " + std::to_string(count) +
+           ": one for each seed");
   indices(which, goals.rows, "target_of");
   const IkStorage storage(c, low, high);
   const IkKernel kernel = kernel_named(name, &ik_kernels);
   std::vector<double> q(count * nq);
   std::vector<std::uint8_t> converged(count);
   std::vector<std::int64_t> iterations(count);
-  const IkTask task{storage.view(), wanted, static_cast<std::int64_t>(count), enough, max_iterations,
-                    begins.data, goals.data, which.data(), q.data(), converged.data(), iterations.data()};
+  const IkTask task{storage.view(),   wanted,           static_cast<std::int64_t>(count),
+                    enough,           max_iterations,   begins.data,
+                    goals.data,       which.data(),     q.data(),
+                    converged.data(), iterations.data()};
   std::int64_t tried = 0;
   {
     nb::gil_scoped_release released;
@@ -90,17 +93,20 @@ auto solve(const Chain& c, const Doubles& seeds, const Integers& target_of, cons
 
 void bind_ik(nb::module_& m) {
   nb::class_<IkTolerance>(m, "IkTolerance", "How far a pose may be missed.")
-      .def("__init__", [](IkTolerance* self, const Doubles& box, Freedom freedom, std::int64_t axis, double bound) {
-        new (self) IkTolerance(tolerance(box, freedom, axis, bound));
-      }, nb::arg("box"), nb::arg("freedom").noconvert(), nb::arg("axis"), nb::arg("bound"));
+      .def(
+          "__init__",
+          [](IkTolerance* self, const Doubles& box, Freedom freedom, std::int64_t axis, double bound) {
+            new (self) IkTolerance(tolerance(box, freedom, axis, bound));
+          },
+          nb::arg("box"), nb::arg("freedom").noconvert(), nb::arg("axis"), nb::arg("bound"));
   nb::class_<Chain>(m, "Chain", "How a frame depends on a group's q.")
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
            nb::arg("link"), nb::arg("X_LT"))
       .def("poses", &poses, nb::arg("qs"))
       .def("jacobians", &jacobians, nb::arg("qs"))
       .def("solve", &solve, nb::arg("seeds"), nb::arg("target_of"), nb::arg("targets"), nb::arg("lower"),
-           nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"),
-           nb::arg("max_iterations"), nb::arg("kernel") = "");
+           nb::arg("upper"), nb::arg("tolerance"), nb::arg("enough"), nb::arg("max_iterations"),
+           nb::arg("kernel") = "");
 }
 
 }  // namespace wayproof

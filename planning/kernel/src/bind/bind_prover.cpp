@@ -22,7 +22,8 @@ Motion motion(const Tree& tree, const Group& group, const Doubles& breaks, const
               const Doubles& coefficients) {
   const std::size_t nq = group.positions.size(), nv = group.velocities.size();
   if (!(coefficients.ndim() == 3 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1 &&
-              coefficients.shape(2) == nv)) refuse("coefficients are not of shape (pieces, terms, " + std::to_string(nv) + "), one or more of both");
+        coefficients.shape(2) == nv))
+    refuse("coefficients are not of shape (pieces, terms, " + std::to_string(nv) + "), one or more of both");
   const std::size_t pieces = coefficients.shape(0), terms = coefficients.shape(1);
   const auto times = finite(row(breaks, pieces + 1, "breaks"), "breaks");
   require(std::is_sorted(times.begin(), times.end()), "breaks are not in increasing order");
@@ -70,10 +71,10 @@ std::tuple<double, std::size_t, double> peak_of(const Doubles& coefficients, dou
 }  // namespace
 
 void bind_prover(nb::module_& m) {
-  nb::class_<Sighting>(m, "Sighting", "The pair (by number, or -1) that had the least of something.")
-      .def_ro("pair", &Sighting::pair)
-      .def_ro("distance", &Sighting::distance)
-      .def_ro("time", &Sighting::time);
+  nb::class_<ClosestApproach>(m, "ClosestApproach", "The pair (by number, or -1) that had the least of something.")
+      .def_ro("pair", &ClosestApproach::pair)
+      .def_ro("distance", &ClosestApproach::distance)
+      .def_ro("time", &ClosestApproach::time);
   nb::class_<Proof>(m, "Proof", "Outcome of a clearance proof, and its evidence.")
       .def_ro("outcome", &Proof::outcome)
       .def_ro("pair", &Proof::pair)

@@ -1,4 +1,4 @@
-// Nearness and SoftRows, on numpy arrays and without the interpreter's lock.
+// DistanceQuery and PenaltyQp, on numpy arrays and without the interpreter's lock.
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/tuple.h>
 
@@ -8,7 +8,7 @@
 
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
-#include "checker/nearness.hpp"
+#include "checker/distance_query.hpp"
 #include "qp/penalty_qp.hpp"
 
 namespace wayproof {
@@ -24,33 +24,36 @@ std::vector<std::int64_t> copy_of(const Integers& array, const char* name) {
   return {numbers.begin(), numbers.end()};
 }
 
-void make(Nearness* self, const std::shared_ptr<Scene>& scene, const Integers& positions, const Integers& velocities,
-          const Doubles& state) {
+void make(DistanceQuery* self, const std::shared_ptr<Scene>& scene, const Integers& positions,
+          const Integers& velocities, const Doubles& state) {
   Group moving = group(*scene, positions, velocities, state);
-  new (self) Nearness(immutable(scene), std::move(moving));
+  new (self) DistanceQuery(immutable(scene), std::move(moving));
 }
 
-auto within(const Nearness& nearness, const Doubles& qs, const Doubles& reach) {
-  const auto nv = static_cast<std::size_t>(nearness.num_velocities());
-  const Table rows = table(qs, static_cast<std::size_t>(nearness.num_positions()), "qs");
-  const auto reaches = ordered(row(reach, nearness.num_pairs(), "reach"), "reach");
+auto within(const DistanceQuery& query, const Doubles& qs, const Doubles& reach) {
+  const auto nv = static_cast<std::size_t>(query.num_velocities());
+  const Table rows = table(qs, static_cast<std::size_t>(query.num_positions()), "qs");
+  const auto reaches = ordered(row(reach, query.num_pairs(), "reach"), "reach");
   finite(rows.all(), "qs");
-  Near near;
+  DistanceRows found;
   {
     nb::gil_scoped_release released;
-    near = nearness.within(rows.all(), rows.rows, reaches);
+    found = query.within(rows.all(), rows.rows, reaches);
   }
-  const std::size_t count = near.pair.size();
-  return nb::make_tuple(array_of(near.configuration, count), array_of(near.pair, count), array_of(near.distance, count),
-                        array_of(near.normal, count, 3), array_of(near.gradient, count, nv));
+  const std::size_t count = found.pair.size();
+  return nb::make_tuple(array_of(found.configuration, count), array_of(found.pair, count),
+                        array_of(found.distance, count), array_of(found.normal, count, 3),
+                        array_of(found.gradient, count, nv));
 }
 
 // Starts of compressed sparse rows: from 0 on, none before the one before it, to the number of entries.
 void require_starts(const std::vector<std::int64_t>& starts, std::size_t rows, std::size_t entries) {
-  if (starts.size() != rows + 1) refuse("starts has " + std::to_string(starts.size()) + " numbers, not " +
-                                         std::to_string(rows + 1) + ": one more than there are rows");
+  if (starts.size() != rows + 1)
+    refuse("starts has " + std::to_string(starts.size()) + " numbers, not " + std::to_string(rows + 1) +
+           ": one more than there are rows");
   if (!(starts.front() == 0 && starts.back() == static_cast<std::int64_t>(entries) &&
-              std::is_sorted(starts.begin(), starts.end()))) refuse("starts do not rise from 0 to the number of entries, " + std::to_string(entries));
+        std::is_sorted(starts.begin(), starts.end())))
+    refuse("starts do not rise from 0 to the number of entries, " + std::to_string(entries));
 }
 
 auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
@@ -61,15 +64,21 @@ auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
   const std::size_t count = row(c, "c").size(), num_rows = row(least, "least").size();
   const std::size_t entries = row(columns, "columns").size();
   if (max_steps < 0) refuse("max_steps is " + std::to_string(max_steps) + ", not 0 or more");
-  const SoftRows program{static_cast<int>(count), copy_of(c, count, "c"), copy_of(q, count, "q"),
-                         copy_of(lower, count, "lower"), copy_of(upper, count, "upper"), copy_of(starts, "starts"),
-                         copy_of(columns, "columns"), copy_of(values, entries, "values"),
-                         copy_of(least, num_rows, "least"), copy_of(price, num_rows, "price")};
+  const PenaltyQp program{static_cast<int>(count),
+                          copy_of(c, count, "c"),
+                          copy_of(q, count, "q"),
+                          copy_of(lower, count, "lower"),
+                          copy_of(upper, count, "upper"),
+                          copy_of(starts, "starts"),
+                          copy_of(columns, "columns"),
+                          copy_of(values, entries, "values"),
+                          copy_of(least, num_rows, "least"),
+                          copy_of(price, num_rows, "price")};
   for (std::size_t i = 0; i < count; ++i)
     if (!(program.lower[i] < program.upper[i])) refuse("lower is not below upper at " + std::to_string(i));
   require_starts(program.starts, num_rows, entries);
   indices(program.columns, count, "columns");
-  SoftSolution found;
+  PenaltySolution found;
   {
     nb::gil_scoped_release released;
     found = solve(program, tolerance, max_steps);
@@ -80,10 +89,10 @@ auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
 }  // namespace
 
 void bind_refine(nb::module_& m) {
-  nb::class_<Nearness>(m, "Nearness", "Signed distances of near pairs, and their gradients.")
+  nb::class_<DistanceQuery>(m, "DistanceQuery", "Signed distances of near pairs, and their gradients.")
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"))
       .def("within", &within, nb::arg("qs"), nb::arg("reach"));
-  m.def("solve_soft_rows", &solve_rows, nb::arg("variables"), nb::arg("rows"), nb::arg("least"), nb::arg("price"),
+  m.def("solve_penalty_qp", &solve_rows, nb::arg("variables"), nb::arg("rows"), nb::arg("least"), nb::arg("price"),
         nb::arg("tolerance"), nb::arg("max_steps"),
         "Minimise c x + q x^2 / 2 + price max(0, least - A x) in a box; x, steps, gap.");
 }

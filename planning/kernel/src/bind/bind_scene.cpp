@@ -13,11 +13,12 @@ namespace wayproof {
 namespace {
 
 void require_mutable(const Scene& scene) {
-  require(!scene.is_immutable, "the scene is in use by a Checker, Prover or Nearness: nothing is added to it");
+  require(!scene.is_immutable, "the scene is in use by a Checker, Prover or DistanceQuery: nothing is added to it");
 }
 
 int coordinates(int count, const char* name) {
-  if (count < 0 || count > max_coordinates) refuse(std::string(name) + " is " + std::to_string(count) + ", not from 0 to " + std::to_string(max_coordinates));
+  if (count < 0 || count > max_coordinates)
+    refuse(std::string(name) + " is " + std::to_string(count) + ", not from 0 to " + std::to_string(max_coordinates));
   return count;
 }
 
@@ -72,8 +73,9 @@ Shape shape(ShapeKind kind, const Doubles& size, const Doubles& vertices, const 
   const Table points = table(vertices, 3, "vertices"), faces = table(planes, 4, "planes");
   finite(points.all(), "vertices"), finite(faces.all(), "planes");
   if (kind == ShapeKind::hull)
-    if (points.rows < 4 || faces.rows < 4) refuse("a hull has four vertices and four planes or more, not " +
-                                                     std::to_string(points.rows) + " and " + std::to_string(faces.rows));
+    if (points.rows < 4 || faces.rows < 4)
+      refuse("a hull has four vertices and four planes or more, not " + std::to_string(points.rows) + " and " +
+             std::to_string(faces.rows));
   std::vector<Vec3> corners;
   for (std::size_t i = 0; i < points.rows; ++i) {
     const double* x = points.row(i);
@@ -97,8 +99,12 @@ void add_geometry(Scene& scene, std::int64_t link, const Doubles& X_LG, ShapeKin
                   const Doubles& vertices, const Doubles& planes, const Doubles& outer, const Doubles& inner,
                   const Doubles& bound) {
   require_mutable(scene);
-  Geometry made{link_or_world(link, scene, "link"), transform(X_LG, "X_LG"), shape(kind, size, vertices, planes),
-                spheres(outer, "outer"), spheres(inner, "inner"), bound_of(bound)};
+  Geometry made{link_or_world(link, scene, "link"),
+                transform(X_LG, "X_LG"),
+                shape(kind, size, vertices, planes),
+                spheres(outer, "outer"),
+                spheres(inner, "inner"),
+                bound_of(bound)};
   // What moves is in collision where one of its outer spheres is: without any it would be free everywhere.
   require(made.link < 0 || kind == ShapeKind::half_space || !made.outer.empty(),
           "outer has no rows: a geometry on a link is covered by spheres");
@@ -136,18 +142,22 @@ std::shared_ptr<Scene> with_poses(const Scene& scene, const Integers& geometries
 
 void bind_scene(nb::module_& m) {
   nb::class_<Scene>(m, "Scene", "What a loaded world is to the kernel.")
-      .def("__init__", [](Scene* self, int num_positions, int num_velocities) {
-        coordinates(num_positions, "num_positions"), coordinates(num_velocities, "num_velocities");
-        new (self) Scene();
-        self->tree.num_positions = num_positions;
-        self->tree.num_velocities = num_velocities;
-      }, nb::arg("num_positions"), nb::arg("num_velocities"))
+      .def(
+          "__init__",
+          [](Scene* self, int num_positions, int num_velocities) {
+            coordinates(num_positions, "num_positions"), coordinates(num_velocities, "num_velocities");
+            new (self) Scene();
+            self->tree.num_positions = num_positions;
+            self->tree.num_velocities = num_velocities;
+          },
+          nb::arg("num_positions"), nb::arg("num_velocities"))
       .def("add_link", &add_link, nb::arg("parent"), nb::arg("X_PF"), nb::arg("kind").noconvert(), nb::arg("axis"),
            nb::arg("position"), nb::arg("velocity"))
       .def("add_follower", &add_follower, nb::arg("follower"), nb::arg("leader"), nb::arg("follower_velocity"),
            nb::arg("leader_velocity"), nb::arg("multiplier"), nb::arg("offset"))
-      .def("add_geometry", &add_geometry, nb::arg("link"), nb::arg("X_LG"), nb::arg("kind").noconvert(), nb::arg("size"),
-           nb::arg("vertices"), nb::arg("planes"), nb::arg("outer"), nb::arg("inner"), nb::arg("bound"))
+      .def("add_geometry", &add_geometry, nb::arg("link"), nb::arg("X_LG"), nb::arg("kind").noconvert(),
+           nb::arg("size"), nb::arg("vertices"), nb::arg("planes"), nb::arg("outer"), nb::arg("inner"),
+           nb::arg("bound"))
       .def("add_pair", &add_pair, nb::arg("a"), nb::arg("b"))
       .def("add_pairs", &add_pairs, nb::arg("rows"))
       .def("with_poses", &with_poses, nb::arg("geometries"), nb::arg("X_LG"));

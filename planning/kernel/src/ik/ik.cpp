@@ -4,9 +4,9 @@
 
 namespace wayproof {
 
-#define WAYPROOF_DECLARE(name)                 \
-  namespace name {                             \
-  int64_t solve(const IkTask&, double*);       \
+#define WAYPROOF_DECLARE(name)           \
+  namespace name {                       \
+  int64_t solve(const IkTask&, double*); \
   }
 WAYPROOF_DECLARE(ik_base)
 #if defined(__x86_64__)

@@ -56,12 +56,12 @@ struct IkTask {
   int64_t count;
   int64_t enough;
   int max_iterations;
-  const double* seeds;        // [count][num_positions]
-  const double* targets;      // X_WG, [num_targets][12]: R by rows, then p
-  const int64_t* target_of;   // [count]
-  double* q;                  // [count][num_positions]
-  uint8_t* converged;         // [count]
-  int64_t* iterations;        // [count]
+  const double* seeds;       // [count][num_positions]
+  const double* targets;     // X_WG, [num_targets][12]: R by rows, then p
+  const int64_t* target_of;  // [count]
+  double* q;                 // [count][num_positions]
+  uint8_t* converged;        // [count]
+  int64_t* iterations;       // [count]
 };
 
 // Returns the number of seeds tried: a prefix, regardless of what the lanes have done beyond. `scratch` is 64-aligned.

@@ -143,9 +143,7 @@ void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
     const auto turning = [&](int rate, int i) {
       put(J, num_velocities, joint.rates[rate], axis_of(X_WF.R, i), cross(axis_of(X_WF.R, i), arm));
     };
-    const auto sliding = [&](int rate, int i) {
-      put(J, num_velocities, joint.rates[rate], {}, axis_of(X_WF.R, i));
-    };
+    const auto sliding = [&](int rate, int i) { put(J, num_velocities, joint.rates[rate], {}, axis_of(X_WF.R, i)); };
     switch (joint.kind) {
       case JointKind::revolute: turning(0, 2); break;
       case JointKind::prismatic: sliding(0, 2); break;

@@ -130,8 +130,7 @@ void cluster(Vec3* points, std::size_t count) {
 
 }  // namespace
 
-Shape::Shape(ShapeKind kind_, Vec3 size_, const std::vector<Vec3>& vertices,
-             std::vector<std::array<double, 4>> planes_)
+Shape::Shape(ShapeKind kind_, Vec3 size_, const std::vector<Vec3>& vertices, std::vector<std::array<double, 4>> planes_)
     : kind(kind_), size(size_), planes(std::move(planes_)) {
   Parts parts = parts_of(kind, size, vertices);
   auto& corners = parts.corners;
@@ -166,10 +165,9 @@ void Shape::make_boxes() {
 Vec3 Shape::core_support(Vec3 n) const {
   if (kind == ShapeKind::box)
     return {n.x > 0 ? size.x : -size.x, n.y > 0 ? size.y : -size.y, n.z > 0 ? size.z : -size.z};
-  const std::size_t i = has_few_corners_
-                            ? (n.z * vz[1] > n.z * vz[0] ? 1 : 0)
-                            : boxes[0].empty() ? farthest(vx.data(), vy.data(), vz.data(), vx.size(), n)
-                                              : farthest_in_boxes(*this, n);
+  const std::size_t i = has_few_corners_   ? (n.z * vz[1] > n.z * vz[0] ? 1 : 0)
+                        : boxes[0].empty() ? farthest(vx.data(), vy.data(), vz.data(), vx.size(), n)
+                                           : farthest_in_boxes(*this, n);
   const Vec3 vertex{vx[i], vy[i], vz[i]};
   const Vec3 stretched{axes.x * n.x, axes.y * n.y, axes.z * n.z};
   const double length = norm(stretched);

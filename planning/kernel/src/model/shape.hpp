@@ -18,14 +18,13 @@ struct Shape {
   // eight have a bounding box: its centre and half sizes, padded to a multiple of 8 boxes.
   std::vector<double> vx, vy, vz;
   std::array<std::vector<double>, 6> boxes;
-  Vec3 axes;                       // the ellipsoid's semi-axes in G
+  Vec3 axes;  // the ellipsoid's semi-axes in G
   double ball = 0;
   std::vector<std::array<double, 4>> planes;  // of hulls: n . x <= d
-  Vec3 center;                     // of a bounding sphere, in G
-  double radius = 0;               // of that sphere
+  Vec3 center;                                // of a bounding sphere, in G
+  double radius = 0;                          // of that sphere
 
-  Shape(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices,
-        std::vector<std::array<double, 4>> planes);
+  Shape(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices, std::vector<std::array<double, 4>> planes);
 
   // Radius of a sphere around the core: rotating a ball moves no point of it, so neither does a ball about a core.
   double core_radius() const { return radius - ball; }

@@ -33,15 +33,13 @@ Transform joint_transform(const Link& link, const double* full) {
     case JointKind::revolute: return {rotation_about(link.axis, q[0]), {}};
     case JointKind::prismatic: return {Mat3{}, q[0] * link.axis};
     case JointKind::planar: return {rotation_about({0, 0, 1}, q[2]), {q[0], q[1], 0}};
-    case JointKind::floating:
-      return {rotation_of_quaternion(q[0], q[1], q[2], q[3]), {q[4], q[5], q[6]}};
+    case JointKind::floating: return {rotation_of_quaternion(q[0], q[1], q[2], q[3]), {q[4], q[5], q[6]}};
     case JointKind::fixed: return {};
   }
   throw std::logic_error("a joint of no known kind");
 }
 
-Group::Group(const Tree& tree, std::vector<int> positions_, std::vector<int> velocities_,
-             std::vector<double> state_)
+Group::Group(const Tree& tree, std::vector<int> positions_, std::vector<int> velocities_, std::vector<double> state_)
     : positions(std::move(positions_)), velocities(std::move(velocities_)), state(std::move(state_)) {
   std::vector<char> coordinate(tree.num_positions, 0);
   for (int i : positions) coordinate[i] = 1;

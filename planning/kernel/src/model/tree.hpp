@@ -58,14 +58,13 @@ struct Tree {
 
 // Joint group: some coordinates of the tree move, all others stay.
 struct Group {
-  std::vector<int> positions;    // of the group's q in the full q
-  std::vector<int> velocities;   // of the group's v in the full v
-  std::vector<double> state;     // the full q, followers following
-  std::vector<char> moves;       // whether each link's pose depends on the group's q
-  std::vector<char> follows;     // whether each follower does
+  std::vector<int> positions;   // of the group's q in the full q
+  std::vector<int> velocities;  // of the group's v in the full v
+  std::vector<double> state;    // the full q, followers following
+  std::vector<char> moves;      // whether each link's pose depends on the group's q
+  std::vector<char> follows;    // whether each follower does
 
-  Group(const Tree& tree, std::vector<int> positions, std::vector<int> velocities,
-        std::vector<double> state);
+  Group(const Tree& tree, std::vector<int> positions, std::vector<int> velocities, std::vector<double> state);
 
   // Writes the group's q into a full q that already holds the state.
   void embed(const Tree& tree, const double* q, double* full) const {

@@ -14,14 +14,14 @@
 #include <vector>
 
 #include "model/kinds.hpp"
+#include "model/scene.hpp"
 #include "prover/motion.hpp"
 #include "prover/motion_bounds.hpp"
-#include "model/scene.hpp"
 
 namespace wayproof {
 
 // The pair with the least value of some quantity.
-struct Sighting {
+struct ClosestApproach {
   double least = std::numeric_limits<double>::infinity();
   int pair = -1;
   double distance = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ struct Proof {
   // The pair at which the proof stopped: too near, not proven far enough, or static.
   int pair = -1;
   double distance = 0, uncertainty = 0, time = 0;
-  Sighting nearest, tightest;  // smallest distance measured, and smallest over the pair's margin
+  ClosestApproach nearest, tightest;  // smallest distance measured, and smallest over the pair's margin
   double floor = std::numeric_limits<double>::infinity();  // no distance is smaller, if proven
   int segments = 0, looks = 0;
 };
@@ -46,8 +46,7 @@ struct PairBound {
 class Prover {
  public:
   // margins: required distance of each pair; `slack` less suffices.
-  Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins,
-         double slack);
+  Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins, double slack);
   Prover(const Prover&) = delete;
 
   // `interrupt` is called now and then and may throw. A prover is used by one call at a time.
@@ -72,7 +71,7 @@ class Prover {
     std::vector<Open> open;
   };
   class Turn;
-  struct Judged {
+  struct PairCheck {
     bool decided;
     bool unbounded;   // no segment is short enough
     double bound;     // on the segment, if decided or measured
@@ -84,14 +83,14 @@ class Prover {
   Node pop(std::vector<Node>& heap) const;
   bool is_short(const Segment& segment) const;
   void enter(const Segment& segment);
-  Judged judge(Open& open, double required, double few, bool last_resort, double time);
+  PairCheck check_pair(Open& open, double required, double few, bool last_resort, double time);
   void count_work();
   void see(int pair, double distance, double time);
   void look(double time);
-  bool find_fixed_violation();
+  bool find_static_violation();
   bool prove_node(Node node, std::vector<Node>& heap);
   void refuse(Outcome outcome, int pair, double distance, double uncertainty, double time);
-  void tighten();
+  void refine_minimum();
   double target() const;
   void split(const Node& node, double floor, const std::vector<Open>& rest, std::vector<Node>& heap);
 
@@ -105,7 +104,7 @@ class Prover {
   std::vector<double> required_;
   std::vector<int> moved_;
   std::vector<Vec3> hints_;  // last slab of every pair
-  Strays strays_;
+  JointDeviation deviation_;
   std::vector<Node> leaves_;  // segments that are proven, but whose distances are not yet accurate
   Proof proof_;
   int number_ = 0;
