@@ -90,6 +90,7 @@ void make(Checker* self, const std::shared_ptr<Scene>& scene, const Integers& po
   const Table rows = table(thresholds, scene->pairs.size(), 2, "thresholds");
   ordered(rows.all(), "thresholds");
   std::vector<PairThreshold> limits;
+  limits.reserve(rows.rows);
   for (std::size_t i = 0; i < rows.rows; ++i) limits.push_back({rows.row(i)[0], rows.row(i)[1]});
   const BatchKernel chosen = kernel_named(kernel, &batch_kernels);
   Group moving = group(*scene, positions, velocities, state);
@@ -115,6 +116,7 @@ void bind_checker(nb::module_& m) {
         BatchKernel all[4];
         const int count = batch_kernels(all, 4);
         std::vector<std::string> names;
+        names.reserve(static_cast<std::size_t>(count));
         for (int i = 0; i < count; ++i) names.emplace_back(all[i].name);
         return names;
       },
