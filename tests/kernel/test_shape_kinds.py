@@ -101,6 +101,22 @@ def test_no_verdict_on_a_sphere_beside_the_shape_is_wrong(
         assert (verdicts == UNSURE).mean() < 0.02
 
 
+@KINDS
+def test_a_margin_below_zero_permits_that_depth_and_no_more(kind: ShapeKind) -> None:
+    """Lanes know distances, but few depths: what is deeper than is permitted is never free."""
+    shape, rng = example(kind), rng_of(0)
+    centers = inside(shape, rng, 300)
+    permitted = 0.03
+    qs = _configurations(centers, rng, moves=False)
+    # A ball about a point of the shape overlaps by its depth and more.
+    too_deep = depth(shape, centers) + RADIUS > permitted + 1e-4
+    assert too_deep.any()
+    module: Any = native()
+    for name in module.batch_kernels():
+        verdicts = _checker(shape, name, moves=False, margin=-permitted).check(qs)
+        assert (verdicts[too_deep] != FREE).all()
+
+
 def _configurations(centers: np.ndarray, rng: np.random.Generator, *, moves: bool) -> np.ndarray:
     """Return configurations [quaternion, position] with the sphere at those points of the shape."""
     if not moves:
@@ -114,7 +130,7 @@ def _configurations(centers: np.ndarray, rng: np.random.Generator, *, moves: boo
     return np.column_stack([turns, -turned])
 
 
-def _checker(shape: ConvexShape, name: str, *, moves: bool) -> Any:
+def _checker(shape: ConvexShape, name: str, *, moves: bool, margin: float = 0.0) -> Any:
     """Return a checker of the shape and a sphere, one of which floats."""
     module: Any = native()
     eye = np.array([1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 0, 0, 0])
@@ -131,4 +147,5 @@ def _checker(shape: ConvexShape, name: str, *, moves: bool) -> Any:
         )
     made.add_pair(0, 1)
     state = np.array([1.0, 0, 0, 0, 0, 0, 0])
-    return module.Checker(made, np.arange(7), np.arange(6), state, np.zeros((1, 2)), name)
+    limits = np.full((1, 2), margin)
+    return module.Checker(made, np.arange(7), np.arange(6), state, limits, name)

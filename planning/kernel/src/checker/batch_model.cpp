@@ -193,7 +193,7 @@ struct Builder {
       std::swap(a, b);
     const double slack = exact_slack + rounding_of_body(a) + (both ? rounding_of_body(b) : rounding_of_obstacle(b));
     const int first = body(a), other = both ? body(b) : obstacle(b);
-    const BatchPair pair{first, other, static_cast<float>(threshold.margin + slack),
+    const BatchPair pair{first, other, static_cast<float>(std::max(threshold.margin, 0.0) + slack),
                          static_cast<float>(threshold.touching - slack)};
     (both ? among_bodies : with_obstacles)
         .push_back(

@@ -45,7 +45,8 @@ struct BatchPlane {
 };
 
 // A body against an obstacle or another body: beyond `free_above` it is certainly free, nearer than `hit_below` it
-// certainly collides. Both allow for rounding.
+// certainly collides. Both allow for rounding. `free_above` is positive: lanes know distances, but few depths, so that
+// a margin below zero, which permits penetration, is left to exact distances.
 struct BatchPair {
   int body, other;
   float free_above, hit_below;
