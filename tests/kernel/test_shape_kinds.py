@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydrake.geometry import Convex
 
 from planning.errors import ModelInvalid
 from planning.goals.targets.tool_target import FreedomKind
@@ -15,6 +16,7 @@ from planning.kernel.coverings.covering import cover
 from planning.kernel.native import native, verdict_numbers
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
+from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.kernel.link_tree import LinkKind
 from tests.kernel.bodies import body, depth, distance, hull, inside, on_surface
 from tests.kernel.conftest import COLLIDING, FREE, UNSURE
@@ -115,6 +117,26 @@ def test_a_margin_below_zero_permits_that_depth_and_no_more(kind: ShapeKind) -> 
     for name in module.batch_kernels():
         verdicts = _checker(shape, name, moves=False, margin=-permitted).check(qs)
         assert (verdicts[too_deep] != FREE).all()
+
+
+@pytest.mark.parametrize("corners", [np.eye(3) * [0.1, 0.2, 0.3], np.eye(3)[:, :2] * 0.4])
+@pytest.mark.parametrize("moves", [False, True])
+def test_a_flat_hull_collides_on_neither_side_of_it(corners: np.ndarray, *, moves: bool) -> None:
+    """Drake has one face of it: a point behind that is not inside the hull."""
+    points = np.asfortranarray(np.pad(corners, ((0, 0), (0, 3 - corners.shape[1]))).T)
+    shape, rng = convex_shape(Convex(points, "flat")), rng_of(0)
+    assert shape is not None
+    assert len(cover(shape).inner) == 0
+    centers = inside(shape, rng, 2000)[:2000] + rng.normal(0.0, 2 * RADIUS, (2000, 3))
+    far = distance(shape, centers) > RADIUS
+    module: Any = native()
+    for name in module.batch_kernels():
+        verdicts = _checker(shape, name, moves=moves).check(
+            _configurations(centers, rng, moves=moves)
+        )
+        assert (verdicts[far] != COLLIDING).all()
+        assert (verdicts == FREE).any()
+        assert (verdicts == COLLIDING).any()
 
 
 def _configurations(centers: np.ndarray, rng: np.random.Generator, *, moves: bool) -> np.ndarray:

@@ -72,8 +72,8 @@ Vec3 size_of(ShapeKind kind, const Doubles& array) {
 Shape shape(ShapeKind kind, const Doubles& size, const Doubles& vertices, const Doubles& planes) {
   const Table points = table(vertices, 3, "vertices"), faces = table(planes, 4, "planes");
   finite(points.all(), "vertices"), finite(faces.all(), "planes");
-  if (kind == ShapeKind::hull && (points.rows < 4 || faces.rows < 4))
-    refuse("a hull has four vertices and four planes or more, not " + std::to_string(points.rows) + " and " +
+  if (kind == ShapeKind::hull && (points.rows < 3 || faces.rows < 2))
+    refuse("a hull has three vertices and two planes or more, not " + std::to_string(points.rows) + " and " +
            std::to_string(faces.rows));
   std::vector<Vec3> corners;
   for (std::size_t i = 0; i < points.rows; ++i) {

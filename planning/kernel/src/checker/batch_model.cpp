@@ -16,6 +16,8 @@ constexpr double losses_per_link = 32;
 constexpr double endless = 1e15;
 // Largest number of checked faces of a hull; the others are left out, which only enlarges it.
 constexpr std::size_t max_planes = 32;
+// Fewer bound nothing: flat hulls have the two sides of their plane.
+constexpr std::size_t min_planes = 4;
 
 void write(const Transform& x, float* R, float* p) {
   for (int i = 0; i < 9; ++i) R[i] = static_cast<float>(x.R.m[i]);
@@ -147,7 +149,10 @@ struct Builder {
     made.bound = batch_sphere(X_WO, {g.shape.center, std::min(g.shape.radius, endless)}, true);
     switch (g.shape.kind) {
       case ShapeKind::ellipsoid: add_planes(made, tangent_planes(g.shape.axes), X_WO, false); break;
-      case ShapeKind::hull: add_planes(made, spread(g.shape.planes), X_WO, g.shape.planes.size() <= max_planes); break;
+      case ShapeKind::hull:
+        add_planes(made, spread(g.shape.planes), X_WO,
+                   g.shape.planes.size() >= min_planes && g.shape.planes.size() <= max_planes);
+        break;
       case ShapeKind::box:
       case ShapeKind::sphere:
       case ShapeKind::cylinder:
