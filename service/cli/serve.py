@@ -1,5 +1,6 @@
 """wayproof serve: run the service until it is told to stop."""
 
+import gc
 import json
 import socket
 from pathlib import Path
@@ -43,7 +44,11 @@ def serve(  # noqa: PLR0913  (one parameter per option)
     url = url_of(bound)
     if settings.engine == "process":
         start_to_import()
+    gc.disable()  # what is imported lasts: to look for garbage among it takes a tenth of the start
     from service.cli.server import CannotStart, run  # noqa: PLC0415  (takes a second)
+
+    gc.freeze()
+    gc.enable()
 
     def tell() -> None:
         if announce is not None:
