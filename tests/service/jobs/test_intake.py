@@ -5,6 +5,7 @@ import os
 import sqlite3
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -183,11 +184,11 @@ def test_a_job_is_on_its_way_to_a_slot_before_the_writer_is_asked():
         told, runs = [], []
 
         class Recording:
-            store = type("Store", (), {"enter": None})
+            store = SimpleNamespace(enter=print)
 
             async def write(self, work, *, within):
                 told.append("asked to write")
-                return work.args[0].job, True
+                return None, True
 
         class Run:
             def enter(self, _):
