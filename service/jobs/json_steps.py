@@ -44,8 +44,8 @@ def member_of(text: str, wanted: str) -> str | None:
     if at < 0:
         return next((part for name, part in members_of(text) if name == wanted), None)
     begin = at + len(before)
-    end = text.find(",\n", begin)
-    return text[begin : len(text) - 1 if end < 0 else end]
+    end = text.find("\n", begin)
+    return text[begin : (len(text) if end < 0 else end) - 1]
 
 
 def members_of(text: str) -> Iterator[tuple[str, str]]:

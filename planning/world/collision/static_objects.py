@@ -83,6 +83,13 @@ class StaticObjects:
         """Compute now what the first edit or the first query would wait for."""
         _ = self.balls, self.rows, self.row_of, self.meshes
 
+    def placed(self, poses: Mapping[int, RigidTransform]) -> tuple[RigidTransform, ...]:
+        """Return X_WO of all, of which some are elsewhere than here, by row."""
+        placed = list(self.poses)
+        for row, x in poses.items():
+            placed[row] = x
+        return tuple(placed)
+
     def moved(
         self,
         things: Sequence[SceneObject],
@@ -96,8 +103,7 @@ class StaticObjects:
             poses: X_WO of the moved ones, by row.
             frames: As the attribute `frames`.
         """
-        placed = tuple(poses.get(row, x) for row, x in enumerate(self.poses))
-        after = replace(self, things=tuple(things), poses=placed, frames=frames)
+        after = replace(self, things=tuple(things), poses=self.placed(poses), frames=frames)
         # Reuse the cached properties that the move does not change.
         after.__dict__.update(row_of=self.row_of, rows=self.rows, meshes=self.meshes)
         centers, radii = self.balls

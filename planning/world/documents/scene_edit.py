@@ -182,8 +182,8 @@ def _object(scene: Scene, name: str) -> SceneObject:
 
 
 def _with_object(scene: Scene, edited: SceneObject) -> Scene:
-    objects = tuple(edited if o.name == edited.name else o for o in scene.objects)
-    return replace(scene, objects=objects)
+    objects = [edited if o.name == edited.name else o for o in scene.objects]
+    return replace(scene, objects=tuple(objects))
 
 
 def _without_touch(thing: SceneObject, name: str) -> SceneObject:

@@ -133,10 +133,11 @@ def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
     for robot in scene.robots:
         known = _known(scene, robot.name, robot.model)
         files[robot.name] = known or keeper.robot(robot.model)
-    for i, thing in enumerate(scene.objects):
-        if isinstance(thing.shape, Mesh):
-            known = _known(scene, thing.name, thing.shape.uri)
-            files[thing.name] = known or keeper.mesh(thing, i)
+    meshes = [i for i, thing in enumerate(scene.objects) if isinstance(thing.shape, Mesh)]
+    for i in meshes:
+        thing = scene.objects[i]
+        known = _known(scene, thing.name, thing.shape.uri)
+        files[thing.name] = known or keeper.mesh(thing, i)
     return KeptScene(replace(scene, files=files), keeper.store)
 
 

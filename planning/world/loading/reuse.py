@@ -7,6 +7,7 @@ are in our own tables, and robot positions are a state: neither is in the model.
 from collections.abc import Sequence
 from dataclasses import replace
 
+from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
 from planning.world.collision.shape_pairs import share_candidates
@@ -39,7 +40,11 @@ def reused(
     before, standing = like.drake, like.drake.standing
     if len(names) != len(standing) or _rest(kept.scene, names) != _rest(like.scene, names):
         return None
-    things = [kept.thing(thing) for thing in kept.scene.objects if thing.name in names]
+    things = [
+        kept.thing(thing) if isinstance(thing.shape, Mesh) else thing
+        for thing in kept.scene.objects
+        if thing.name in names
+    ]
     if not _are_same(things, standing.things):
         return None
     robots = tuple(
@@ -63,10 +68,10 @@ def _rest(scene: Scene, names: frozenset[str]) -> str:
 
 def _are_same(after: Sequence[SceneObject], before: Sequence[SceneObject]) -> bool:
     """Return whether objects are equal except for poses and colors."""
-    return len(after) == len(before) and all(
-        a is b or (a.name == b.name and a.shape == b.shape)
-        for a, b in zip(after, before, strict=True)
-    )
+    if len(after) != len(before):
+        return False
+    others = [(a, b) for a, b in zip(after, before, strict=True) if a is not b]
+    return all(a.name == b.name and a.shape == b.shape for a, b in others)
 
 
 def _moved(
@@ -77,10 +82,10 @@ def _moved(
     rows = [
         row
         for row, (a, b) in enumerate(zip(things, standing.things, strict=True))
-        if a.pose is not b.pose and a.pose != b.pose
+        if a is not b and a.pose is not b.pose and a.pose != b.pose
     ]
     poses = dict(zip(rows, transforms([things[row].pose for row in rows]), strict=True))
-    placed = [poses.get(row, x) for row, x in enumerate(standing.poses)]
+    placed = standing.placed(poses)
     after = replace(
         before, standing=standing.moved(things, poses, standing_frames(things, placed, frames))
     )

@@ -33,15 +33,14 @@ def standing_names(scene: Scene, most: int = MOST_IN_MODEL) -> frozenset[str]:
     or frames: then the model is expensive, and moving an object must not rebuild it. Half
     spaces, which are unbounded, are always Drake's: there are few.
     """
-    standing = [thing.name for thing in scene.objects if is_apart(thing)]
+    standing = [
+        thing.name
+        for thing in scene.objects
+        if thing.attached is None and not isinstance(thing.shape, HalfSpace)
+    ]
     is_dear = len(scene.robots) > _FEW_ROBOTS or len(scene.frames) > _FEW_FRAMES
     is_many = len(standing) > most or is_dear
     return frozenset(standing) if is_many else frozenset()
-
-
-def is_apart(thing: SceneObject) -> bool:
-    """Return whether an object may stand outside of Drake's model."""
-    return thing.attached is None and not isinstance(thing.shape, HalfSpace)
 
 
 def standing_objects(kept: KeptScene, names: frozenset[str]) -> StaticObjects:
@@ -95,7 +94,8 @@ def standing_frames(
         hanging.setdefault(frame.parent, []).append(frame)
     # The frame's pose in its object is multiplied first, as in Drake: so numbers are equal to the
     # bit.
-    pending = [(name, x, RigidTransform()) for name, x in found.items() if name in hanging]
+    above = found.items() if hanging else ()
+    pending = [(name, x, RigidTransform()) for name, x in above if name in hanging]
     while pending:
         parent, x_wo, x_op = pending.pop()
         for frame in hanging.get(parent, []):
