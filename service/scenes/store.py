@@ -3,6 +3,7 @@
 import json
 import secrets
 from collections.abc import Generator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,6 +23,7 @@ from sqlalchemy import (
     literal,
     select,
 )
+from sqlalchemy.exc import DBAPIError
 
 from planning.parallel.atomic_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
@@ -47,6 +49,7 @@ class SceneStore:
         self._folder = folder.resolve()
         self._revising = Lock()
         self._recent = RecentScenes()
+        self._beside = ThreadPoolExecutor(1, "scene-files")
 
     def open(self) -> None:
         """Create what is missing."""
@@ -57,8 +60,7 @@ class SceneStore:
 
     def add(self, loaded: LoadedScene) -> SceneRecord:
         """Record a new scene."""
-        self._write(loaded)
-        with self._writing() as connection:
+        with self._recording(loaded) as connection:
             record = _inserted(connection, f"scn_{secrets.token_hex(8)}", 1, loaded)
         self._recent.put(record)
         return record
@@ -70,10 +72,9 @@ class SceneStore:
             UnknownResource: The scene is gone.
             RevisionConflict: `base` has a successor already.
         """
-        self._write(loaded)
         newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
         # One server works on a database, so a lock in this process keeps writers apart.
-        with self._revising, self._writing() as connection:
+        with self._revising, self._recording(loaded) as connection:
             latest = connection.execute(newest).scalar()
             if latest is None:
                 raise UnknownResource.of("scene", base.id)
@@ -141,6 +142,22 @@ class SceneStore:
         if not path.is_file():
             self._write(record.loaded)
         return path
+
+    @contextmanager
+    def _recording(self, loaded: LoadedScene) -> Generator[Connection]:
+        """Write a row while another thread writes the file, and commit once it has.
+
+        Raises:
+            OSError: The file cannot be written; there is no row then.
+        """
+        file = self._beside.submit(self._write, loaded)
+        try:
+            with self._writing() as connection:
+                yield connection
+                file.result()
+        except DBAPIError:
+            file.result()  # a full disk refuses both, and says so better
+            raise
 
     @contextmanager
     def _writing(self) -> Generator[Connection]:
