@@ -2,6 +2,7 @@
 
 from planning.domain.scene.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
+from planning.world.collision.box_pairs import box_pairs_of
 from planning.world.collision.half_spaces import has_half_space_that_moves
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
@@ -91,6 +92,7 @@ def _make_ready(world: World) -> None:
     shared_context(world.drake)
     world.drake.standing.make_ready()
     unchecked_pairs(world.drake)
+    box_pairs_of(world.drake)
     for group in world.groups[:_MOST_READY]:
         world.limits(group)
         world.collision_oracle(group, world.margins())
