@@ -133,11 +133,13 @@ def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
     for robot in scene.robots:
         known = _known(scene, robot.name, robot.model)
         files[robot.name] = known or keeper.robot(robot.model)
-    meshes = [i for i, thing in enumerate(scene.objects) if isinstance(thing.shape, Mesh)]
-    for i in meshes:
-        thing = scene.objects[i]
-        known = _known(scene, thing.name, thing.shape.uri)
-        files[thing.name] = known or keeper.mesh(thing, i)
+    meshes = [
+        (i, thing, thing.shape.uri)
+        for i, thing in enumerate(scene.objects)
+        if isinstance(thing.shape, Mesh)
+    ]
+    for i, thing, uri in meshes:
+        files[thing.name] = _known(scene, thing.name, uri) or keeper.mesh(thing, i)
     return KeptScene(replace(scene, files=files), keeper.store)
 
 

@@ -59,8 +59,8 @@ def test_members_that_have_lines_of_their_own_are_found_as_others_are(plain, lar
     content = {**plain, **large}
     assert decode(text) == content
     assert {name: json.loads(part) for name, part in members_of(text)} == content
-    for name in content:
-        assert member_of(text, name) == encode(content[name])
+    for name, part in content.items():
+        assert member_of(text, name) == encode(part)
     assert member_of(text, "never there") is None
 
 
