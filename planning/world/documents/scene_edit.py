@@ -182,8 +182,10 @@ def _object(scene: Scene, name: str) -> SceneObject:
 
 
 def _with_object(scene: Scene, edited: SceneObject) -> Scene:
-    objects = [edited if o.name == edited.name else o for o in scene.objects]
-    return replace(scene, objects=tuple(objects))
+    names = (thing.name for thing in scene.objects)
+    at = next(i for i, name in enumerate(names) if name == edited.name)
+    objects = (*scene.objects[:at], edited, *scene.objects[at + 1 :])
+    return replace(scene, objects=objects)
 
 
 def _without_touch(thing: SceneObject, name: str) -> SceneObject:

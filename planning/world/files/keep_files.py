@@ -24,10 +24,12 @@ class KeptScene:
     Attributes:
         scene: With `files` of all its robots and meshes, and of nothing else.
         store: The store.
+        meshes: The objects whose shapes are files, in order.
     """
 
     scene: Scene
     store: FileStore
+    meshes: tuple[SceneObject, ...]
 
     def folder(self, robot: str) -> Path:
         """Return the folder of the copies of a robot's files."""
@@ -140,7 +142,8 @@ def keep_files(scene: Scene, library: ModelLibrary) -> KeptScene:
     ]
     for i, thing, uri in meshes:
         files[thing.name] = _known(scene, thing.name, uri) or keeper.mesh(thing, i)
-    return KeptScene(replace(scene, files=files), keeper.store)
+    things = tuple(thing for _, thing, _ in meshes)
+    return KeptScene(replace(scene, files=files), keeper.store, things)
 
 
 def _known(scene: Scene, name: str, named: str) -> KeptFiles | None:

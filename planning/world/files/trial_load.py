@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
 from planning.errors import ModelInvalid
 from planning.parallel.fork_pool import die_with_parent, end_fork, fork
@@ -52,7 +51,7 @@ def tried(scene: Scene, library: ModelLibrary, longest: float = _LONGEST) -> Sce
     kept = keep_files(scene, library)
     trusted = set(library.names)
     things: list[Thing] = [r for r in kept.scene.robots if r.model not in trusted]
-    things += [thing for thing in kept.scene.objects if isinstance(thing.shape, Mesh)]
+    things += kept.meshes
     by_content = {kept.scene.files[thing.name].content: thing for thing in things}
     new = {content: thing for content, thing in by_content.items() if content not in _harmless}
     if new and threading.active_count() == 1:

@@ -7,7 +7,6 @@ are in our own tables, and robot positions are a state: neither is in the model.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneFrame, SceneObject
 from planning.domain.value import digest
 from planning.world.collision.shape_pairs import share_candidates
@@ -40,11 +39,9 @@ def reused(
     before, standing = like.drake, like.drake.standing
     if len(names) != len(standing) or _rest(kept.scene, names) != _rest(like.scene, names):
         return None
-    things = [
-        kept.thing(thing) if isinstance(thing.shape, Mesh) else thing
-        for thing in kept.scene.objects
-        if thing.name in names
-    ]
+    things = [thing for thing in kept.scene.objects if thing.name in names]
+    if kept.meshes:
+        things = list(map(kept.thing, things))
     if not _are_same(things, standing.things):
         return None
     robots = tuple(
