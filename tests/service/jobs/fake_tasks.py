@@ -24,8 +24,9 @@ def warm(_: dict[str, Any], __: Channel) -> dict[str, Any]:
 
 
 def garbage(_: dict[str, Any], __: Channel) -> dict[str, Any]:
-    """Tell whether this process looks for garbage, and whether among what was imported."""
-    return {"looks": gc.isenabled(), "spared": gc.get_freeze_count() > 1000}
+    """Tell whether this process looks for garbage, and how often it, or what it is of, has."""
+    looks = sum(generation["collections"] for generation in gc.get_stats())
+    return {"looks": gc.isenabled(), "spared": gc.get_freeze_count() > 1000, "has_looked": looks}
 
 
 def repeat(payload: dict[str, Any], _: Channel) -> dict[str, Any]:

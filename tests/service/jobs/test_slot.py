@@ -67,7 +67,11 @@ def test_a_worker_looks_for_garbage_and_not_among_what_was_imported():
         async with open_slot() as slot:
             outcome = await slot.run(run_of("garbage"))
             assert isinstance(outcome, Returned)
-            assert json.loads(outcome.result.text) == {"looks": True, "spared": True}
+            told = json.loads(outcome.result.text)
+            assert told["looks"]
+            assert told["spared"]
+            # Python itself begins with some twenty looks; to import these few modules takes sixty.
+            assert told["has_looked"] < 50
 
     asyncio.run(story())
 
