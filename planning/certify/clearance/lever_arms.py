@@ -32,8 +32,8 @@ def lever_arms_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndar
     """Return the largest approach of two shapes per change of each of a group's coordinates.
 
     Two shapes that both move with a joint keep their distance, so the bound is on the displacement
-    of any point of a shape. All other joints are fixed at the request's state. A lever is infinite
-    for joints without a bound (floating) [m per rad or m].
+    of any point of a shape. All other joints are fixed at the request's state. A lever arm is
+    infinite for joints without a bound (floating) [m per rad or m].
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
@@ -85,7 +85,7 @@ def _lever_arms(model: DrakeModel, request: CertifyRequest) -> Array:
 
 
 def _by_coordinate(request: CertifyRequest, moving: list[MovingJoint], arms: Array) -> Array:
-    """Return the sum of levers of all joints moved by each coordinate, followers included."""
+    """Return the sum of lever arms of all joints moved by each coordinate, followers included."""
     lever_arms = np.zeros(request.group.num_velocities)
     firsts = np.cumsum([0, *(joint.num_velocities for joint in request.group.joints)])
     for moving_joint, arm in zip(moving, arms, strict=True):

@@ -138,7 +138,7 @@ def test_a_bound_on_positions_is_true_of_the_exact_polynomial_or_refused(degree:
         checks = checks_of(robot, moving(robot, powers), 2.0)
         if "position" not in checks:
             assert not checks["form"].passed
-            assert "rounding may hide" in checks["form"].where
+            assert "rounding error" in checks["form"].where
             assert "robot::j0" in checks["form"].where
             assert str(degree) in checks["form"].where
             continue
