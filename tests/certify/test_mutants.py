@@ -53,7 +53,7 @@ def motions() -> tuple[Sound, ...]:
     return tuple(sound_motions(COUNT, 20_261_121 + PROFILE.seed))
 
 
-def judge(question: Question) -> Certificate:
+def certificate_of(question: Question) -> Certificate:
     return certify(*question, no_hurry(30.0))[0]
 
 
@@ -162,7 +162,7 @@ def moving_at_an_end(sound: Sound, rng: Rng, speed: float) -> Question:
 
 
 def margin_broken(sound: Sound, _: Rng, lack: float) -> Question:
-    clear = judge((sound.world.drake, sound.request))
+    clear = certificate_of((sound.world.drake, sound.request))
     low, high = sorted(clear.pair)
     margins = PairMargins(0.0, {(low, high): clear.observed_clearance + lack})
     return sound.world.drake, replace(sound.request, margins=margins)
@@ -250,13 +250,13 @@ def test_mutants_are_refused_by_the_one_check_that_is_meant(name: str) -> None:
     mutate, check, tolerance, decades = MUTANTS[name]
     rng = rng_of(list(MUTANTS).index(name))
     for sound in motions():
-        certificate = judge(mutate(sound, rng, beyond(rng, tolerance, decades)))
+        certificate = certificate_of(mutate(sound, rng, beyond(rng, tolerance, decades)))
         assert not certificate.proven
         assert {failed.name.partition(":")[0] for failed in certificate.failed} == {check}
 
 
 def margin_kept(sound: Sound, _: Rng) -> Question:
-    clear = judge((sound.world.drake, sound.request))
+    clear = certificate_of((sound.world.drake, sound.request))
     floor = clear.min_clearance
     low, high = sorted(clear.pair)
     margins = PairMargins(0.0, {(low, high): floor - 1e-6})
@@ -299,5 +299,5 @@ SOUND: dict[str, Callable[[Sound, Rng], Question]] = {
 def test_sound_motions_are_proven(name: str) -> None:
     rng = rng_of(list(SOUND).index(name))
     for sound in motions():
-        certificate = judge(SOUND[name](sound, rng))
+        certificate = certificate_of(SOUND[name](sound, rng))
         assert certificate.proven, certificate.failed

@@ -1,4 +1,4 @@
-"""What rounding hides counts in rates of frames, of turns in space, and in torques.
+"""Rounding errors count in rates of frames, of rotations in space, and in torques.
 
 Polynomials are evaluated exactly; only what is left, sines and cross products, is rounded.
 """
@@ -84,8 +84,8 @@ def test_no_frame_is_faster_than_what_passes(degree: int) -> None:
         seen = states.at(np.zeros(1, dtype=int), np.ones(1), no_hurry())
         limit = (true + float(np.linalg.norm(seen.velocity))) / 2 / (1 + 1e-6)
         tempting += true > limit * (1 + 1e-6)
-        asked = replace(request, tool_limits=(ToolLimit("tip", limit),))
-        (check,) = tool_checks(model, asked, no_hurry())
+        limited = replace(request, tool_limits=(ToolLimit("tip", limit),))
+        (check,) = tool_checks(model, limited, no_hurry())
         assert not (check.passed and true > limit * (1 + 1e-6)), (true, limit, check)
     assert tempting > 3
 

@@ -96,8 +96,8 @@ def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int])
     """Hold what is proven on a segment against the distances at some instants in it."""
     request = robot.request(trajectory, PairMargins(0.0))
     scene, shapes = scene_of(robot), collision_shapes(robot.model)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
-    begin, end, middle, rows = judge.bounds(halvings)
+    native_prover = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    begin, end, middle, rows = native_prover.bounds(halvings)
     assert begin < middle < end
     at_middle = placed(robot, shapes, trajectory.positions(np.array([middle]))[0])
     for q in trajectory.positions(np.linspace(begin, end - 1e-9, 7)):
@@ -158,8 +158,8 @@ def test_a_lever_that_swings_over_a_face_is_bounded_to_second_order(turned: floa
     swing = quintic(robot.group, np.array([-turned]), np.array([turned]), 1.0)
     request = robot.request(swing, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
-    ((_, lower, along),) = judge.bounds([])[3]
+    native_prover = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    ((_, lower, along),) = native_prover.bounds([])[3]
     nearest = np.cos(turned) - 0.05 - 0.6
     assert nearest - turned**4 <= along <= nearest
     assert lower == pytest.approx(1.0 - 0.05 - 0.6 - 2 * np.sin(turned / 2))
@@ -173,9 +173,9 @@ def test_the_bounds_close_in_on_the_distance(seed: int) -> None:
     trajectory = random_trajectory(rng, robot.group, 2, 0.3)
     request = robot.request(trajectory, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    native_prover = prover(scene, robot.model, request, scene.thresholds(request.margins))
     # The direct bound halves with the segment, the other one's slack is quartered.
-    coarse, fine = (judge.bounds([0] + [1] * count)[3] for count in (9, 12))
+    coarse, fine = (native_prover.bounds([0] + [1] * count)[3] for count in (9, 12))
     assert (fine[:, 0] <= coarse[:, 0] / 4 + 1e-9).all()
     known = np.isfinite(fine[:, 2])
     assume(known.any())
@@ -251,7 +251,7 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
     turned = np.array([np.cos(1.0), 0.0, 0.0, np.sin(1.0), 0.0, 0.0, 0.0])
     request = robot.request(quintic(robot.group, np.eye(7)[0], turned, 1.0), PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    native_prover = prover(scene, robot.model, request, scene.thresholds(request.margins))
     calls: list[int] = []
 
     def interrupt() -> None:
@@ -261,10 +261,10 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
             raise RuntimeError(message)
 
     with pytest.raises(RuntimeError, match="enough"):
-        judge.prove(interrupt)
+        native_prover.prove(interrupt)
     assert len(calls) == 3
     # And the same prover goes on to prove it.
-    assert judge.prove(lambda: None).outcome == 0
+    assert native_prover.prove(lambda: None).outcome == 0
 
 
 def test_margins_of_all_pairs_at_once_are_those_of_each() -> None:

@@ -31,9 +31,9 @@ def checks_of(
     allowed: tuple[float, float] = (0.05, 0.3),
 ) -> dict[str, Check]:
     section = LineSection(line, 0.0, request.trajectory.duration, *allowed)
-    asked = replace(request, lines=(section,))
+    limited = replace(request, lines=(section,))
     deadline = no_hurry(30)
-    return {check.name: check for check in line_checks(world.drake, asked, deadline)}
+    return {check.name: check for check in line_checks(world.drake, limited, deadline)}
 
 
 def between_ends(world: World, name: str, frame: str, motion: TimedTrajectory) -> ToolLine:
@@ -53,8 +53,8 @@ def measured(
     fractions = (x[:, :3, 3] - line.begin.position) @ line.translation / line.length**2
     nearest = line.begin.position + np.clip(fractions, 0, 1)[:, None] * line.translation
     turned = rotation.exp(fractions[:, None] * line.rotation_vector)
-    wanted = rotation.matrix(rotation.multiply(line.begin.quaternion[None], turned))
-    cosines = (np.einsum("nij,nij->n", x[:, :3, :3], wanted) - 1) / 2
+    expected = rotation.matrix(rotation.multiply(line.begin.quaternion[None], turned))
+    cosines = (np.einsum("nij,nij->n", x[:, :3, :3], expected) - 1) / 2
     turns = np.arccos(np.clip(cosines, -1, 1))
     return float(np.linalg.norm(x[:, :3, 3] - nearest, axis=1).max()), float(turns.max())
 
@@ -134,7 +134,7 @@ def test_without_lines_nothing_is_asked_and_with_one_the_certificate_says_so() -
     line = between_ends(world, "body", "body::body", motion)
     wrong = ToolLine(line.frame, line.end, line.end)
     section = LineSection(wrong, 0.0, motion.duration, 1e-3, 1e-2)
-    asked = replace(request, lines=(section,))
-    refused, _ = certify(world.drake, asked, deadline)
+    limited = replace(request, lines=(section,))
+    refused, _ = certify(world.drake, limited, deadline)
     assert not refused.proven
     assert [check.name for check in refused.failed] == ["line"]

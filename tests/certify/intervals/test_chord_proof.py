@@ -94,11 +94,11 @@ def test_the_largest_value_is_known_within_its_resolution() -> None:
 
 def test_a_tight_proof_takes_few_instants(monkeypatch: pytest.MonkeyPatch) -> None:
     """A first-order bound would need 1e5 of them."""
-    asked = []
+    num_evaluated = []
     places = frame_poses.FramePoses.at
 
     def counted(self, pieces, local, deadline):
-        asked.append(len(local))
+        num_evaluated.append(len(local))
         return places(self, pieces, local, deadline)
 
     monkeypatch.setattr(frame_poses.FramePoses, "at", counted)
@@ -108,7 +108,7 @@ def test_a_tight_proof_takes_few_instants(monkeypatch: pytest.MonkeyPatch) -> No
     )
     check = box_check("c", constraint, world.drake, request, no_hurry())
     assert check.passed
-    assert sum(asked) < 8_000
+    assert sum(num_evaluated) < 8_000
 
 
 def test_a_cone_of_half_a_turn_holds_everything() -> None:

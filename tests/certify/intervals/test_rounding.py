@@ -1,4 +1,4 @@
-"""What rounding may hide is bounded, against exact arithmetic, and refused where it is much."""
+"""Rounding errors are bounded, against exact arithmetic, and refused where they are large."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -96,8 +96,8 @@ def test_forms_halves_and_values_are_off_by_less(
         t = begin if rng.random() < 0.5 else begin + step
         value = form[0, 0, 0] if t == begin else form[0, -1, 0]
         assert abs(float(Fraction(float(value)) - exact_value(powers, t))) <= hidden
-        told = curve.positions(np.array([t]))[0, 0]
-        assert abs(float(Fraction(float(told)) - exact_value(powers, t))) <= hidden
+        computed = curve.positions(np.array([t]))[0, 0]
+        assert abs(float(Fraction(float(computed)) - exact_value(powers, t))) <= hidden
 
 
 @given(st.integers(0, 9999), st.integers(1, 12))

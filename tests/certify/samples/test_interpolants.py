@@ -1,4 +1,4 @@
-"""What is said of samples is what the certifier says of the motion that they stand for."""
+"""The proof of interpolated samples agrees with the certificate of the interpolated motion."""
 
 from dataclasses import replace
 from functools import cache
@@ -51,11 +51,11 @@ def verdicts_on(world: World, request: CertifyRequest, samples, clearance: float
     return prove_interpolants(world.drake, request, samples, clearance, limit, errors)
 
 
-def asked_again(world: World, request: CertifyRequest, samples, kind: str):
-    """Return the certificate of what a receiver makes of samples."""
+def certified_again(world: World, request: CertifyRequest, samples, kind: str):
+    """Return the certificate of the motion that a receiver interpolates from samples."""
     made = replace(request, trajectory=interpolate_samples(samples, kind))
-    judge = certify_polyline if kind == "linear" else certify
-    return judge(world.drake, made, no_hurry(60.0))[0]
+    certifier = certify_polyline if kind == "linear" else certify
+    return certifier(world.drake, made, no_hurry(60.0))[0]
 
 
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
@@ -77,7 +77,7 @@ def test_a_verdict_is_the_certifiers(method, sampling):
     verdicts = verdicts_on(world, request, samples, clearance)
     assert tuple(verdict.kind for verdict in verdicts) == KINDS
     for verdict in verdicts:
-        certificate = asked_again(world, request, samples, verdict.kind)
+        certificate = certified_again(world, request, samples, verdict.kind)
         assert verdict.proven == certificate.proven
         assert {check.name for check in verdict.failed} == {c.name for c in certificate.failed}
         assert ("acceleration" in verdict.unchecked) == (verdict.kind == "linear")
@@ -105,7 +105,10 @@ def test_up_to_its_period_an_interpolation_is_proven(method):
             period = verdict.up_to_period * share
             if period > 1e-3:
                 others = of(request, Sampling(period))
-                assert asked_again(world, request, others, verdict.kind).proven, (verdict, share)
+                assert certified_again(world, request, others, verdict.kind).proven, (
+                    verdict,
+                    share,
+                )
 
 
 def over_a_wall(drop: float) -> tuple[World, CertifyRequest]:
@@ -160,7 +163,7 @@ def test_what_follows_from_the_motions_clearance_is_true(seed):
     world, request, clearance = near_a_wall(10.0 ** rng.uniform(-4, -1.5))
     samples = of(request, Sampling(num_points=2 * int(rng.integers(2, 20))))
     for verdict in verdicts_on(world, request, samples, clearance):
-        again = asked_again(world, request, samples, verdict.kind)
+        again = certified_again(world, request, samples, verdict.kind)
         assert verdict.proven == again.proven
 
 
@@ -174,16 +177,18 @@ def test_what_there_is_no_time_for_is_not_proven():
 
 def test_default_samples_cost_no_second_proof_of_clearance(monkeypatch):
     world, request, clearance = motion("toppra")
-    asked = []
+    clearance_calls = []
     prove = interpolants.check_clearance
     monkeypatch.setattr(
-        interpolants, "check_clearance", lambda *given: asked.append(given) or prove(*given)
+        interpolants,
+        "check_clearance",
+        lambda *given: clearance_calls.append(given) or prove(*given),
     )
     samples = of(request, Sampling())
     verdicts_on(world, request, samples, clearance)
-    assert asked == []
+    assert clearance_calls == []
     verdicts_on(world, request, samples, -np.inf)
-    assert len(asked) == len(KINDS)
+    assert len(clearance_calls) == len(KINDS)
 
 
 def test_samples_of_what_floats_can_only_be_followed_straight():

@@ -151,9 +151,9 @@ def test_hardest_stops_keep_them_at_every_instant(
         first = int(start * len(cells.begins))
         ride, clock = ridden(cells, first)
         assert use(world, request, ride) <= ALLOWED
-        told = float(hardest_stops(cells).times[first])
+        reported = float(hardest_stops(cells).times[first])
         left = request.trajectory.duration - float(cells.begins[first])
-        assert told == pytest.approx(min(clock, left), rel=1e-9)
+        assert reported == pytest.approx(min(clock, left), rel=1e-9)
 
     kept()
 
@@ -233,8 +233,8 @@ def pendulum(urdf_world: Callable[..., World], damping: float) -> tuple[World, C
 
 
 def found(world: World, request: CertifyRequest, most: float | None = None) -> StopReport:
-    wanted = CertifyOptions(stop_anywhere=True, max_stopping_time=most)
-    certificate, report = certify(world.drake, replace(request, options=wanted), soon())
+    options = CertifyOptions(stop_anywhere=True, max_stopping_time=most)
+    certificate, report = certify(world.drake, replace(request, options=options), soon())
     assert report.stop is not None
     assert {check.name for check in certificate.failed} <= {"stop"}
     check = certificate.checks[-1]

@@ -1,4 +1,4 @@
-"""Stops along the path: within limits at every instant, and as soon over as is reported."""
+"""Stops along the path: within limits at every instant, with the reported duration."""
 
 from dataclasses import replace
 
@@ -76,7 +76,7 @@ def detour(seed: int, method: str, bounds: BySign = None) -> tuple[World, Certif
     return world, held(request_for(world, "arm", resting), spline, method, bounds)
 
 
-def judged(world: World, request: CertifyRequest) -> tuple[Certificate, CertifyReport]:
+def certify_request(world: World, request: CertifyRequest) -> tuple[Certificate, CertifyReport]:
     return certify(world.drake, request, no_hurry(30.0))
 
 
@@ -166,9 +166,9 @@ def test_hardest_stops_keep_the_limits_at_every_instant(
     first = int(start * len(cells.begins))
     clock, worst = ridden(request, first)
     assert worst <= ALLOWED
-    told = hardest_stops(cells).times[first]
+    reported = hardest_stops(cells).times[first]
     left = request.trajectory.duration - cells.begins[first]
-    assert told == pytest.approx(min(clock, left), rel=1e-9)
+    assert reported == pytest.approx(min(clock, left), rel=1e-9)
 
 
 @given(seed=st.integers(0, 1000), start=st.floats(0.05, 0.9))
@@ -185,9 +185,9 @@ def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, star
         rate, clock = after, clock + period
     cells = motion_cells(request, 600)
     cell = int(np.searchsorted(cells.begins, start * motion.duration, side="right")) - 1
-    told = float(cells.widths[cell] + hardest_stops(cells).times[cell + 1])
+    reported = float(cells.widths[cell] + hardest_stops(cells).times[cell + 1])
     quickest = min(clock, (1 - start) * motion.duration)
-    assert 0.98 * quickest - 2e-3 <= told <= 1.15 * quickest + 0.01
+    assert 0.98 * quickest - 2e-3 <= reported <= 1.15 * quickest + 0.01
 
 
 @given(seed=st.integers(0, 1000), bounds=EITHER_WAY)
@@ -251,10 +251,10 @@ def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
     q0 = world.positions(group)
     motion = quintic(group, q0, q0 + np.array([-1.2, 0.2, -0.3, 0.1, 0.2, 0.4]), 2.5)
     request = request_for(world, "arm", motion)
-    silent, report = judged(world, request)
+    silent, report = certify_request(world, request)
     assert report.stop is None
     assert "stop" not in {check.name for check in silent.checks}
-    certificate, report = judged(world, replace(request, options=STOPS))
+    certificate, report = certify_request(world, replace(request, options=STOPS))
     assert certificate.checks[:-1] == silent.checks
     check, stop = certificate.checks[-1], report.stop
     assert certificate.proven
@@ -269,7 +269,7 @@ def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
     assert 0.2 * speed * stop.time < stop.tool_distance < 1.01 * speed * stop.time + 0.01
     for most, proven in ((stop.time * 1.001, True), (stop.time * 0.999, False)):
         bounded = CertifyOptions(stop_anywhere=True, max_stopping_time=most)
-        again, _ = judged(world, replace(request, options=bounded))
+        again, _ = certify_request(world, replace(request, options=bounded))
         assert again.proven is proven
         assert {failed.name for failed in again.failed} == (set() if proven else {"stop"})
 

@@ -55,7 +55,7 @@ def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
     scale = 1e-9 * (1 + np.abs(found.taylor[:, 0]).max())
     for share in (-1.0, -0.6, 0.0, 0.3, 1.0):
         times = trajectory.breaks[pieces] + middles + share * halves
-        wanted = drake_efforts(robot, trajectory, times)
+        expected = drake_efforts(robot, trajectory, times)
         powers = (share * width) ** np.arange(TERMS)
         got = np.einsum("k,nkv->nv", powers, found.taylor)
         begin = 0
@@ -67,10 +67,10 @@ def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
                     # In the world's axes here, in the parent's there: the length is the same.
                     away = np.abs(
                         np.linalg.norm(got[:, block], axis=1)
-                        - np.linalg.norm(wanted[:, block], axis=1)
+                        - np.linalg.norm(expected[:, block], axis=1)
                     )
                 else:
-                    away = np.linalg.norm(got[:, block] - wanted[:, block], axis=1)
+                    away = np.linalg.norm(got[:, block] - expected[:, block], axis=1)
                 assert (away <= missed).all()
             begin += joint.num_velocities
 

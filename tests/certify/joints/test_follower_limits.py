@@ -1,4 +1,4 @@
-"""Joints that follow others are held to their own limits, and seen where they really are."""
+"""Followers (mimic joints) keep their own limits, and clearance uses their own positions."""
 
 from collections.abc import Callable
 
@@ -27,10 +27,10 @@ RATES = ("velocity", "acceleration", "jerk")
 def chain(rng: np.random.Generator) -> tuple[str, list[tuple[float, ...]]]:
     """Return a robot of three joints, and (scale, offset, low, high, velocity) of both that follow.
 
-    Whatever one follows, its position is scale times that of the first, and offset.
+    The position of each follower is scale times that of the first joint, plus offset.
     """
     joints = [JOINT.format("a", "revolute", 0, -3, 3, 1.0, "")]
-    scale, offset, told = 1.0, 0.0, []
+    scale, offset, followers = 1.0, 0.0, []
     for z, (name, leader) in enumerate(("ba", "cb"), start=1):
         m, b = float(rng.choice([-1, 1]) * rng.uniform(0.3, 3)), float(rng.uniform(-0.5, 0.5))
         scale, offset = m * scale, m * offset + b
@@ -39,8 +39,8 @@ def chain(rng: np.random.Generator) -> tuple[str, list[tuple[float, ...]]]:
         velocity = float(rng.uniform(0.2, 2.0) * abs(scale))
         mimic = MIMIC.format(leader, m, b)
         joints.append(JOINT.format(name, "revolute", z, low, high, velocity, mimic))
-        told.append((scale, offset, low, high, velocity))
-    return f'<robot name="r"><link name="base"/>{"".join(joints)}</robot>', told
+        followers.append((scale, offset, low, high, velocity))
+    return f'<robot name="r"><link name="base"/>{"".join(joints)}</robot>', followers
 
 
 @pytest.mark.campaign
