@@ -45,7 +45,7 @@ class Sound:
 
 
 def sound_motions(count: int, seed: int) -> list[Sound]:
-    """Return motions from where the scenes have their robots, in turns."""
+    """Return motions that begin where the scenes have their robots, alternating between scenes."""
     rng = np.random.default_rng(seed)
     sources = [_of_scene(*scene, rng) for scene in SCENES]
     return [next(sources[i % len(sources)]) for i in range(count)]

@@ -70,7 +70,7 @@ def test_a_sound_motion_is_proven_with_every_check_named() -> None:
 
 
 def test_minimum_clearance_is_the_analytic_one() -> None:
-    # The leg of the L reaches 0.125 m in +x and the wall's face is at 0.52: 0.095 m are left.
+    # The long side of the L reaches 0.125 m in +x and the wall's face is at 0.52: 0.095 m are left.
     world = flat_world(x=0.53)
     certificate = certificate_of(world, slide(world))
     gap = 0.52 - (0.3 + 0.125)
@@ -110,7 +110,7 @@ def test_a_thin_wall_between_two_samples_is_caught(x: float, thickness: float) -
     assert certificate.failed[0].where == "body::body-wall"
 
 
-def test_margins_are_demanded_and_pairs_may_override_them() -> None:
+def test_margins_are_required_and_pairs_may_override_them() -> None:
     for margin, proven in ((0.09, True), (0.1, False)):
         world = flat_world(x=0.53, margin=margin)
         certificate = certificate_of(world, slide(world))
@@ -193,7 +193,7 @@ def test_a_motion_through_the_box_is_refused_with_pair_and_depth() -> None:
 
 @given(seed=st.integers(0, 1000))
 @settings(max_examples=num_cases(3))
-def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
+def test_proven_motions_are_free_at_dense_samples(seed: int) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q0 = world.positions(group)
@@ -208,13 +208,13 @@ def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
             certificate.observed_clearance - certificate.checks[-1].resolution <= reference + 1e-6
         )
     elif certificate.failed[0].name == "clearance":
-        # Refusals are not wanton: the loop comes as near to contact as the refusal says.
+        # Refusals are justified: the samples come as near to contact as the certificate says.
         assert reference <= max(certificate.failed[0].value, 0) + 1e-3
 
 
 @given(seed=st.integers(0, 1000))
 @settings(max_examples=num_cases(4))
-def test_a_turning_body_is_judged_as_a_fine_loop_judges_it(seed: int) -> None:
+def test_verdicts_on_a_turning_body_agree_with_dense_samples(seed: int) -> None:
     world = bundled_world("window_3d")
     group = world.group("body")
     rng = np.random.default_rng(seed)

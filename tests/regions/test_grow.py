@@ -1,4 +1,4 @@
-"""Growth of analytic worlds: coverage is what it says, and why growth ends."""
+"""Region growth in analytic worlds: estimated coverage, and the reasons why growth ends."""
 
 from itertools import combinations, pairwise
 
@@ -38,14 +38,14 @@ def test_growth_ends_when_enough_is_covered():
     assert coverages[-1] >= 0.85 > coverages[-2]
 
 
-def test_no_time_at_all_leaves_nothing():
+def test_without_time_no_region_grows():
     growth, _ = grown(Plane(off_wall), deadline=no_hurry(0.0))
     assert growth.stopped_by == "deadline"
     assert growth.regions == []
     assert growth.coverage == 0
 
 
-def test_time_that_runs_out_leaves_what_there_is():
+def test_at_the_deadline_the_regions_so_far_are_returned():
     """By a clock that moves once two regions have been reported."""
     coverages = []
     deadline = Deadline.after(1.0, lambda: float(len(coverages) >= 2))
@@ -58,7 +58,7 @@ def test_time_that_runs_out_leaves_what_there_is():
     assert [*growth.regions] == [*whole.regions[:2]]
 
 
-def test_where_nothing_is_free_nothing_grows():
+def test_without_free_space_no_region_grows():
     growth, _ = grown(Plane(lambda qs: np.zeros(len(qs), dtype=bool)))
     assert growth.regions == []
     assert (growth.coverage, growth.coverage_error) == (0, 0)
@@ -85,7 +85,7 @@ def test_cliques_see_one_another_and_are_disjoint():
     qs = qs[plane.are_free(qs)]
     found = list(cliques(plane, qs))
     assert sorted(map(tuple, np.concatenate(found))) == sorted(map(tuple, qs))
-    # All pairs at once: the world samples motions of one batch alike, other batches otherwise.
+    # All pairs in one batch: the world samples each batch at a spacing of its own.
     first, second = np.triu_indices(len(qs), 1)
     free = plane.are_motions_free(qs[first], qs[second] - qs[first], 0.1)
     place = {tuple(q): row for row, q in enumerate(qs)}

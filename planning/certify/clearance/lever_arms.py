@@ -63,8 +63,9 @@ def _lever_arms(model: DrakeModel, request: CertifyRequest) -> Array:
     chains = joint_chains(model, moving)
     context = model.plant.CreateDefaultContext()
     model.plant.SetPositions(context, model.apply_couplings(np.array(request.state)))
-    links = [
-        _link(request, moving_joint, k, chains, context) for k, moving_joint in enumerate(moving)
+    frames = [
+        _joint_frames(request, moving_joint, k, chains, context)
+        for k, moving_joint in enumerate(moving)
     ]
     arms = np.zeros(len(moving))
     shapes = geometry_of(model).shapes
@@ -77,10 +78,10 @@ def _lever_arms(model: DrakeModel, request: CertifyRequest) -> Array:
         )
         length = float(shapes.radii[row])
         for k in ordered:
-            length += float(np.linalg.norm(position - links[k].far))
+            length += float(np.linalg.norm(position - frames[k].far))
             arms[k] = max(arms[k], length)
-            length += links[k].stroke
-            position = links[k].near
+            length += frames[k].stroke
+            position = frames[k].near
     return _by_coordinate(request, moving, arms)
 
 
@@ -102,7 +103,7 @@ def _by_coordinate(request: CertifyRequest, moving: list[MovingJoint], arms: Arr
     return lever_arms
 
 
-def _link(
+def _joint_frames(
     request: CertifyRequest,
     moving_joint: MovingJoint,
     k: int,

@@ -1,4 +1,4 @@
-"""The clearance of a certificate: a lower bound that is true, and what was observed."""
+"""The clearance of a certificate: its lower bound holds, and the observed one is measured."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Clearance: what is proven is true, on any robot, and what touches is refused."""
+"""Clearance: proven motions are free, on any robot, and contacts are refused."""
 
 from dataclasses import replace
 from typing import Any
@@ -55,14 +55,14 @@ def slider(shape: Shape, obstacle: Shape, at: np.ndarray) -> Robot:
     return builder.build()
 
 
-def test_the_proof_that_is_meant_is_the_one_that_judges(implementation: str) -> None:
+def test_the_chosen_proof_is_the_one_that_runs(implementation: str) -> None:
     robot = slider(Sphere(0.05), Sphere(0.1), np.array([0.2, 0.0, 0.3]))
     assert (kernel_scene_of(robot.model) is not None) is (implementation == "kernel")
 
 
 @given(seed=st.integers(0, 100_000), margin=st.sampled_from([0.0, 0.0, 0.01]))
 @settings(max_examples=num_cases(6))
-def test_random_robots_are_judged_as_a_fine_loop_judges_them(seed: int, margin: float) -> None:
+def test_verdicts_on_random_robots_agree_with_dense_samples(seed: int, margin: float) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=3, num_obstacles=4)
     trajectory = random_trajectory(rng, robot.group, int(rng.integers(1, 4)), 0.25)
@@ -163,11 +163,11 @@ def test_pairs_have_their_own_margins() -> None:
     assert certificate_of(robot, exact, PairMargins(0.05)).proven
 
 
-def test_what_the_group_does_not_move_is_looked_at_once() -> None:
+def test_static_pairs_are_measured_once() -> None:
     def beside(distance: float) -> Robot:
         builder = Builder()
         builder.link(P, Sphere(0.05))
-        # A second robot that stands still: the mimic joint of nobody in the group.
+        # A second robot that stands still: its mimic joint follows no joint of the group.
         builder.link(P, Sphere(0.05), None, RigidTransform(np.array([2.0, 0.0, 0.0])))
         builder.obstacle(
             "thing", Sphere(0.05), RigidTransform(np.array([2.1 + distance, 0.0, 0.0]))
@@ -231,7 +231,7 @@ def test_a_bar_that_turns_beside_a_wall(kind: Any) -> None:
             assert certificate.observed_clearance == pytest.approx(gap, abs=1e-3)
 
 
-def test_no_time_is_no_verdict() -> None:
+def test_without_time_there_is_no_verdict() -> None:
     robot = slider(Sphere(0.05), Sphere(0.1), np.array([0.2, 0.0, 0.3]))
     request = robot.request(quintic(robot.group, np.zeros(1), np.ones(1), 1.0), NO_MARGIN)
     with pytest.raises(DeadlineExceeded):
@@ -241,7 +241,7 @@ def test_no_time_is_no_verdict() -> None:
 
 
 def test_a_deadline_ends_a_long_proof() -> None:
-    # A wheel that spins beside a wall: nothing comes nearer, but a bound on turning does not know.
+    # A wheel that spins beside a wall: its distance is constant, but the motion bounds grow.
     builder = Builder()
     builder.link(FLOATING, Cylinder(0.1, 0.1))
     builder.obstacle("wall", Box(0.1, 1.0, 1.0), RigidTransform(np.array([0.15001, 0.0, 0.0])))
@@ -251,11 +251,11 @@ def test_a_deadline_ends_a_long_proof() -> None:
     clock = FakeClock(step=0.0625)
     with pytest.raises(DeadlineExceeded):
         certify(robot.model, request, Deadline.after(0.5, clock))
-    # It stopped at the first look at the clock that showed the end.
+    # It stopped at the first check of the clock after the deadline.
     assert clock.now == 0.5625
 
 
-def test_nothing_to_hit_is_infinitely_clear() -> None:
+def test_without_obstacles_clearance_is_infinite() -> None:
     builder = Builder()
     builder.link(P, Sphere(0.05))
     robot = builder.build()

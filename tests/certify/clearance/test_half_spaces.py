@@ -1,4 +1,4 @@
-"""Half spaces, at rest and on links that turn: what is proven is true, and what is free is."""
+"""Clearance of half spaces, at rest and on links that turn, against closed formulas."""
 
 from itertools import product
 
@@ -38,7 +38,7 @@ def random_motion(place: Place) -> tuple[Robot, TimedTrajectory]:
 @BOTH_PROOFS
 @given(seed=st.integers(0, 2**31), is_carried=st.booleans())
 @settings(max_examples=num_cases(3))
-def test_what_stays_above_is_proven_and_what_does_not_is_refused(
+def test_motions_above_are_proven_and_motions_into_it_are_refused(
     seed: int, is_carried: bool
 ) -> None:
     robot, motion = random_motion(Place(seed, is_carried))
@@ -57,7 +57,7 @@ def test_what_stays_above_is_proven_and_what_does_not_is_refused(
 
 @given(seed=st.integers(0, 2**31), is_carried=st.booleans())
 @settings(max_examples=num_cases(6))
-def test_nothing_comes_nearer_than_its_bound(seed: int, is_carried: bool) -> None:
+def test_no_pair_approaches_by_more_than_its_bound(seed: int, is_carried: bool) -> None:
     """The bound on a pair's approach, on random segments of random motions."""
     robot, motion = random_motion(Place(seed, is_carried))
     heights, rng = Heights(robot), np.random.default_rng(seed + 2)

@@ -1,4 +1,4 @@
-"""No point moves farther per change of a joint than its lever, whatever the configuration."""
+"""No point moves farther per joint displacement than its lever arm, at any configuration."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def request_of(robot: Robot, reach: float, rng: np.random.Generator) -> CertifyR
 
 @given(seed=st.integers(0, 100_000))
 @settings(max_examples=num_cases(8))
-def test_no_pair_comes_nearer_than_levers_say(seed: int) -> None:
+def test_no_pair_approaches_by_more_than_its_lever_arms_allow(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=4, num_obstacles=1)
     levers = lever_arms_of(robot.model, request_of(robot, 2.0, rng))
@@ -64,7 +64,7 @@ def test_the_lever_of_an_arm_is_its_length() -> None:
 
 @given(seed=st.integers(0, 100_000))
 @settings(max_examples=num_cases(8))
-def test_deviations_bound_what_a_fine_loop_sees(seed: int) -> None:
+def test_deviations_bound_those_at_dense_samples(seed: int) -> None:
     rng = np.random.default_rng(seed)
     builder = Builder()
     for kind in (R, P, JointType.PLANAR):

@@ -80,7 +80,7 @@ def placed(robot: Robot, shapes: CollisionShapes, q: np.ndarray) -> tuple[np.nda
 def distance(
     shapes: CollisionShapes, at: tuple[np.ndarray, np.ndarray], a: int, b: int
 ) -> tuple[float, float]:
-    """Return two bounds on a distance, by the Python search, and the spheres' middles' distance."""
+    """Return both bounds on a distance, by the Python search, and the distance of the centres."""
     R_WG, p_wg = at
 
     def support(n: np.ndarray) -> np.ndarray:
@@ -93,7 +93,7 @@ def distance(
 
 
 def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int]) -> None:
-    """Hold what is proven on a segment against the distances at some instants in it."""
+    """Compare the bounds on a segment with the distances at some instants in it."""
     request = robot.request(trajectory, PairMargins(0.0))
     scene, shapes = scene_of(robot), collision_shapes(robot.model)
     native_prover = prover(scene, robot.model, request, scene.thresholds(request.margins))
@@ -123,7 +123,7 @@ def test_no_pair_is_nearer_than_its_bounds(seed: int, halvings: list[int]) -> No
 
 @given(seed=st.integers(0, 100_000), kind=st.sampled_from([P, R, PLANAR, FLOATING]))
 @settings(max_examples=num_cases(6))
-def test_nor_over_many_pieces_that_are_torn_apart(seed: int, kind: JointType) -> None:
+def test_no_pair_is_nearer_than_its_bounds_over_disjoint_pieces(seed: int, kind: JointType) -> None:
     rng = np.random.default_rng(seed)
     builder = Builder()
     builder.link(kind, Box(0.8, 0.05, 0.05))
@@ -192,7 +192,7 @@ def test_both_proofs_agree_on_random_robots(seed: int, margin: float) -> None:
     ours, theirs = natively(robot, request), in_python(robot, request)
     refused = [found.check for found in (ours, theirs) if not found.check.passed]
     if len(refused) == 1:
-        # Only what one of them could not decide may the other one prove.
+        # The verdicts may differ only where one of them is undecided.
         assert refused[0].resolution > 0
     for check in refused:
         assert check.value - check.resolution <= check.bound

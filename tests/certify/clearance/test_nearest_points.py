@@ -62,7 +62,7 @@ def test_they_are_on_both_bodies_and_that_far_apart(seed: int) -> None:
     certificate = certificate_of(robot, trajectory)
     assert certificate.points.shape == (2, 3)
     apart = float(np.linalg.norm(certificate.points[0] - certificate.points[1]))
-    # What is measured deeper than it is, by either search, is so by little.
+    # Either search may overestimate the depth, by little.
     tolerance = 2e-5 if certificate.observed_clearance > 0 else 5e-3
     assert apart == pytest.approx(abs(certificate.observed_clearance), abs=tolerance)
     assert all(excess(robot, trajectory, certificate, i) < 1e-4 for i in (0, 1))
@@ -119,7 +119,7 @@ def test_without_a_pair_there_are_none() -> None:
 
 
 def test_of_two_bodies_all_shapes_are_measured(urdf_world: Callable[..., World]) -> None:
-    """The proof may have met a pair of shapes of theirs that is not the nearest."""
+    """The proof may have measured a pair of their shapes that is not the nearest."""
     near, far = (
         f'<collision><origin xyz="{x} 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>'
         for x in (0.3, -0.3)

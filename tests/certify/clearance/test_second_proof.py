@@ -48,7 +48,7 @@ def test_drake_decides_what_the_kernel_does_not(end: float, passes: bool) -> Non
 
 
 @ENDS
-def test_what_is_decided_is_not_looked_at_again(end: float, passes: bool) -> None:
+def test_a_decided_proof_is_not_repeated(end: float, passes: bool) -> None:
     robot, request = towards_a_wall(end)
     alone = quick_clearance(robot.model, request, no_hurry())
     assert alone.is_decided

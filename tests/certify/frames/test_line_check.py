@@ -1,4 +1,4 @@
-"""The line check: its value bounds what is off at every instant, and is not much more."""
+"""The line check: its value bounds the deviation at every instant, tightly."""
 
 from dataclasses import replace
 
@@ -69,7 +69,7 @@ def measured(
 )
 @given(seed=st.integers(0, 200))
 @settings(max_examples=num_cases(2))
-def test_values_bound_what_is_off_at_every_instant_and_little_more(
+def test_values_bound_the_deviation_at_every_instant_tightly(
     scene: str, name: str, frame: str, size: float, seed: int
 ) -> None:
     world = bundled_world(scene)
@@ -107,7 +107,7 @@ def test_a_motion_on_its_line_passes_and_beside_it_fails() -> None:
     assert bad["line"].value == pytest.approx(2e-3, rel=0.05)
 
 
-def test_a_turn_on_the_spot_must_keep_its_axis() -> None:
+def test_a_pure_rotation_must_keep_its_axis() -> None:
     world = bundled_world("window_3d")
     group = world.group("body")
     manifold, q0 = Manifold(group.joints), world.positions(group)
@@ -120,7 +120,7 @@ def test_a_turn_on_the_spot_must_keep_its_axis() -> None:
     assert found["line rotation"].value > 0.25
 
 
-def test_without_lines_nothing_is_asked_and_with_one_the_certificate_says_so() -> None:
+def test_line_checks_exist_only_with_lines() -> None:
     world = bundled_world("window_3d")
     group = world.group("body")
     q0 = world.positions(group)

@@ -1,4 +1,4 @@
-"""Speeds and accelerations of frames: what the checks say bounds what is so at every instant."""
+"""Speeds and accelerations of frames: the values of the checks hold at every instant."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -95,7 +95,7 @@ def test_bounds_on_derivatives_hold_at_every_instant(
 
 @given(rate=st.floats(0.1, 5.0), arm=st.floats(0.05, 1.0))
 @settings(max_examples=num_cases(5))
-def test_of_one_arm_that_turns_evenly_the_bounds_are_exact(rate: float, arm: float) -> None:
+def test_bounds_of_one_arm_at_constant_rate_are_exact(rate: float, arm: float) -> None:
     """|p^(m)| = rate^m arm."""
     builder = Builder()
     builder.link(JointType.REVOLUTE, Sphere(0.1), x_bm=RigidTransform(np.array([arm, 0, 0])))
@@ -112,7 +112,7 @@ def test_of_one_arm_that_turns_evenly_the_bounds_are_exact(rate: float, arm: flo
 
 
 @pytest.mark.parametrize("size", [1e30, 1e100, 1e200])
-def test_monstrous_motions_are_refused_and_raise_nothing(size: float) -> None:
+def test_huge_motions_are_refused_without_an_error(size: float) -> None:
     world, request = moving("ur5e_pickup", "arm", 3)
     motion = replace(request.trajectory, coefficients=request.trajectory.coefficients * size)
     limited = replace(

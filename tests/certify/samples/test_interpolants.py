@@ -130,7 +130,7 @@ objects:
 
 
 def near_a_wall(gap: float) -> tuple[World, CertifyRequest, float]:
-    """Return a way over a wall that is proven free by so much, and its clearance."""
+    """Return a path over a wall with a proven clearance, and that clearance."""
     drop = 0.3
     for _ in range(6):
         found = certify(*_model(over_a_wall(drop)), no_hurry(60.0))[0]
@@ -146,7 +146,7 @@ def _model(of_world):
     return world.drake, request
 
 
-def test_two_points_of_a_way_around_something_are_not_proven():
+def test_two_samples_of_a_path_around_an_obstacle_are_not_proven():
     world, request, clearance = near_a_wall(0.01)
     for verdict in verdicts_on(world, request, of(request, Sampling(num_points=2)), clearance):
         assert not verdict.proven
@@ -157,8 +157,8 @@ def test_two_points_of_a_way_around_something_are_not_proven():
 
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=num_cases(6))
-def test_what_follows_from_the_motions_clearance_is_true(seed):
-    """Few points cut the way over a wall short, by as much as it has to spare or so."""
+def test_clearance_derived_from_that_of_the_motion_holds(seed):
+    """Few samples cut the path over a wall short, by about its clearance."""
     rng = np.random.default_rng(seed)
     world, request, clearance = near_a_wall(10.0 ** rng.uniform(-4, -1.5))
     samples = of(request, Sampling(num_points=2 * int(rng.integers(2, 20))))
@@ -167,7 +167,7 @@ def test_what_follows_from_the_motions_clearance_is_true(seed):
         assert verdict.proven == again.proven
 
 
-def test_what_there_is_no_time_for_is_not_proven():
+def test_interpolants_are_not_proven_after_the_deadline():
     world, request, _ = motion("toppra")
     samples = of(request, Sampling())
     late = verdicts_on(world, request, samples, -np.inf, after_looks(1))
@@ -191,7 +191,7 @@ def test_default_samples_cost_no_second_proof_of_clearance(monkeypatch):
     assert len(clearance_calls) == len(KINDS)
 
 
-def test_samples_of_what_floats_can_only_be_followed_straight():
+def test_samples_of_floating_joints_are_interpolated_linearly_only():
     world = world_from("""
 robots: [{name: body, model: free_l}]
 """)

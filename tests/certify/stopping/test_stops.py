@@ -54,7 +54,7 @@ def held(
 
 
 def slide(length: float, method: str = "toppra", bounds: BySign = None) -> CertifyRequest:
-    """Return a slide at 2 m/s under 10 m/s^2 and 100 m/s^3, as quick as may be."""
+    """Return the fastest translation within 2 m/s, 10 m/s^2 and 100 m/s^3."""
     builder = Builder()
     builder.link(P, Sphere(0.05))
     robot = builder.build()
@@ -98,7 +98,7 @@ def use(request: CertifyRequest, rates: np.ndarray, order: int) -> float:
 
 
 def ridden(request: CertifyRequest, first: int, cells_at: int = 600) -> tuple[float, float]:
-    """Ride the hardest stop from a cell on, in small steps; return its time and the worst use."""
+    """Follow the hardest stop from a cell on, in small steps; return its time and utilization."""
     cells = motion_cells(request, cells_at)
     y, clock, worst, at = 1.0, 0.0, 0.0, first
     while y > 1e-12 and at < len(cells.begins):
@@ -123,11 +123,11 @@ def test_one_joint_stops_as_quickly_as_it_can_brake(length: float) -> None:
     stops = hardest_stops(cells)
     longest = float((cells.widths + stops.times[1:]).max())
     top = min(2.0, np.sqrt(length * 10.0))
-    # Full speed takes top / a to lose, and a few cells are what is not known better.
+    # Braking from full speed takes top / a, and the resolution is a few cells.
     assert top / 10.0 - 1e-6 <= longest <= top / 10.0 + 3 * cells.widths.max()
 
 
-def test_what_is_reported_of_one_joint_is_what_is_known() -> None:
+def test_the_report_of_one_joint_is_the_analytic_one() -> None:
     request = replace(slide(4.0), options=STOPS)
     builder = Builder()
     builder.link(P, Sphere(0.05))
@@ -245,7 +245,7 @@ def test_a_turning_body_stops_too(method: str) -> None:
             assert ridden(request, first, 200)[1] <= ALLOWED
 
 
-def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
+def test_stops_are_a_check_only_if_requested() -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q0 = world.positions(group)
@@ -261,7 +261,7 @@ def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
     assert stop is not None
     assert (check.name, check.value, check.bound) == ("stop", stop.time, np.inf)
     assert 0 < stop.time < motion.duration
-    # Some stop begins there: until it is over the tool goes no farther than its fastest would.
+    # Until that stop is over the tool moves no farther than at its largest speed.
     times = np.linspace(0, motion.duration, 500)
     poses = world.frame_poses(stop.frame, world.embed(group, motion.positions(times)))
     speed = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1).max() / times[1]
@@ -275,7 +275,7 @@ def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
 
 
 @pytest.mark.parametrize("jerk", [False, True])
-def test_a_motion_that_goes_nowhere_stands_already(jerk: bool) -> None:
+def test_a_motion_without_displacement_has_stopped_already(jerk: bool) -> None:
     request = replace(slide(0.4), jerk=jerk)
     still = replace(request.trajectory, coefficients=0 * request.trajectory.coefficients)
     cells = motion_cells(replace(request, trajectory=still), 50)

@@ -17,7 +17,7 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def drake_efforts(robot: Robot, trajectory: TimedTrajectory, times: np.ndarray) -> np.ndarray:
-    """Return the generalized forces by Drake, followers' burden on their leaders."""
+    """Return the generalized forces by Drake, with those of followers added to their leaders."""
     model, plant = robot.model, robot.model.plant
     context, forces = plant.CreateDefaultContext(), MultibodyForces(plant)
     own = model.velocity_indices(robot.group)
@@ -39,7 +39,7 @@ def drake_efforts(robot: Robot, trajectory: TimedTrajectory, times: np.ndarray) 
 
 
 @given(seed=st.integers(0, 10_000), num_links=st.integers(1, 6))
-def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
+def test_series_agree_with_drakes_torques_within_their_error_bounds(
     seed: int, num_links: int
 ) -> None:
     rng = np.random.default_rng(seed)
@@ -75,7 +75,7 @@ def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
             begin += joint.num_velocities
 
 
-def test_what_is_missed_falls_with_the_fifth_power_of_the_width() -> None:
+def test_the_error_bound_falls_with_the_fifth_power_of_the_width() -> None:
     rng = np.random.default_rng(5)
     robot = random_robot(rng, 4, 0, mass=1.0)
     trajectory = random_trajectory(rng, robot.group, 1, spread=0.5)

@@ -1,4 +1,4 @@
-"""The torque check: a bound that holds, is near, and refuses what is too quick."""
+"""The torque check: its bound holds, is tight, and refuses motions that are too fast."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -85,7 +85,7 @@ def test_a_motion_just_within_is_proven_and_one_that_is_too_quick_is_not(seed: i
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0])
-def test_a_pendulum_takes_what_it_is_known_to_take(
+def test_the_torque_of_a_pendulum_is_the_analytic_one(
     urdf_world: Callable[..., World], damping: float
 ) -> None:
     world = urdf_world(PENDULUM.format(damping=damping))
@@ -103,7 +103,7 @@ def test_a_pendulum_takes_what_it_is_known_to_take(
     assert check.time == pytest.approx(times[torque.argmax()], abs=0.02)
 
 
-def test_a_payload_weighs_as_much_as_the_same_thing_held(
+def test_a_payload_counts_as_much_as_the_same_held_object(
     urdf_world: Callable[..., World],
 ) -> None:
     size, mass = np.array([0.1, 0.2, 0.3]), 3.0
@@ -127,7 +127,7 @@ def test_a_payload_weighs_as_much_as_the_same_thing_held(
     assert values[0] > 1.2 * values[2]
 
 
-def test_a_budget_that_is_used_up_refuses() -> None:
+def test_an_exhausted_budget_refuses() -> None:
     world = bundled_world("ur5e_pickup")
     q = world.positions(world.group("arm"))
     request = request_for(world, "arm", quintic(world.group("arm"), q, q + 0.5, 1.0))
@@ -137,7 +137,7 @@ def test_a_budget_that_is_used_up_refuses() -> None:
     assert refused.value > 1
 
 
-def test_time_that_is_over_and_bodies_of_no_weight_are_refused() -> None:
+def test_expired_deadlines_and_bodies_without_mass_are_refused() -> None:
     world = bundled_world("ur5e_pickup")
     q = world.positions(world.group("arm"))
     request = request_for(world, "arm", quintic(world.group("arm"), q, q + 0.5, 1.0))
@@ -151,7 +151,7 @@ def test_time_that_is_over_and_bodies_of_no_weight_are_refused() -> None:
 
 
 @pytest.mark.parametrize("size", [3e4, 1e60, 1e200])
-def test_motions_beyond_all_numbers_are_refused(size: float) -> None:
+def test_motions_that_overflow_are_refused(size: float) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q = world.positions(group)
