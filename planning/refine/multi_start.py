@@ -55,7 +55,7 @@ def solve_multi_start(world: World, problem: RefineProblem) -> MultiStartResult:
         problem: Refinement problem of the path.
     """
     guesses = [problem.fit_path(tolerance) for tolerance in _FIT_TOLERANCES]
-    result = MultiStartResult(problem, guesses[0], reason="no time was left")
+    result = MultiStartResult(problem, guesses[0], reason="the deadline passed during refinement")
     for guess in guesses:
         if result.best is None and not problem.deadline.is_over:
             result = result.optimized_from(problem, guess)

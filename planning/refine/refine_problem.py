@@ -44,7 +44,7 @@ _STOP_RATIO = 1.002
 _RESTART_RATIO = 1.03
 # Number of curves rejected by a predicate that ends a descent: no gradient leads to others.
 _MAX_REJECTED_CURVES = 2
-_PREDICATE_REJECTION = "a predicate rejects the optimised curve"
+_PREDICATE_REJECTION = "the optimized curve violates a path predicate"
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ class RefineProblem:
         )
         trust_region = TrustRegion(model, guess)
         best: CurveEvaluation | None = None
-        reason, num_rejected = "no time was left", 0
+        reason, num_rejected = "the deadline passed during refinement", 0
         for evaluation in trust_region.run(_MAX_STEPS):
             if best is None or evaluation.objective < best.objective:
                 reason, violations = self.check_curve(evaluation)
@@ -192,13 +192,14 @@ class RefineProblem:
         violations = self.auditor.find_violations(curve)
         if len(violations):
             where = ", ".join(f"{s:.3f}" for s in violations[:5])
-            what = "is too near to something"
-            what += "" if self.request.constraints is None else " or breaks a path constraint"
-            return f"the optimised curve {what} at s = {where}", violations
+            what = "a collision margin"
+            what += "" if self.request.constraints is None else " or a path constraint"
+            message = f"the optimized curve violates {what} at path parameters s = {where}"
+            return message, violations
         if evaluation.loads is not None and evaluation.loads.excess > 0:
-            return "gravity is more than a joint can hold on the optimised curve", violations
+            return "the static torque exceeds an effort limit on the optimized curve", violations
         if not is_within_limits(curve, self.limits):
-            return "the optimised curve leaves the position limits", violations
+            return "the optimized curve violates position limits", violations
         if not satisfies_predicates(curve, self.predicates):
             return _PREDICATE_REJECTION, violations
         return "", violations

@@ -216,9 +216,7 @@ def _validate_task(group: JointGroup, task: SearchTask) -> None:
     }
     for field, is_fault in faults.items():
         if is_fault:
-            raise ProblemInvalid(
-                f"{field} makes no sense: {_REQUIREMENTS[field]}", {"field": field}
-            )
+            raise ProblemInvalid(f"{field}: {_REQUIREMENTS[field]}", {"field": field})
 
 
 def _straight_line(query: Query, resolution: CheckResolution) -> VerifiedPath | None:
@@ -235,12 +233,16 @@ def _straight_line(query: Query, resolution: CheckResolution) -> VerifiedPath | 
 def _no_path_found(query: Query, statistics: SearchStatistics) -> NoPathFound:
     last_attempt, evidence = statistics.last_attempt, statistics.evidence(query)
     is_blocked = last_attempt is not None and len(last_attempt.waypoints) > 0
-    why = "what it found collides on a closer look" if is_blocked else "it ended without a solution"
+    why = (
+        "its path collides when checked at the fine resolution"
+        if is_blocked
+        else "it ended without a solution"
+    )
     advice = "more attempts, more samples or another planner may find one"
     if last_attempt is not None and last_attempt.failure_evidence.get("reason") == "setup":
         budget, setup_seconds = evidence["budget"], evidence["spent"]
-        why = f"setting the last one up took {setup_seconds:.3g} s of the {budget:g} s that it may"
-        advice = "search.setup_time is what to raise"
+        why = f"the planner's setup took {setup_seconds:.3g} s, its budget is {budget:g} s"
+        advice = "raise search.setup_time"
     message = (
         f"{', '.join(query.options.planners)} found no path in {statistics.num_attempts} attempts: "
         f"{why}; {advice}"

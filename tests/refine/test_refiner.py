@@ -160,7 +160,11 @@ def test_what_was_not_asked_for_is_not_done(thin_wall):
     request = replace(thin_wall.request, options=RefineOptions("none"))
     curve, report = replace(thin_wall, request=request).refined()
     assert curve is None
-    assert (report.method, report.improved, report.reason) == ("none", False, "not asked for")
+    assert (report.method, report.improved, report.reason) == (
+        "none",
+        False,
+        "refine.method is none",
+    )
 
 
 @pytest.mark.parametrize(("seconds", "refines"), [(0.4, False), (60.0, True)])
@@ -177,13 +181,13 @@ def test_a_path_that_does_not_move_is_left_alone(thin_wall):
     still = replace(thin_wall.request.path, waypoints=np.full((3, 2), 0.4))
     curve, report = replace(thin_wall, request=replace(thin_wall.request, path=still)).refined()
     assert curve is None
-    assert report.reason == "the path does not move"
+    assert report.reason == "the path has zero length"
 
 
 def test_after_the_deadline_the_path_goes_on(thin_wall):
     curve, report = thin_wall.refined(seconds=0.0)
     assert curve is None
-    assert report.reason == "no time was left"
+    assert report.reason == "the deadline passed before refinement began"
 
 
 def test_a_deadline_between_rounds_ends_the_work(thin_wall):
@@ -204,7 +208,7 @@ def test_a_straight_path_is_left_alone(make_puck):
     request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
     curve, report = refine(world, request, no_hurry(60))
     assert curve is None
-    assert report.reason == "nothing is quicker than the straight path"
+    assert report.reason == "the straight path is already optimal"
     assert report.rounds == 0
     assert report.duration_before == pytest.approx(report.lower_bound, rel=2e-3)
 
@@ -212,7 +216,7 @@ def test_a_straight_path_is_left_alone(make_puck):
 @pytest.mark.parametrize(
     ("points", "reason"),
     [
-        (np.linspace([-0.6, 0.1], [0.6, 0.1], 14), "too near to something"),
+        (np.linspace([-0.6, 0.1], [0.6, 0.1], 14), "violates a collision margin"),
         (np.array([[-0.6, 0.1], *[[0.0, 3.0]] * 12, [0.6, 0.1]]), "limits"),
     ],
 )
@@ -251,7 +255,7 @@ def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall):
     misled = Misled(**{field.name: getattr(task, field.name) for field in fields(task)})
     nowhere, _, reason = misled.optimize(misled.fit_path(0.15))
     assert nowhere is None
-    assert "too near" in reason
+    assert "violates a collision margin" in reason
     found = solve_multi_start(thin_wall.world, misled)
     assert found.best is not None, found.reason
     assert thin_wall.are_free(task.curve_of(found.best).positions(FINE)).all()

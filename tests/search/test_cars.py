@@ -236,7 +236,7 @@ def test_what_the_robot_cannot_drive_is_refused(spaces, error):
 def test_two_cars_at_once_are_refused():
     group = group_of(JointType.PLANAR, JointType.PLANAR)
     both = {"r::j0": Steering(0.2), "r::j1": Steering(0.3)}
-    with pytest.raises(ProblemInvalid, match="one car"):
+    with pytest.raises(ProblemInvalid, match="may have one car"):
         SteeringPaths(steered(group, both))
 
 

@@ -108,7 +108,7 @@ class DriveSolver:
             current = best = better
         num_steps = self.trust_region.num_steps
         if best is None or best.objective > first_evaluation.objective * (1 - _MIN_GAIN):
-            reason = reason or "no quicker drive was found"
+            reason = reason or "no faster car path was found"
             return DriveResult(
                 None, first_evaluation.duration, first_evaluation.duration, num_steps, reason
             )
@@ -153,10 +153,10 @@ class DriveSolver:
         violations = self.auditor.find_violations(curve)
         if len(violations):
             where = ", ".join(f"{s:.3f}" for s in violations[:5])
-            what = "is too near to something or breaks a path constraint"
-            return f"the quicker drive {what} at s = {where}", violations
+            what = "violates a collision margin or a path constraint"
+            return f"the faster car path {what} at path parameters s = {where}", violations
         if not is_within_limits(curve, self.limits):
-            return "the quicker drive leaves the position limits", violations
+            return "the faster car path violates position limits", violations
         if not satisfies_predicates(curve, self.predicates):
-            return "a predicate rejects the quicker drive", violations
+            return "the faster car path violates a path predicate", violations
         return "", violations

@@ -95,7 +95,7 @@ def validate_clearance_objective(options: RefineOptions) -> None:
             field = f"refine.clearance.{name}"
             raise ProblemInvalid(f"{field} must be positive and finite", {"field": field})
     if options.method == "none":
-        message = "refine.clearance is wished of an optimiser: method trajopt or auto"
+        message = "refine.clearance requires refine.method 'trajopt' or 'auto', not 'none'"
         raise ProblemInvalid(message, {"field": "refine.clearance"})
 
 

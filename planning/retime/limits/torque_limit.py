@@ -209,8 +209,8 @@ def _validate_static_torques(name: str, torques: Array, bound: float, fractions:
     worst = int(np.argmax(torques))
     if torques[worst] > bound:
         message = (
-            f"{name} cannot be held still on the path: gravity takes {torques[worst]:.4g} N m or N "
-            f"of it at {fractions[worst]:.3f} of the way, and its limit leaves {bound:.4g}"
+            f"the static torque of {name} exceeds its effort limit: {torques[worst]:.4g} N m or N at "
+            f"fraction {fractions[worst]:.3f} of the path, limit {bound:.4g} after reserves"
         )
         evidence = {
             "limit": "torque",

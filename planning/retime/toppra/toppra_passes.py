@@ -55,7 +55,7 @@ def squared_speeds(
         else np.array(_UNSPECIFIED)
     )
     if not np.isfinite(x).all():
-        message = "toppra finds no speed profile along the path"
+        message = "toppra found no velocity profile along the path"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(edges)})
     return x
 

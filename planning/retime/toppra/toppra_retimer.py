@@ -126,7 +126,7 @@ def _profile(
     deadline.check("retime")
     x = squared_speeds(cells.breaks, (a / time_unit**2, b / time_unit**2), caps) / time_unit**2
     if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
-        message = "toppra's profile stands still on the way"
+        message = "toppra's profile has zero path velocity between start and goal"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
     return profile_between(cells.breaks, x, lines)
 

@@ -134,7 +134,7 @@ def test_the_deadline_is_kept_and_the_best_so_far_is_given(
     assert taken[0] <= 3 < taken[2]
     curve, report = drive.refined(0.0)
     assert curve is None
-    assert report.reason == "no time was left"
+    assert report.reason == "the deadline passed before refinement began"
 
 
 class Blind:
@@ -153,7 +153,7 @@ def test_what_would_collide_is_refused(drive_of: Callable[[str], Drive]) -> None
     model = DriveModel(task.problem, Blind(), task.limits, times, None)
     found = replace(task, model=model, trust_region=DriveTrustRegion(model, deadline)).run()
     assert found.path is None
-    assert "too near" in found.reason
+    assert "violates a collision margin" in found.reason
 
 
 def test_position_limits_are_kept(drive_of: Callable[[str], Drive]) -> None:
@@ -209,7 +209,7 @@ def test_none_and_auto(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("passed")
     curve, report = drive.refined(options=RefineOptions("none"))
     assert curve is None
-    assert report.reason == "not asked for"
+    assert report.reason == "refine.method is none"
     curve, report = drive.refined(0.3, options=RefineOptions("auto"))
     assert curve is None
     assert "less than" in report.reason
