@@ -1,10 +1,10 @@
-"""refine(): trajectory optimisation of a path: a smooth, quick, free curve, or none and the reason.
+"""refine(): trajectory optimization of a path: a smooth, quick, free curve, or none and the reason.
 
 Sequential convex programming in a trust region, with distances under an exact penalty (Schulman et
 al., "Motion planning with sequential convex optimization and convex collision checking", IJRR 33:9,
 2014): see `model/curve_model` and `trust_region`, for cars `cars/`. Every curve that is better than
-those before it is audited densely; where it is too near to an obstacle between the instants at
-which distances are kept, those instants are added.
+those before it is audited densely; where it violates a margin between the instants at which
+distances are kept, those instants are added.
 """
 
 from dataclasses import replace
@@ -34,13 +34,13 @@ def refine(
 ) -> tuple[JointSpline | None, RefineReport]:
     """Return a curve from the path's start to its goal that should take less time, if there is one.
 
-    Not promised: that the curve is free between the audited samples, nor that the retimer makes it
-    quicker than the path. The caller times and certifies both.
+    Not promised: that the curve is free between the audited samples, or that its motion is faster
+    than that along the path. The caller times and certifies both.
 
     Args:
         world: The scene, loaded.
         request: Path, limits, margins and constraints.
-        deadline: Of the whole plan; a share of what remains is used.
+        deadline: Deadline of the whole plan; a share of the remaining time is used.
 
     Returns:
         The curve (arcs and lines of a car), or None if the path is to be used; and a report with

@@ -126,12 +126,10 @@ def retime(
             zip(retimer.rates, max_utilizations, strict=True), start=1
         )
     }
-    for name, entry_utilization in (
-        entry for part in timed_pieces for entry in part.path_utilizations
-    ):
-        fraction = entry_utilization.fraction_at(time_scaling)
+    for name, use in [entry for part in timed_pieces for entry in part.path_utilizations]:
+        fraction = use.fraction_at(time_scaling)
         if fraction > utilisation.get(name, -1.0):
-            binding[name], utilisation[name] = entry_utilization.where, fraction
+            binding[name], utilisation[name] = use.where, fraction
     return result, RetimeReport(
         method=options.method,
         duration=result.duration,
@@ -160,11 +158,7 @@ def _time_piece(
     time_scaling = max(
         use.fraction ** (1 / order) for order, use in enumerate(utilizations, start=1)
     )
-    time_scaling = (
-        max(time_scaling, *(use.time_scaling for _, use in path_utilizations))
-        if path_utilizations
-        else time_scaling
-    )
+    time_scaling = max([time_scaling, *(use.time_scaling for _, use in path_utilizations)])
     time_scaling *= 1 + _LIMIT_RESERVE
     scaled = [
         replace(use, fraction=use.fraction / time_scaling**order)

@@ -40,7 +40,7 @@ class Query:
         parameters: Parameters of the planner.
         deadline: End of the search.
         watch: Records the durations of the stages of a search.
-        objective: Cost of a path, to be minimised.
+        objective: Cost of a path, to be minimized.
         options: The other options of the request.
         space_seconds: Duration of the construction of the space [s].
         max_states: Checked states after which a planner without a solution gives up.

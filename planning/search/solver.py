@@ -41,12 +41,12 @@ _DETOUR_ALLOWANCE = 0.5
 _MAX_STRAIGHT_LINES = 16
 
 _REQUIREMENTS = {
-    "start": "one finite number per coordinate is needed",
-    "goal": "one finite number per coordinate is needed in every row",
+    "start": "it must be one finite number per coordinate",
+    "goal": "every row must be one finite number per coordinate",
     "search.resolution": "it must be positive",
-    "search.attempts": "at least 1 is needed",
-    "search.num_states": "at least 2 are needed",
-    "search.planner": "at least one is needed",
+    "search.attempts": "it must be at least 1",
+    "search.num_states": "it must be at least 2",
+    "search.planner": "it must name at least one planner",
     "search.setup_time": "it must be positive",
     "search.solve_time": "it must be positive",
     "search.shortcut_time": "it must not be negative",
@@ -83,7 +83,7 @@ def search(
         ProblemInvalid: A number in the task is out of range.
         UnknownName: There is no such planner, or it has no such parameter.
         NoPathFound: The planner ended without an exact solution.
-        DeadlineExceeded: The time ran out before there was any.
+        DeadlineExceeded: The time ran out before there was any path.
         Canceled: The request was canceled.
     """
     _validate_task(group, task)

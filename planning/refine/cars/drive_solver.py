@@ -1,7 +1,7 @@
-"""DriveSolver: optimisation of one car path, with audits and fewer segments.
+"""DriveSolver: optimization of one car path, with audits and fewer segments.
 
-The result of each descent is audited densely, as every refined curve is; where it is too near to an
-obstacle between the samples at which distances are kept, samples are added and the descent repeats.
+The result of each descent is audited densely, as every refined curve is; where it violates a margin
+between the samples at which distances are kept, samples are added and the descent repeats.
 """
 
 from dataclasses import dataclass
@@ -39,10 +39,10 @@ _MIN_GAIN = 1e-3
 
 @dataclass(frozen=True)
 class DriveResult:
-    """Result of the optimisation.
+    """Result of the optimization.
 
     Attributes:
-        path: Arcs and lines, or None if nothing is quicker.
+        path: Arcs and lines, or None if no faster path was found.
         duration_before: Duration of the given path [s].
         duration_after: Duration of the result [s].
         num_steps: Number of trust-region steps.
@@ -58,7 +58,7 @@ class DriveResult:
 
 @dataclass(frozen=True)
 class DriveSolver:
-    """Optimisation of one car path: model, audit and trust region."""
+    """Optimization of one car path: model, audit and trust region."""
 
     problem: DriveProblem
     limits: JointLimits
@@ -148,7 +148,7 @@ class DriveSolver:
         return evaluation, reason
 
     def check_path(self, segments: ArcSegments) -> tuple[str, Array]:
-        """Return why a path is rejected, or "", and where it is too near to obstacles."""
+        """Return why a path is rejected, or "", and the path parameters of its violations."""
         curve = self.problem.to_path(segments).spline
         violations = self.auditor.find_violations(curve)
         if len(violations):

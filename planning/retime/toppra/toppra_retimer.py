@@ -137,12 +137,8 @@ def _line_accelerations(
     """Return the largest d2s/dt2 and -d2s/dt2 on cells that are lines, where all b are zero."""
     up = down = acceleration
     for a, _ in rows:
-        max_coefficient = np.maximum(a.max(axis=1, initial=0.0), _MIN_COEFFICIENT)
-        max_negative_coefficient = np.maximum(-a.min(axis=1, initial=0.0), _MIN_COEFFICIENT)
-        up, down = (
-            np.minimum(up, 1 / max_coefficient),
-            np.minimum(down, 1 / max_negative_coefficient),
-        )
+        up = np.minimum(up, 1 / np.maximum(a.max(axis=1, initial=0.0), _MIN_COEFFICIENT))
+        down = np.minimum(down, 1 / np.maximum(-a.min(axis=1, initial=0.0), _MIN_COEFFICIENT))
     return up, down
 
 
