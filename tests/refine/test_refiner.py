@@ -125,15 +125,21 @@ def test_instants_that_the_audit_finds_are_added(make_puck):
     waypoints = [[-0.2, 0.1], [-0.1, 0.5], [0.1, 0.5], [0.2, 0.1]]
     case = case_of(world, "puck", waypoints)
     # Neither of the two first instants is near the wall.
-    task = replace(problem_of(case), sample_range=(2, 2))
-    guess = task.fit_path(0.15)
-    best, _, reason = task.optimize(guess)
+    problem = replace(problem_of(case), sample_range=(2, 2))
+    guess = problem.fit_path(0.15)
+    best, _, reason = problem.optimize(guess)
     assert best is not None, reason
-    assert case.are_free(task.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
+    assert case.are_free(problem.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
     # The same steps without more instants.
-    model = CurveModel(task.distance_query, task.chart_limits, task.rate_bounds, len(guess), 2)
-    blind = [seen for seen in TrustRegion(model, guess).run(25) if not task.check_curve(seen)[0]]
-    assert best.duration < min(seen.duration for seen in blind) - 0.05
+    model = CurveModel(
+        problem.distance_query, problem.chart_limits, problem.rate_bounds, len(guess), 2
+    )
+    unaudited = [
+        evaluation
+        for evaluation in TrustRegion(model, guess).run(25)
+        if not problem.check_curve(evaluation)[0]
+    ]
+    assert best.duration < min(evaluation.duration for evaluation in unaudited) - 0.05
 
 
 @pytest.mark.parametrize("kernel", [True, False])
@@ -156,7 +162,7 @@ def test_the_same_request_gives_the_same_bytes_in_another_process(pillar, tmp_pa
     assert again.stdout.strip().splitlines()[-1] == first
 
 
-def test_what_was_not_asked_for_is_not_done(thin_wall):
+def test_method_none_refines_nothing(thin_wall):
     request = replace(thin_wall.request, options=RefineOptions("none"))
     curve, report = replace(thin_wall, request=request).refined()
     assert curve is None
@@ -220,11 +226,13 @@ def test_a_straight_path_is_left_alone(make_puck):
         (np.array([[-0.6, 0.1], *[[0.0, 3.0]] * 12, [0.6, 0.1]]), "limits"),
     ],
 )
-def test_curves_that_are_no_good_are_refused(thin_wall, points, reason: str):
-    task = problem_of(thin_wall)
-    model = CurveModel(task.distance_query, task.chart_limits, task.rate_bounds, len(points), 60)
-    assert reason in task.check_curve(model.evaluate(points))[0]
-    assert task.check_curve(model.evaluate(task.fit_path(0.04)))[0] == ""
+def test_invalid_curves_are_rejected(thin_wall, points, reason: str):
+    problem = problem_of(thin_wall)
+    model = CurveModel(
+        problem.distance_query, problem.chart_limits, problem.rate_bounds, len(points), 60
+    )
+    assert reason in problem.check_curve(model.evaluate(points))[0]
+    assert problem.check_curve(model.evaluate(problem.fit_path(0.04)))[0] == ""
 
 
 def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
@@ -251,14 +259,14 @@ class Misled(RefineProblem):
 
 
 def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall):
-    task = problem_of(thin_wall)
-    misled = Misled(**{field.name: getattr(task, field.name) for field in fields(task)})
+    problem = problem_of(thin_wall)
+    misled = Misled(**{field.name: getattr(problem, field.name) for field in fields(problem)})
     nowhere, _, reason = misled.optimize(misled.fit_path(0.15))
     assert nowhere is None
     assert "violates a collision margin" in reason
     found = solve_multi_start(thin_wall.world, misled)
     assert found.best is not None, found.reason
-    assert thin_wall.are_free(task.curve_of(found.best).positions(FINE)).all()
+    assert thin_wall.are_free(problem.curve_of(found.best).positions(FINE)).all()
 
 
 def test_mimic_joints_follow(pickup):

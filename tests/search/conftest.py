@@ -1,4 +1,4 @@
-"""Groups and cheap analytic oracles to search among."""
+"""Groups, and cheap analytic collision oracles."""
 
 from collections.abc import Callable
 
@@ -25,7 +25,7 @@ def each_kind_of_planner(
 
 
 class Oracle:
-    """Free where a function of a batch says so; of a group if its joints do not simply add."""
+    """Collision oracle by a function of a batch; the group is needed if its joints wrap or float."""
 
     def __init__(
         self, are_free: Callable[[np.ndarray], np.ndarray], group: JointGroup | None = None

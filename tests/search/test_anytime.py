@@ -1,4 +1,4 @@
-"""Planners that improve their path: what they have is told, and a cancel may leave it."""
+"""Anytime planners: better paths are reported, and a cancel may return the best."""
 
 from dataclasses import replace
 
@@ -42,9 +42,9 @@ def is_free(oracle, group, waypoints, resolution=0.05 / 4):
 @TELLING
 def test_a_cancel_leaves_what_a_planner_is_improving(plane, wall, crossing, name):
     for on_cancel in ("best", "discard"):
-        told = []
-        deadline = no_hurry(9.0, lambda told=told: bool(told))
-        task = replace(crossing(planner=name, on_cancel=on_cancel), on_best=told.append)
+        reports = []
+        deadline = no_hurry(9.0, lambda reports=reports: bool(reports))
+        task = replace(crossing(planner=name, on_cancel=on_cancel), on_best=reports.append)
         if on_cancel == "discard":
             with pytest.raises(Canceled):
                 search(*plane, wall, task, deadline)
@@ -55,18 +55,18 @@ def test_a_cancel_leaves_what_a_planner_is_improving(plane, wall, crossing, name
         assert is_free(wall, plane[0], found.path.waypoints)
         np.testing.assert_array_equal(found.path.waypoints[0], task.start)
         # What a closer look found was driven around: it may be a little longer.
-        assert found.report.length <= told[0].length * 1.5
-        assert told[0].outcome == "improving"
+        assert found.report.length <= reports[0].length * 1.5
+        assert reports[0].outcome == "improving"
 
 
 @pytest.mark.parametrize("name", ["AORRTC"])
 def test_who_listens_changes_no_byte(plane, wall, soon, crossing, name):
-    told = []
+    reports = []
     silent = search(*plane, wall, crossing(3, planner=name), soon)
-    heard = search(*plane, wall, replace(crossing(3, planner=name), on_best=told.append), soon)
+    heard = search(*plane, wall, replace(crossing(3, planner=name), on_best=reports.append), soon)
     assert silent.path.waypoints.tobytes() == heard.path.waypoints.tobytes()
     assert silent.report == heard.report
-    lengths = [attempt.length for attempt in told]
+    lengths = [attempt.length for attempt in reports]
     assert lengths == sorted(set(lengths), reverse=True)
 
 
@@ -92,11 +92,11 @@ def test_what_hugs_a_wall_is_driven_around_it_not_thrown_away(plane, soon, cross
         assert wall.resolutions == {0.3, 0.3 / 4}
 
 
-def test_what_is_no_length_is_not_told(plane, wall, soon, crossing):
-    told = []
-    task = replace(crossing(planner="AORRTC", objective="duration"), on_best=told.append)
+def test_costs_that_are_no_lengths_are_not_reported(plane, wall, soon, crossing):
+    reports = []
+    task = replace(crossing(planner="AORRTC", objective="duration"), on_best=reports.append)
     assert search(*plane, wall, task, soon).report.solved == 1
-    assert told == []
+    assert reports == []
 
 
 @pytest.mark.parametrize("name", ["RRTConnect", "PRMstar"])
@@ -134,28 +134,28 @@ def test_what_collides_on_a_closer_look_is_mended_for_who_canceled(plane, crossi
 
     def listen(report):
         if report.outcome == "improving":
-            told.append(report)
+            reports.append(report)
 
-    told, canceled = [], []
+    reports, canceled = [], []
     for seed in range(4):
-        told.clear()
-        deadline = no_hurry(9.0, lambda: bool(told))
+        reports.clear()
+        deadline = no_hurry(9.0, lambda: bool(reports))
         task = crossing(seed, resolution=0.06, planner="RRTstar", on_cancel="best")
         oracle = Oracle(are_free)
         found = search(*plane, oracle, replace(task, on_best=listen), deadline)
-        assert found.report.was_canceled == bool(told)
+        assert found.report.was_canceled == bool(reports)
         assert is_free(oracle, plane[0], found.path.waypoints, 0.06 / 4)
-        canceled.append(bool(told))
+        canceled.append(bool(reports))
     assert sum(canceled) >= 2
 
 
 def test_improving_leaves_time_for_what_comes_after_it(plane, crossing):
     """The clock counts questions: the time is up long before the planner would have ended."""
-    oracle, told = Counting(), []
+    oracle, reports = Counting(), []
     task = crossing(1, planner="SORRTstar")
-    patient = Deadline.after(1e9, oracle.clock, lambda: bool(told))
+    patient = Deadline.after(1e9, oracle.clock, lambda: bool(reports))
     with pytest.raises(Canceled):
-        search(*plane, oracle, replace(task, on_best=told.append), patient)
+        search(*plane, oracle, replace(task, on_best=reports.append), patient)
     hasty = Counting()
     found = search(*plane, hasty, task, Deadline.after(1.5 * oracle.count, hasty.clock))
     assert found.report.solved == 1

@@ -88,8 +88,8 @@ def test_the_end_of_time_without_any_path_says_how_far_it_got(who, plane, wall, 
     deadline = Deadline.after(1.0, lambda: 2.0 * float(oracle.is_over))
     with pytest.raises(DeadlineExceeded) as caught:
         search(*plane, oracle, task, deadline)
-    told = caught.value.evidence
-    assert told["allowed"] == 1.0
-    assert told["num_goals"] == 1
-    assert told["num_states_checked"] > 0
-    assert (who == "roadmap") == (told.get("roadmap", {}).get("reason") == "interrupted")
+    evidence = caught.value.evidence
+    assert evidence["allowed"] == 1.0
+    assert evidence["num_goals"] == 1
+    assert evidence["num_states_checked"] > 0
+    assert (who == "roadmap") == (evidence.get("roadmap", {}).get("reason") == "interrupted")

@@ -155,20 +155,20 @@ def test_nonsense_is_refused(plane, wall, soon, crossing, option, value):
     assert caught.value.evidence["field"] == f"search.{option}"
 
 
-def test_every_better_path_is_told(plane, wall, soon, crossing):
-    told = []
-    task = replace(crossing(2, attempts=6), on_best=told.append)
+def test_every_better_path_is_reported(plane, wall, soon, crossing):
+    reports = []
+    task = replace(crossing(2, attempts=6), on_best=reports.append)
     found = search(*plane, wall, task, soon)
-    lengths = [attempt.length for attempt in told]
+    lengths = [attempt.length for attempt in reports]
     assert lengths == sorted(lengths, reverse=True)
     assert lengths[-1] == found.report.length
 
 
 def canceled_after_best(on_cancel, crossing):
-    told = []
+    reports = []
     task = crossing(2, attempts=50, on_cancel=on_cancel)
-    deadline = no_hurry(30.0, lambda: bool(told))
-    return replace(task, on_best=told.append), deadline
+    deadline = no_hurry(30.0, lambda: bool(reports))
+    return replace(task, on_best=reports.append), deadline
 
 
 def test_a_cancel_leaves_the_best_to_who_asks_for_it(plane, wall, crossing):
