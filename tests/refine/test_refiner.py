@@ -197,7 +197,7 @@ def test_after_the_deadline_the_path_goes_on(thin_wall):
 
 
 def test_a_deadline_between_rounds_ends_the_work(thin_wall):
-    """What is left for this stage is 0.35 of the time, and every round looks at the clock."""
+    """This stage may use 0.35 of the remaining time, and every step reads the clock."""
     rounds = []
     for looks in (9, 12, 20):
         curve, report = refine(thin_wall.world, thin_wall.request, after_looks(looks))
@@ -250,7 +250,7 @@ def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
 
 
 class Misled(RefineProblem):
-    """Guesses straight through whatever is in the way, if it need not be near the path."""
+    """Problem whose first guess is a straight line through all obstacles."""
 
     def fit_path(self, tolerance: float) -> np.ndarray:
         return self.fit_waypoints(
@@ -309,7 +309,7 @@ def test_a_curve_under_a_band_keeps_it_and_is_quicker(make_puck, kernel):
 
 
 def test_without_its_band_a_curve_would_leave_it(make_puck):
-    """The upper bound is what holds the puck near the block: the corner is cut without."""
+    """Only the upper bound keeps the puck near the block: without it the corner is cut."""
     curve, _ = constrained_case(
         make_puck([BLOCK]), DistanceBand(None, None, 0.05, np.inf)
     ).refined()
@@ -344,7 +344,7 @@ def test_a_predicate_that_rejects_is_soon_left_alone(make_puck):
     assert curve is None
     assert not report.improved
     assert "predicate" in report.reason
-    # Every look at a curve begins at its start; of each curve one look was enough.
+    # Every evaluation of a curve begins at its start; one evaluation per curve was enough.
     num_curves = sum(np.array_equal(q, ABOUT[0]) for q in asked)
     assert 1 <= num_curves <= 4
     assert len(asked) < 130 * num_curves

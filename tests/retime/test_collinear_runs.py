@@ -56,7 +56,7 @@ def test_cutting_lines_changes_no_motion(
 
 
 @given(seed=st.integers(0, 10_000))
-def test_what_stays_is_the_same_polyline(seed: int) -> None:
+def test_the_remaining_waypoints_are_the_same_polyline(seed: int) -> None:
     group = GROUPS["joints"]
     path = JointPath(group, random_waypoints(group, seed, 5))
     kept = without_collinear_waypoints(

@@ -1,4 +1,4 @@
-"""The audit's number is the peak: never below what samples show, and hardly above."""
+"""The utilization is the peak: never below that of samples, and hardly above."""
 
 import numpy as np
 import pytest

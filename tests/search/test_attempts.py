@@ -105,7 +105,7 @@ def test_killed_children_do_not_change_the_result(plane, wall, soon, long, cross
     assert killed == search(*plane, wall, task, soon)
 
 
-def test_a_cancel_leaves_the_best_of_what_has_ended(plane, wall, crossing):
+def test_a_cancel_returns_the_best_of_the_completed_attempts(plane, wall, crossing):
     reports = []
     task = crossing(2, attempts=50, on_cancel="best")
     deadline = Deadline.after(1e9, FakeClock(step=1.0), lambda: bool(reports))

@@ -12,7 +12,7 @@ from planning.search.solver import search
 from tests.clocks import FakeClock, no_hurry
 from tests.search.conftest import Oracle
 
-# What an attempt of several planners may check in the first round.
+# States that an attempt of several planners may check in the first round.
 FIRST_ROUND = 20_000
 THREE = ("RRTConnect", "PRM", "KPIECE1")
 
@@ -171,7 +171,7 @@ def canceled_after_best(on_cancel, crossing):
     return replace(task, on_best=reports.append), deadline
 
 
-def test_a_cancel_leaves_the_best_to_who_asks_for_it(plane, wall, crossing):
+def test_a_cancel_with_best_returns_the_best_path(plane, wall, crossing):
     task, deadline = canceled_after_best("best", crossing)
     found = search(*plane, wall, task, deadline)
     assert found.report.was_canceled

@@ -158,8 +158,8 @@ def test_fewer_letters() -> None:
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
-def test_a_letter_ends_rather_than_turning_around(way: float) -> None:
-    """The last letter is shorter than its share of what the drive is too long by."""
+def test_a_segment_shrinks_to_zero_and_keeps_its_direction(way: float) -> None:
+    """The last segment is shorter than its share of the path's excess length."""
     no_others = np.zeros((3, 0))
     course = DriveProblem.of(JointPath(car_with(0), np.array([[0.0, 0, 0], [0.45 * way, 0, 0]])))
     off = ArcSegments(way * np.array([0.5, 0.02]), np.zeros(2), no_others)

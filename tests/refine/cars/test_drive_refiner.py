@@ -117,7 +117,7 @@ def test_the_same_request_gives_the_same_bytes(drive_of: Callable[[str], Drive])
 def test_the_deadline_is_kept_and_the_best_so_far_is_given(
     drive_of: Callable[[str], Drive],
 ) -> None:
-    """A clock that is asked often enough to be over after some steps."""
+    """By a deadline that passes after a number of reads of the clock."""
     drive = drive_of("parked")
     taken: list[int] = []
     for patience, is_quicker in ((3, False), (40, False), (100, True)):
@@ -127,7 +127,7 @@ def test_the_deadline_is_kept_and_the_best_so_far_is_given(
         if curve is not None:
             assert drive.are_free(curve).all()
             assert drive.duration(curve) < drive.duration(drive.path.spline)
-        # Every step looks at the clock.
+        # Every step reads the clock.
         assert report.rounds <= patience
         taken.append(report.rounds)
     assert taken == sorted(taken)

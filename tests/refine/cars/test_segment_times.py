@@ -19,7 +19,7 @@ GROUP = steered(
 @pytest.mark.parametrize(
     ("method", "short", "long"), [("toppra", 0.97, 1.01), ("ruckig", 0.8, 1.1)]
 )
-def test_letters_take_what_the_retimer_says(method: str, short: float, long: float) -> None:
+def test_segments_take_as_long_as_with_the_retimer(method: str, short: float, long: float) -> None:
     limits = limits_of(GROUP)
     times = SegmentTimes.of(limits, 1, jerk=method == "ruckig")
     rng = np.random.default_rng(4)

@@ -44,7 +44,7 @@ def refined(case: Case, distance: float, weight: float) -> tuple[float, float]:
 
 @pytest.fixture(scope="module")
 def bargain(thin_wall: Case) -> Callable[[float], tuple[float, float]]:
-    """Return what a weight buys beside the thin wall, refining once for each."""
+    """Return duration and shortfall by weight beside the thin wall, refining once for each."""
     return cache(partial(refined, thin_wall, DISTANCE))
 
 

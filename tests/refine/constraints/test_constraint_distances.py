@@ -1,4 +1,4 @@
-"""Rules as distances: their gradients are those of what they leave."""
+"""Path constraints as distances: signed margins and their gradients."""
 
 import numpy as np
 import pytest

@@ -51,7 +51,7 @@ def test_the_kernel_and_drake_find_the_same_nearest_pairs(place):
     qs = configurations(world, group, 40)
     ours, slopes = least(distance_query_of(world, group, kernel=True), qs)
     theirs, other_slopes = least(distance_query_of(world, group, kernel=False), qs)
-    # Shapes that overlap deeply may have several ways out that are nearly as short.
+    # Shapes that overlap deeply may have several separations of nearly the same depth.
     apart = ours > -0.001
     assert apart.any()
     np.testing.assert_allclose(ours[apart], theirs[apart], atol=2e-5)
@@ -76,7 +76,7 @@ def test_the_gradient_is_the_slope(place, kernel):
 
 
 @BOTH
-def test_the_gradient_leads_out_of_what_overlaps(kernel, world_of):
+def test_the_gradient_leads_out_of_collisions(kernel, world_of):
     world = world_of("panda_shelf")
     group = min(world.groups, key=lambda group: group.name)
     query = distance_query_of(world, group, kernel=kernel)
@@ -93,7 +93,7 @@ def test_the_gradient_leads_out_of_what_overlaps(kernel, world_of):
 
 
 @BOTH
-def test_what_the_group_does_not_move_is_not_measured(make_puck, kernel):
+def test_pairs_that_the_group_does_not_move_are_left_out(make_puck, kernel):
     wall = ([0.2, 0.2, 0.2], [0.0, 0.0, 0.0])
     world = make_puck([wall, ([0.2, 0.2, 0.02], [3.0, 0.0, -0.0301])], idle=[3.0, 0.0, 0.0])
     query = distance_query_of(world, world.group("puck"), kernel=kernel)

@@ -1,4 +1,4 @@
-"""The pace is the fastest that the bounds allow: by hand on lines, by the retimer on curves."""
+"""The path velocity is the greatest within bounds: by hand on lines, by the retimer on curves."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Polished profiles: quicker than what they were made of, within limits, and never far off."""
+"""Optimized profiles: faster than the given ones, within limits, and near the optimum."""
 
 import numpy as np
 import pytest
@@ -87,7 +87,7 @@ def test_derivatives_are_those_of_the_passage(seed: int) -> None:
             np.testing.assert_allclose(told[end, :, :, k], measured.T, atol=1e-7)
 
 
-def test_what_cannot_be_polished_stays() -> None:
+def test_a_profile_that_cannot_be_optimized_is_returned() -> None:
     spline = blend_corners(JointPath(SPACE, random_waypoints(SPACE, 2, 4)), 0.1, 2)
     profile = slow_profile(spline)
     assert optimize_profile(spline, profile, limits_of(SPACE)) is profile

@@ -71,7 +71,7 @@ def test_bounds_as_wide_as_the_limits_change_nothing() -> None:
     assert bound.duration == pytest.approx(plain.duration, rel=1e-6)
 
 
-def test_what_more_of_a_bound_saves_is_told() -> None:
+def test_the_explanation_has_the_saving_by_a_larger_bound() -> None:
     group = group_of(JointType.PRISMATIC)
     path = JointPath(group, np.array([[0.0], [0.5]]))
     limit = SignedAcceleration({"g::j0": (-2.0, 1.0)}, (0,))

@@ -38,7 +38,7 @@ def are_inside(zone: SpeedZone, points: np.ndarray) -> np.ndarray:
     speed=st.floats(0.05, 0.3),
 )
 @settings(max_examples=num_cases(6))
-def test_a_straight_way_through_a_zone_takes_the_known_time(
+def test_a_straight_line_through_a_zone_takes_the_known_time(
     length: float, share: float, speed: float
 ) -> None:
     """A body slides along x: up, down to the zone's speed, through, up and down again."""

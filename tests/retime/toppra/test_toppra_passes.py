@@ -1,4 +1,4 @@
-"""The two passes against toppra's own class, and against what must hold of any answer."""
+"""The two passes against toppra's own class, and against properties of every profile."""
 
 import numpy as np
 import pytest

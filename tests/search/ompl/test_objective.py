@@ -1,4 +1,4 @@
-"""Objectives are norms where they say so, and OMPL hears of them."""
+"""Objectives are norms (but for clearance), and OMPL's objectives have the same costs."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_the_least_time_is_that_of_the_slowest_block(make_group, make_limits):
     assert objective_of("duration", group, limits).cost(q) == pytest.approx(1.0 + 0.6)
 
 
-def test_clearance_prefers_the_way_that_stays_away(plane):
+def test_clearance_prefers_the_path_farther_from_obstacles(plane):
     group, limits = plane
     objective = objective_of("clearance", group, limits, lambda qs: np.abs(qs[:, 1]))
     near = np.array([[-1.0, 0.1], [1.0, 0.1]])

@@ -119,8 +119,8 @@ def test_a_path_through_the_roadmap_needs_few_checks(plane, make_oracle, soon, c
 
 
 @pytest.mark.parametrize("objective", ["length", "weighted_length", "duration", "clearance"])
-def test_the_way_is_the_cheapest_that_the_graph_has(plane, make_oracle, soon, crossing, objective):
-    """What A* finds in the roadmap, Bellman and Ford find too."""
+def test_the_path_is_the_cheapest_of_the_graph(plane, make_oracle, soon, crossing, objective):
+    """A* and the Bellman-Ford algorithm find paths of the same cost."""
     from planning.search.query import make_query
     from planning.search.roadmap import shortest_roadmap_path as roadmap_way
     from planning.search.verified_path import fine_checker
@@ -161,7 +161,7 @@ def test_goals_that_cannot_be_joined_are_left_to_the_planner(plane, make_oracle,
 
 
 def test_a_roadmap_of_another_world_delivers_no_collision(plane, make_oracle, soon, crossing):
-    """Whoever passes a stale roadmap loses time, never safety."""
+    """A roadmap of another world costs time, but its path is checked."""
     roadmap = grown(*plane, make_oracle(lambda qs: np.ones(len(qs), bool)), soon)
     found = search(*plane, make_oracle(beyond_wall), replace(crossing(3), roadmap=roadmap), soon)
     manifold = Manifold(plane[0].joints)

@@ -55,7 +55,7 @@ def ring_roadmap(soon, states=40, seed=0):
 
 @settings(max_examples=num_cases(6))
 @given(st.floats(-1, 1), st.floats(-1, 1))
-def test_what_is_projected_is_on_the_set_and_no_farther_than_it_must_be(x, y):
+def test_a_projection_is_on_the_set_and_about_the_nearest_point(x, y):
     q = np.array([x, y])
     length = float(np.linalg.norm(q))
     if length < 1e-3:
