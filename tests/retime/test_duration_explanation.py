@@ -117,10 +117,10 @@ def test_a_requested_duration_is_met_exactly(method: str, seed: int, factor: flo
     spline = blend_corners(path, 0.05, SMOOTHNESS[method])
     least, free = retime(spline, limits, RetimeOptions(method=method))
     wanted = factor * least.duration
-    made, report = retime(spline, limits, RetimeOptions(method=method, duration=wanted))
-    assert made.duration == pytest.approx(wanted, rel=1e-12)
-    assert report.duration == made.duration
-    np.testing.assert_allclose(made.end, least.end, atol=1e-12)
+    slowed, report = retime(spline, limits, RetimeOptions(method=method, duration=wanted))
+    assert slowed.duration == pytest.approx(wanted, rel=1e-12)
+    assert report.duration == slowed.duration
+    np.testing.assert_allclose(slowed.end, least.end, atol=1e-12)
     for order, rate in enumerate(free.utilisation, start=1):
         assert report.utilisation[rate] == pytest.approx(free.utilisation[rate] / factor**order)
 

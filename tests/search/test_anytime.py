@@ -84,7 +84,7 @@ class Told(Oracle):
 
 @pytest.mark.parametrize("name", ["RRTstar", "InformedRRTstar", "BITstar"])
 def test_a_path_close_to_a_wall_is_repaired_and_not_discarded(plane, soon, crossing, name):
-    """A new attempt would check at 0.15, half the resolution; a repaired path is checked at 0.075."""
+    """A new attempt would check at 0.15, a repaired path is checked at 0.075."""
     for seed in range(2):
         wall = Told()
         found = search(*plane, wall, crossing(seed, planner=name, resolution=0.3), soon)

@@ -52,8 +52,8 @@ def test_bounds_hold_and_some_limit_is_met(method: str, seed: int, deviation: fl
     path = JointPath(group, random_waypoints(group, seed, 4))
     spline = blend_corners(path, deviation, SMOOTHNESS[method])
     motion, report = retime(spline, limits_of(group), RetimeOptions(method=method), [limit])
-    seen = motion.tangents(motion.sample_times(0.001), 2)[:, [0, 4]]
-    for column, (low, high) in zip(seen.T, bounds.values(), strict=True):
+    accelerations = motion.tangents(motion.sample_times(0.001), 2)[:, [0, 4]]
+    for column, (low, high) in zip(accelerations.T, bounds.values(), strict=True):
         assert low <= column.min()
         assert column.max() <= high
     assert 1 - 1e-5 < max(report.utilisation.values()) <= 1
