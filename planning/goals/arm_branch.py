@@ -33,7 +33,7 @@ from planning.domain.goals.configuration_quality import ArmBranch
 
 # Tolerance within which axes are parallel, or meet [rad, m].
 _TOLERANCE = 1e-4
-# Factors smaller than this count as singular, with sign 0 [m, m^2, 1].
+# Factors whose magnitude is below this count as singular, with sign 0 [m, m^2, 1].
 _SINGULAR_BELOW = 1e-9
 
 

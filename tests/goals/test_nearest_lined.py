@@ -101,7 +101,7 @@ def test_what_binds_is_what_stops_the_line_a_little_nearer(approach: Way, retrea
     assert (near["line"]["leg"], near["line"]["reason"]) == (near["binding"], "collision")
     assert 0 <= near["line"]["fraction"] < 1
     assert "can" in near["line"]["bodies"]
-    assert f"where the {near['binding']} binds" in failure.detail
+    assert f"blocked by the {near['binding']}: " in failure.detail
 
 
 @cache

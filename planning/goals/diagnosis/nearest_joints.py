@@ -100,8 +100,8 @@ class NearestJointSearch:
 
     def _find_first(self) -> None:
         """Find a first feasible configuration, at growing distance, and improve it by descent."""
-        radius, largest = _INITIAL_RADIUS, self._perturbations.max_radius
-        while self._best is None and radius < largest and not self._deadline.is_over:
+        radius, max_radius = _INITIAL_RADIUS, self._perturbations.max_radius
+        while self._best is None and radius < max_radius and not self._deadline.is_over:
             self._update_best(self._sample_around(radius))
             radius *= _RADIUS_GROWTH
         if self._best is None:
@@ -132,8 +132,8 @@ class NearestJointSearch:
     def _sample_around(self, radius: float) -> Array:
         """Return random configurations around the given ones, in turn."""
         displacements = self._perturbations.sample_ball(radius, _BATCH_SIZE)
-        centres = self._clipped_goals[np.arange(_BATCH_SIZE) % len(self._clipped_goals)]
-        return self._manifold.plus(centres, displacements)
+        centers = self._clipped_goals[np.arange(_BATCH_SIZE) % len(self._clipped_goals)]
+        return self._manifold.plus(centers, displacements)
 
     def _refine_on_geodesic(self, nearest: NearestJoints) -> None:
         """Find the first feasible point on the geodesic from a given configuration to `nearest`."""

@@ -1,4 +1,4 @@
-"""NearestSearch: feasible tool pose nearest to an unreachable goal pose, in the pose metric."""
+"""NearestPoseSearch: feasible tool pose nearest to an unreachable goal, in the pose metric."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -219,10 +219,8 @@ class NearestPoseSearch:
     def _update_best(self, rows: Array, indices: list[int]) -> None:
         """Update the best configuration by the nearest feasible row, if that is nearer."""
         feasible = np.flatnonzero(self._attempts.are_feasible(rows))
-        poses, target_indices = (
-            self._tool_poses(rows[feasible]),
-            np.array(indices, dtype=np.int64)[feasible],
-        )
+        poses = self._tool_poses(rows[feasible])
+        target_indices = np.array(indices, dtype=np.int64)[feasible]
         costs = np.zeros(len(target_indices))
         for i in set(target_indices.tolist()):
             costs[target_indices == i] = self._costs(poses[target_indices == i], i)
@@ -258,18 +256,18 @@ class NearestPoseSearch:
     def _report(self, best: _NearestResult, *, is_reached: bool) -> NearestPose:
         """Return the best pose with its errors, and its active constraints if time was left."""
         closest = self._targets[best.index].closest(best.pose)
-        bounds = (
+        active_constraints = (
             None if self.is_out_of_time else self._active_constraints(best, is_reached=is_reached)
         )
         if self._full_deadline.is_over:
-            bounds = None
+            active_constraints = None
         return NearestPose(
             best.pose,
             best.q,
             *best.pose.distance(closest),
             best.index,
             displaced_target_pose(self._targets[best.index], best.pose),
-            bounds,
+            active_constraints,
         )
 
     def _active_constraints(self, best: _NearestResult, *, is_reached: bool) -> ActiveConstraints:

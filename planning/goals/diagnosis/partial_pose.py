@@ -33,7 +33,7 @@ class Freedom(Enum):
 
 @dataclass(frozen=True)
 class PartialPoseResult:
-    """Feasible configuration whose pose differs from a goal in position or in rotation only.
+    """Feasible configuration whose tool pose differs from a goal in position or in rotation only.
 
     Attributes:
         error: Distance to the goal [m or rad].

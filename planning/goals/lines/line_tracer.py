@@ -154,7 +154,7 @@ class LineTracer:
     def _step_within_limits(
         self, steps: LineSteps, rows: Indices, q: Array, spans: tuple[Array, Array]
     ) -> tuple[Array, Indices, Array]:
-        """Return the ends of steps, the reasons against them, and configurations beyond limits.
+        """Return the ends of steps, their stops, and the infeasible configurations of the stops.
 
         In a redundant group, coordinates that would leave their limits are locked.
         """
