@@ -239,7 +239,7 @@ def test_goals_that_all_violate_are_told_with_every_constraint() -> None:
     assert caught.value.detail == (
         "all 2 goal configurations violate path constraints: "
         "2 violate constraint 0 (predicate is_left), which is false; "
-        "1 violate constraint 1 (keep_in), the least by 0.005 m (0.005 m, bound 0 m); "
+        "1 violate constraint 1 (keep_in), at least by 0.005 m (0.005 m, bound 0 m); "
         "the nearest feasible configuration is 0.01 away (body::base_joint.x by -0.01), "
         "blocked by constraint 0: predicate is_left"
     )
