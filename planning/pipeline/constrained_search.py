@@ -210,7 +210,7 @@ def _describe_violation(violation: dict[str, Any], by: str = " by") -> str:
 
 
 def _violation_statistics(violations_by_row: list[list[dict[str, Any]]]) -> list[dict[str, Any]]:
-    """Return for every constraint the number and the least of its violations, most frequent first."""
+    """Return the number and the least of the violations of each constraint, most frequent first."""
     entries: dict[str, list[dict[str, Any]]] = {}
     for violation in (entry for violations in violations_by_row for entry in violations):
         entries.setdefault(violation["constraint"], []).append(violation)
