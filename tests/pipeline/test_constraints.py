@@ -1,4 +1,4 @@
-"""plan() under path constraints: kept between samples, by a Drake loop of its own."""
+"""plan() under path constraints: satisfied between samples, by an independent check with Drake."""
 
 from functools import cache
 

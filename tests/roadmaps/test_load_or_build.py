@@ -1,4 +1,4 @@
-"""Roadmaps that plans share: the same bytes cold, warm and from disk; new where worlds differ."""
+"""Roadmaps shared by plans: the same bytes built, from memory and from disk; one per world."""
 
 import os
 import subprocess

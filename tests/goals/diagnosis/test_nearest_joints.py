@@ -1,4 +1,4 @@
-"""What is nearest to a refused configuration is feasible, and what would do does."""
+"""The nearest configuration to an infeasible one is feasible; suggested relaxations suffice."""
 
 from dataclasses import replace
 from functools import cache

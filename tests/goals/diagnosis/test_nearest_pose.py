@@ -1,4 +1,4 @@
-"""What is nearest is feasible, and what would do does."""
+"""The nearest pose is feasible; suggested relaxations suffice."""
 
 import re
 from dataclasses import replace

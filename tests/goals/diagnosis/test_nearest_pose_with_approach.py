@@ -1,4 +1,4 @@
-"""What is nearest to a pose that no approach leads to is approached, and what would do does."""
+"""The nearest pose to one without approach has an approach; suggested relaxations suffice."""
 
 from dataclasses import replace
 from functools import cache
