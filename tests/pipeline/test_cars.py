@@ -1,4 +1,4 @@
-"""Cars in all stages: planned, timed, certified, and checked by an independent simulation."""
+"""Cars in all stages: planned, timed, certified, and checked by independent means."""
 
 from dataclasses import replace
 from pathlib import Path

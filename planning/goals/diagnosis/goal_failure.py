@@ -105,8 +105,8 @@ def collision_failure(
         q, pairs = shallowest_collision(world, query, rows)
         relaxation["obstacles"] = pair_evidence(pairs, query.margins)
         relaxation["positions"] = q.tolist()
-        what = "smallest margin violation" if is_margin_only else "shallowest collision"
-        message += f"; the {what} is {describe_pairs(pairs, query.margins)}"
+        kind = "smallest margin violation" if is_margin_only else "shallowest collision"
+        message += f"; the {kind} is {describe_pairs(pairs, query.margins)}"
     if is_margin_only:
         message += f"; in {tally.num_margin_only} of them no bodies overlap"
     evidence = {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
