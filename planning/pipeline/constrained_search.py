@@ -95,15 +95,11 @@ def filter_goals(
                 pass
         message = _violation_message(len(violations_by_row), statistics) + suggestion
         raise GoalViolatesConstraint(message, {"violations": statistics, **evidence})
+    num_violating = goals.funnel.num_goals_violating + len(violations_by_row) - len(rows)
     return GoalConfigurations(
         goals.positions[rows],
         tuple(goals.target_indices[row] for row in rows),
-        replace(
-            goals.funnel,
-            num_goals_violating=goals.funnel.num_goals_violating
-            + len(violations_by_row)
-            - len(rows),
-        ),
+        replace(goals.funnel, num_goals_violating=num_violating),
         tuple(goals.moves[row] for row in rows if goals.moves),
     )
 

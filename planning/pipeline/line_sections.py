@@ -36,23 +36,14 @@ def line_sections(
         parts: Segments of the motion.
     """
     goal, frame = problem.goal, tool_frame(group, problem.goal)
-    tolerances = (
-        (goal.max_position_deviation, goal.max_rotation_deviation)
-        if isinstance(goal, LineGoal)
-        else ()
-    )
+    max_shift, max_turn = MAX_POSITION_DEVIATION, MAX_ROTATION_DEVIATION
+    if isinstance(goal, LineGoal):
+        max_shift, max_turn = goal.max_position_deviation, goal.max_rotation_deviation
     sections: list[LineSection] = []
     for part in parts:
         if part.kind != "free":
             ends = world.embed(group, motion.positions(np.array([part.begin, part.end])))
             begin, end = (world.frame_pose(frame, q) for q in ends)
             line = ToolLine(frame, begin, end)
-            sections.append(
-                LineSection(
-                    line,
-                    part.begin,
-                    part.end,
-                    *(tolerances or (MAX_POSITION_DEVIATION, MAX_ROTATION_DEVIATION)),
-                )
-            )
+            sections.append(LineSection(line, part.begin, part.end, max_shift, max_turn))
     return tuple(sections)

@@ -79,7 +79,7 @@ class RoadmapContext:
         Raises:
             UnknownName: The options name a joint, block or coordinate that does not exist.
             ProblemInvalid: A number of the options is invalid, or a vehicle of the group cannot
-                reverse, while roadmap edges lead both ways.
+                reverse, while roadmap edges lead in both directions.
             NoPathFound: All joints are locked.
         """
         _validate_options(problem)

@@ -85,17 +85,14 @@ class NearestJointSearch:
         """Return the nearest feasible configuration found; None if none was."""
         self._update_best(self._clipped_goals)
         self._find_first()
-        num_without_improvement = 0
+        num_failed_rounds = 0
         for _ in range(_MAX_ROUNDS):
             best = self._best
-            if (
-                best is None
-                or best.cost <= 0
-                or num_without_improvement >= _PATIENCE
-                or self._deadline.is_over
-            ):
+            if best is None or best.cost <= 0:
                 break
-            num_without_improvement = 0 if self._improve(best) else num_without_improvement + 1
+            if num_failed_rounds >= _PATIENCE or self._deadline.is_over:
+                break
+            num_failed_rounds = 0 if self._improve(best) else num_failed_rounds + 1
         return self._best
 
     def _find_first(self) -> None:

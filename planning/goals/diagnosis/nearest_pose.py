@@ -111,13 +111,11 @@ class NearestPoseSearch:
             self._update_best(self._descend(self._targets[i], q)[None], [i])
         if self._is_constrained:
             self._find_first(sorted({i for i, _ in descent_starts}) or [0])
-        num_without_improvement, patience = 0, _PATIENCE if self._is_constrained else 1
+        num_failed_rounds, patience = 0, _PATIENCE if self._is_constrained else 1
         for _ in range(_MAX_CONSTRAINED_ROUNDS if self._is_constrained else _MAX_ROUNDS):
-            if self._best is None or self._deadline.is_over or num_without_improvement >= patience:
+            if self._best is None or self._deadline.is_over or num_failed_rounds >= patience:
                 break
-            num_without_improvement = (
-                0 if self._improve(self._best) else num_without_improvement + 1
-            )
+            num_failed_rounds = 0 if self._improve(self._best) else num_failed_rounds + 1
         if self._best is None:
             return None
         return self._report(self._best, is_reached=len(hints) > 0)
@@ -141,17 +139,16 @@ class NearestPoseSearch:
         nearest = costs.argmin(axis=1)
         costs = costs.min(axis=1)
         order = np.argsort(costs, kind="stable")
-        feasible_order = order[is_feasible[order]]
-        for k in feasible_order[
-            self._attempts.with_free_approach(
-                rows[feasible_order], np.array(targets)[nearest[feasible_order]]
-            )
-        ][:1]:
+        feasible = order[is_feasible[order]]
+        with_approach = self._attempts.with_free_approach(
+            rows[feasible], np.array(targets)[nearest[feasible]]
+        )
+        for k in feasible[with_approach][:1]:
             index = targets[int(nearest[k])]
             self._best = _NearestResult(float(costs[k]), rows[k], Pose.from_matrix(poses[k]), index)
         best_hints = [k for k in order if k < num_hints][:_NUM_DESCENTS]
         best_random = [k for k in order if k >= num_hints][:_NUM_DESCENTS]
-        best_feasible = list(order[is_feasible[order]][:_NUM_DESCENTS])
+        best_feasible = list(feasible[:_NUM_DESCENTS])
         selected = dict.fromkeys(int(k) for k in [*best_hints, *best_random, *best_feasible])
         return [(targets[int(nearest[k])], rows[k]) for k in selected]
 
@@ -226,9 +223,10 @@ class NearestPoseSearch:
             costs[target_indices == i] = self._costs(poses[target_indices == i], i)
         nearer_indices = np.flatnonzero(costs < self._best_cost)
         order = nearer_indices[np.argsort(costs[nearer_indices], kind="stable")]
-        for k in order[
-            self._attempts.with_free_approach(rows[feasible[order]], target_indices[order])
-        ][:1]:
+        with_approach = self._attempts.with_free_approach(
+            rows[feasible[order]], target_indices[order]
+        )
+        for k in order[with_approach][:1]:
             q, pose = np.array(rows[feasible[k]]), Pose.from_matrix(poses[k])
             self._best = _NearestResult(float(costs[k]), q, pose, int(target_indices[k]))
 

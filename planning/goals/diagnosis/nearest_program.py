@@ -71,10 +71,8 @@ def minimize_cost(
     slack = _SLACK
     for _ in range(_MAX_ROUNDS):
         num_known = len(pairs)
-        near_pairs, depth = (
-            _near_pairs(world, query, q) if is_collision_constrained else ({}, -np.inf)
-        )
-        pairs.update(near_pairs)
+        near, depth = _near_pairs(world, query, q) if is_collision_constrained else ({}, -np.inf)
+        pairs.update(near)
         # A small margin violation that the solver left is added to the slack of the next round.
         slack += depth + _SLACK if 0 < depth < _MAX_INACCURACY else 0.0
         program = GroupProgram(world, query.group, _MAJOR_ITERATIONS)

@@ -61,9 +61,8 @@ def suggest_nearest_pose(
         relaxation |= sufficient_single_relaxation(
             world, query, target, nearest, (rng, deadline.at_fraction(0.5))
         )
-    return {"nearest": nearest and nearest.evidence, "relaxation": relaxation}, _describe_nearest(
-        nearest
-    )
+    evidence = {"nearest": nearest and nearest.evidence, "relaxation": relaxation}
+    return evidence, _describe_nearest(nearest)
 
 
 def suggest_reachable_without_constraint(

@@ -121,12 +121,10 @@ class PoseAttempts:
         """
         metric = self._query.options.pose_metric
         group, poses = self._query.group, _displaced_poses(base, displacements)
-        solver = exact_kernel_solver(self._world, group, self.frame, poses) or self._drake_solver(
-            poses
-        )
-        count = (
-            len(displacements) if self.uses_kernel else min(len(displacements), _MAX_DRAKE_ATTEMPTS)
-        )
+        kernel_solver = exact_kernel_solver(self._world, group, self.frame, poses)
+        solver = kernel_solver or self._drake_solver(poses)
+        max_attempts = len(displacements) if self.uses_kernel else _MAX_DRAKE_ATTEMPTS
+        count = min(len(displacements), max_attempts)
         seeds = self._seeds.take(count).copy()
         if seed is not None:
             seeds[::4] = seed

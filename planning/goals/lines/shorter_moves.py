@@ -82,11 +82,9 @@ def _longest_traces(
     checker: ApproachChecker, requested: dict[str, Array]
 ) -> list[tuple[int, Array, dict[str, float]]]:
     """Return targets, configurations and the free share of each line, longest lines first."""
-    blocked_lines = sorted(checker.blocked_lines, key=lambda entry: -entry[2].fraction)[
-        :_NUM_CANDIDATES
-    ]
+    longest_first = sorted(checker.blocked_lines, key=lambda entry: -entry[2].fraction)
     candidates: list[tuple[int, Array, dict[str, float]]] = []
-    for name, target, trace_state in blocked_lines:
+    for name, target, trace_state in longest_first[:_NUM_CANDIDATES]:
         q, reached_fractions = trace_state.waypoints[0], {name: trace_state.fraction}
         for other_name in requested.keys() - reached_fractions.keys():
             (other_state,) = checker.trace(other_name, q[None], np.array([target]))
