@@ -86,15 +86,11 @@ class PoseAttempts:
             return np.arange(len(rows))
         likely = np.flatnonzero(self.approach_check.may_be_free(rows, indices))
         spread = np.linspace(0, len(likely) - 1, _NUM_TRACED).astype(np.int64)
-        for candidates in (
-            likely[:_NUM_TRACED],
-            np.unique(likely[spread]) if len(likely) else likely,
-        ):
-            free_indices = candidates[
-                self.approach_check.are_free(rows[candidates], indices[candidates])
-            ]
-            if len(free_indices):
-                return free_indices
+        spread_candidates = np.unique(likely[spread]) if len(likely) else likely
+        for candidates in (likely[:_NUM_TRACED], spread_candidates):
+            is_free = self.approach_check.are_free(rows[candidates], indices[candidates])
+            if is_free.any():
+                return candidates[is_free]
         return np.zeros(0, dtype=np.int64)
 
     def pose_at(self, q: Float64[np.ndarray, " nq"]) -> Pose:
