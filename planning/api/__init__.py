@@ -1,1 +1,1 @@
-"""What a user of the library calls besides `plan`, one call in each file."""
+"""Public functions of the library besides `plan`, one call per file."""

@@ -1,4 +1,4 @@
-"""certify_trajectory(): the certifier by itself, for a motion that was made elsewhere."""
+"""certify_trajectory(): certification of a given trajectory."""
 
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -24,7 +24,7 @@ from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
-def certify_trajectory(  # noqa: PLR0913  (a question in full)
+def certify_trajectory(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     trajectory: TimedTrajectory,
@@ -37,31 +37,31 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
     constraints: tuple[PathConstraint, ...] = (),
     certify_options: CertifyOptions | None = None,
 ) -> tuple[Certificate, CertifyReport]:
-    """Hold a trajectory against limits, ends and margins, on its whole interval.
+    """Certify a trajectory: limits, ends, margins and constraints, on its whole interval.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
-        trajectory: The motion, exactly.
-        deadline: When to stop.
-        options: `method` says whether jerk is limited ("ruckig") or not; the scales multiply the
-            limits; its limits of frames, zones and accelerations are checked as well.
-        start: Where it shall begin, shape (nq,); None for where it does.
-        goal: Where it shall end, shape (nq,); None for where it does.
-        margin: Distance to keep [m]; None for the scene's.
-        constraints: What it shall keep; what counts from the start counts from `start`.
-        certify_options: What else to find out, if it is proven; None for nothing.
+        world: Loaded scene.
+        group: Joint group that moves, `robot` or `robot::group`.
+        trajectory: The exact motion.
+        deadline: Time limit.
+        options: Scales that multiply the limits, and limits of frames, zones and accelerations;
+            jerk is limited if `method` is "ruckig". None for the defaults.
+        start: Required first configuration, shape (nq,); None for the trajectory's own.
+        goal: Required last configuration, shape (nq,); None for the trajectory's own.
+        margin: Required distance of bodies [m]; None for the scene's.
+        constraints: Path constraints; those relative to the start refer to `start`.
+        certify_options: Additional findings, if the motion is proven; None for none.
 
     Returns:
-        The certificate, `proven` or with failed checks, and what it took. If clearance is not
-        proven it says until when it is.
+        The certificate, `proven` or with failed checks, and the certifier's report. If clearance is
+        not proven, the certificate says until which instant it is.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
         ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or
-            a limit makes no sense.
-        DeadlineExceeded: Time ran out before the verdict.
-        Canceled: The end was asked for.
+            a limit is invalid.
+        DeadlineExceeded: Time ran out.
+        Canceled: Cancellation was requested.
     """
     request = _make_request(world, group, trajectory, options, (start, goal), margin, constraints)
     request = replace(request, options=certify_options or CertifyOptions())
@@ -70,7 +70,7 @@ def certify_trajectory(  # noqa: PLR0913  (a question in full)
         return with_first_unproven(world.drake, request, certificate, deadline), report
 
 
-def certify_positions(  # noqa: PLR0913  (a question in full)
+def certify_positions(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     trajectory: TimedTrajectory,
@@ -82,31 +82,32 @@ def certify_positions(  # noqa: PLR0913  (a question in full)
     margin: float | None = None,
     constraints: tuple[PathConstraint, ...] = (),
 ) -> tuple[Certificate, CertifyReport, tuple[str, ...]]:
-    """Hold straight lines with corners (`polyline_through`) against all that corners can keep.
+    """Certify a polyline in joint space (`polyline_through`): all checks that apply to corners.
 
-    That is ends, positions, speeds, constraints, limits on the speeds of frames, and margins: what
-    a receiver of positions alone makes of them. Not promised: anything about accelerations.
+    These are ends, positions, speeds, constraints, speed limits of frames, and margins: the motion
+    of a controller that receives positions only. Not promised: anything about accelerations.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
-        trajectory: The motion, exactly.
-        deadline: When to stop.
-        options: The scales multiply the limits; its limits of frames and zones are checked.
-        start: Where it shall begin, shape (nq,); None for where it does.
-        goal: Where it shall end, shape (nq,); None for where it does.
-        margin: Distance to keep [m]; None for the scene's.
-        constraints: What it shall keep; what counts from the start counts from `start`.
+        world: Loaded scene.
+        group: Joint group that moves, `robot` or `robot::group`.
+        trajectory: The exact motion.
+        deadline: Time limit.
+        options: Scales that multiply the limits, and limits of frames and zones; None for the
+            defaults.
+        start: Required first configuration, shape (nq,); None for the trajectory's own.
+        goal: Required last configuration, shape (nq,); None for the trajectory's own.
+        margin: Required distance of bodies [m]; None for the scene's.
+        constraints: Path constraints; those relative to the start refer to `start`.
 
     Returns:
-        What `certify_trajectory` does, and the names of the checks that were left out.
+        The result of `certify_trajectory`, and the names of the skipped checks.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
         ProblemInvalid: The trajectory is of other joints, start or goal do not fit the group, or
-            a limit makes no sense.
-        DeadlineExceeded: Time ran out before the verdict.
-        Canceled: The end was asked for.
+            a limit is invalid.
+        DeadlineExceeded: Time ran out.
+        Canceled: Cancellation was requested.
     """
     request = _make_request(world, group, trajectory, options, (start, goal), margin, constraints)
     with _timing_failures(deadline):
@@ -117,13 +118,13 @@ def certify_positions(  # noqa: PLR0913  (a question in full)
 
 @contextmanager
 def _timing_failures(deadline: Deadline) -> Generator[None]:
-    """Have failures from inside tell how long the proof took."""
+    """Attach the time of the certification to failures that are raised inside the block."""
     watch = Stopwatch(deadline.clock)
     with watch.timing_failures(), watch.stage("certify"):
         yield
 
 
-def _make_request(  # noqa: PLR0913, PLR0917  (a question in full)
+def _make_request(  # noqa: PLR0913, PLR0917  (all inputs of a request)
     world: World,
     group: str,
     trajectory: TimedTrajectory,
@@ -132,7 +133,7 @@ def _make_request(  # noqa: PLR0913, PLR0917  (a question in full)
     margin: float | None,
     constraints: tuple[PathConstraint, ...],
 ) -> CertifyRequest:
-    """Return what to prove, once it makes sense."""
+    """Return the certify request of a trajectory, after checks of its input."""
     joints = world.group(group)
     validate_joints(joints, trajectory, "trajectory")
     begin, end = (
@@ -152,17 +153,17 @@ def _make_request(  # noqa: PLR0913, PLR0917  (a question in full)
 
 
 def validate_joints(group: JointGroup, trajectory: TimedTrajectory, field: str) -> None:
-    """Go on only if a trajectory is one of a group's joints.
+    """Check that a trajectory has the joints of a group.
 
     Args:
-        group: What shall move.
-        trajectory: How.
-        field: What the caller calls the trajectory.
+        group: Joint group.
+        trajectory: The trajectory.
+        field: Name of the trajectory in the request, for the message.
 
     Raises:
-        ProblemInvalid: It is not.
+        ProblemInvalid: The trajectory has other joints, or another order.
     """
     if trajectory.joints != group.joints:
         names = [joint.name for joint in group.joints]
-        message = f"the {field} is not one of the joints {names}, in this order"
+        message = f"the {field} must have the joints {names}, in this order"
         raise ProblemInvalid(message, {"field": field, "expected": names})

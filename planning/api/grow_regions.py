@@ -1,4 +1,4 @@
-"""grow_regions(): regions of a group's free configurations, for the planner "GCS"."""
+"""grow_regions(): convex regions of a group's free configurations, for the planner "GCS"."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -35,11 +35,12 @@ from planning.search.request import SearchTask
 from planning.search.solver import search
 from planning.world.world import CollisionChecker, World
 
-# Between two configurations of a path that get a region if no other holds them [rad or m].
+# Largest distance between the samples of a path, each of which seeds a region unless one contains
+# it already [rad or m].
 _MAX_STEP = 0.1
-# Share of the time that is left for finding one path.
+# Share of the remaining time for the search of one path.
 _PATH_TIME_FRACTION = 0.1
-# Why a frame of the scene is left out.
+# Failures for which a frame of the scene is skipped.
 _GOAL_FAILURES = (GoalInCollision, GoalTooNear, GoalUnreachable, GoalOutOfLimits, DeadlineExceeded)
 
 
@@ -52,25 +53,24 @@ def grow_regions(
     seed: int = 0,
     on_progress: Callable[[Progress], None] = ignore_progress,
 ) -> Regions:
-    """Grow convex regions of free configurations; when time is up, return what there is.
+    """Grow convex regions of free configurations; at the deadline, return those so far.
 
-    The same arguments give the same bytes, as long as the deadline cuts nothing. A region is free
-    in so far as random configurations of it were (see `Region`); what is planned inside is
-    certified like everything.
+    The same arguments give the same bytes, unless the deadline ends the growth. A region is free as
+    far as random samples show (see `Region`); motions planned inside are certified like all others.
 
     Args:
-        world: The scene, loaded.
+        world: Loaded scene.
         group: `robot` or `robot::group`.
-        deadline: When to stop; also asked whether anybody still wants the answer.
-        options: How many, and where.
-        seed: Of all randomness.
-        on_progress: Told of every region.
+        deadline: Time limit, and whether the growth was canceled.
+        options: Number, coverage and bounds of the regions; None for the defaults.
+        seed: Seed of all random numbers.
+        on_progress: Callback for the progress, with every region.
 
     Raises:
         UnknownName: There is no such group, or it has no such position coordinate.
-        ProblemInvalid: The group has a joint that floats or is steered, or a coordinate that
-            nothing bounds, or an option makes no sense.
-        Canceled: The end was asked for.
+        ProblemInvalid: The group has a floating or steered joint, or an unbounded coordinate, or an
+            option is invalid.
+        Canceled: Cancellation was requested.
     """
     joints, region_options = world.group(group), options or RegionOptions()
     _validate_options(region_options)
@@ -91,7 +91,7 @@ def grow_regions(
         fraction = max(
             count / region_options.num_regions, growth.coverage / region_options.coverage
         )
-        detail = f"{count} regions cover {growth.coverage:.1%} of what is free"
+        detail = f"{count} regions cover {growth.coverage:.1%} of the free space"
         on_progress(Progress("regions", min(0.99, 0.05 + 0.94 * fraction), detail))
 
     growth = grow(request, deadline, report_growth)
@@ -111,16 +111,17 @@ def grow_regions(
 
 
 def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[Array, Array]:
-    """Return the box of configurations in which regions are grown.
+    """Return the box of configurations in which regions are grown: lower and upper corner, (nq,).
 
-    It is what the limits and the options' bounds allow, and of angles that may turn further one
-    turn around 0: all postures are in it, and motions that never cross half a turn. Where whole
-    turns count, as something follows by less, it is all that is allowed.
+    It is the intersection of the limits and the options' bounds. Angles with a wider range are
+    restricted to one turn around 0: that contains all postures, and all motions that do not cross
+    half a turn. Angles in `group.winding` keep their whole range, since a full turn moves their
+    followers elsewhere.
 
     Raises:
-        ProblemInvalid: The group has a joint that floats or is steered, or nothing bounds a
-            coordinate, or the bounds of one are wider than a turn.
-        UnknownName: The group has no coordinate that the bounds name.
+        ProblemInvalid: The group has a floating or steered joint, a coordinate is unbounded, or the
+            bounds of an angle are wider than a turn.
+        UnknownName: The bounds name a coordinate that the group does not have.
     """
     kinds = {joint.name: joint.type for joint in group.joints}
     validate_convex(kinds, steering_of(group), "group")
@@ -150,39 +151,45 @@ def domain_of(world: World, group: JointGroup, options: RegionOptions) -> tuple[
 def _unbounded_coordinate(
     name: str, options: RegionOptions, low: float, high: float
 ) -> ProblemInvalid:
-    """Return the error of a coordinate whose limits and bounds, if any, leave none to grow in."""
+    """Return the error of a coordinate without a finite interval of its limits and bounds."""
     evidence: dict[str, Any] = {"field": f"bounds.{name}"}
     limits = f"limits [{low:g}, {high:g}]"
     given = options.bounds.get(name)
     if given is None:
-        message = f"regions need a bounded interval of {name}; its {limits} are none: give `bounds`"
+        message = (
+            f"regions need a finite interval of {name}, whose {limits} are none: "
+            f"give `bounds.{name}`"
+        )
     else:
         evidence["bounds"] = list(given)
         message = (
-            f"regions need a bounded interval of {name}; its bounds [{given[0]:g}, {given[1]:g}] "
+            f"regions need a finite interval of {name}: its bounds [{given[0]:g}, {given[1]:g}] "
             f"and its {limits} have none in common"
         )
     return ProblemInvalid(message, evidence)
 
 
 def _is_angle(kind: JointType, coordinate: int) -> bool:
-    """Whether a position coordinate is an angle."""
+    """Return whether a position coordinate is an angle."""
     is_yaw = kind is JointType.PLANAR and coordinate == 2
     return is_yaw or kind in {JointType.REVOLUTE, JointType.CONTINUOUS}
 
 
 def _validate_options(options: RegionOptions) -> None:
-    faults = {
-        "num_regions": options.num_regions < 1,
-        "coverage": not 0 < options.coverage <= 1,
-        "num_free": options.num_free < 1,
-        "iterations": options.iterations < 1,
-        "padding": not options.padding >= 0,
-        "margin": options.margin is not None and not options.margin >= 0,
+    requirements = {
+        "num_regions": (options.num_regions >= 1, "at least 1"),
+        "coverage": (0 < options.coverage <= 1, "greater than 0 and at most 1"),
+        "num_free": (options.num_free >= 1, "at least 1"),
+        "iterations": (options.iterations >= 1, "at least 1"),
+        "padding": (options.padding >= 0, "a distance of at least 0 m"),
+        "margin": (options.margin is None or options.margin >= 0, "a distance of at least 0 m"),
     }
-    for field, is_fault in faults.items():
-        if is_fault:
-            raise ProblemInvalid(f"{field} of the regions makes no sense", {"field": field})
+    for field, (is_met, requirement) in requirements.items():
+        if not is_met:
+            message = (
+                f"{field} of the regions is {getattr(options, field)}; it must be {requirement}"
+            )
+            raise ProblemInvalid(message, {"field": field})
 
 
 def _paths(
@@ -192,9 +199,10 @@ def _paths(
     checker: CollisionChecker,
     deadline: Deadline,
 ) -> Iterator[Array]:
-    """Yield paths from the scene's state to what it names, each shape (n, nq).
+    """Yield samples of paths from the first configuration of the scene to its others, (n, nq).
 
-    Where there is no path, or nothing starts at the state, what is named comes by itself.
+    The first one is the scene's state, if it is free and within limits. A configuration to which no
+    path is found is yielded by itself.
     """
     configurations = [
         q for q in _scene_configurations(world, group, deadline) if checker.is_free(q)
@@ -217,7 +225,7 @@ def _paths(
 
 
 def _scene_configurations(world: World, group: JointGroup, deadline: Deadline) -> Iterator[Array]:
-    """Yield the scene's state, the named configurations, and one for each of the scene's frames."""
+    """Yield the scene's state, the named configurations, and one at each of the scene's frames."""
     yield np.array(world.positions(group))
     yield from (np.array(q) for q in world.configurations(group).values())
     if not group.tool_frames:
@@ -239,7 +247,7 @@ def _scene_configurations(world: World, group: JointGroup, deadline: Deadline) -
 
 
 def _sample_path(path: JointPath, manifold: Manifold) -> Array:
-    """Return configurations along a path, both ends included."""
+    """Return samples along a path at most `_MAX_STEP` apart, both ends included."""
     rows = [path.waypoints[:1]]
     for q0, q1 in pairwise(path.waypoints):
         count = max(1, int(np.ceil(float(manifold.distance(q1, q0)) / _MAX_STEP)))

@@ -1,4 +1,4 @@
-"""solve_ik(): the goals stage by itself; assess_configurations(): how good its answers are."""
+"""solve_ik(): inverse kinematics of a goal; assess_configurations(): quality of configurations."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -23,7 +23,7 @@ from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
-def solve_ik(  # noqa: PLR0913  (a question in full)
+def solve_ik(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     goal: Goal,
@@ -35,31 +35,35 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
     constraints: tuple[PathConstraint, ...] = (),
     seed: int = 0,
 ) -> GoalConfigurations:
-    """Return every distinct free configuration that reaches a goal, nearest first.
+    """Return the distinct free configurations that reach a goal, nearest to the start first.
 
-    It is what plans are made with, but that every solution that collides is measured: the funnel
-    says of all of them which pair they hit.
+    This is the goals stage of a plan, except that all colliding solutions are measured: the funnel
+    counts the colliding body pairs of all of them.
 
     Args:
-        world: The scene, loaded.
+        world: Loaded scene.
         group: `robot` or `robot::group`.
-        goal: What to reach.
-        deadline: When to stop looking.
-        start: The group's q to be near to, shape (nq,); None for the scene's state.
-        options: How hard to look, and what is near.
-        margin: Distance to keep [m]; None for the scene's.
-        constraints: Path constraints, which solutions shall keep; joints are locked where the start
-            has them.
-        seed: Of the random seeds.
+        goal: Goal to reach.
+        deadline: Time limit.
+        start: The group's q that distances are measured from, shape (nq,); None for the scene's
+            state.
+        options: Effort of the search and metric of distances; None for the defaults.
+        margin: Required distance of bodies [m]; None for the scene's.
+        constraints: Path constraints that solutions satisfy; joints are locked at their values in
+            `start`.
+        seed: Seed of all random numbers.
 
     Raises:
-        GoalViolatesConstraint: Every configuration that reaches the goal does.
+        GoalViolatesConstraint: Every configuration that reaches the goal violates a constraint.
         GoalInCollision: Configurations reach the goal and all collide.
-        GoalTooNear: They break margins, and not all collide.
+        GoalTooNear: Configurations reach the goal, all violate margins, and not all collide.
         GoalUnreachable: No configuration reaches the goal.
         GoalOutOfLimits: Every given configuration violates position limits.
+        ApproachBlocked: No free configuration has a free approach and retreat.
         UnknownName: A group, joint, frame or configuration does not exist.
-        ProblemInvalid: The start does not fit the group, or an option makes no sense.
+        ProblemInvalid: The start does not fit the group, or an option is invalid.
+        DeadlineExceeded: Time ran out before a configuration was found.
+        Canceled: Cancellation was requested.
     """
     joints = world.group(group)
     q = resolve_start(world, joints, start)
@@ -85,15 +89,16 @@ def assess_configurations(
     frame: str = "",
     joint_weights: Mapping[str, float] | None = None,
 ) -> tuple[ConfigurationQuality, ...]:
-    """Return how good each configuration of a group is.
+    """Return the quality of each configuration: manipulability, clearance, limit margin, branch.
 
     Args:
-        world: The scene, loaded.
+        world: Loaded scene.
         group: `robot` or `robot::group`.
-        configurations: The group's q [rad or m], a row each.
-        start: What distances are measured from, shape (nq,); None for the scene's state.
-        frame: Whose mobility counts; "" for the group's default tool frame.
-        joint_weights: Factors on the joints' parts of these distances, as in `IkOptions`.
+        configurations: The group's q [rad or m], one per row.
+        start: Configuration that distances are measured from, shape (nq,); None for the scene's
+            state.
+        frame: Frame whose manipulability is evaluated; "" for the group's default tool frame.
+        joint_weights: Weights of the joints in these distances, as in `IkOptions`.
 
     Raises:
         UnknownName: A group, joint or frame does not exist.

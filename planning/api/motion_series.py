@@ -1,4 +1,4 @@
-"""A motion against its limits over time: the numbers of its plots."""
+"""motion_series(): samples of a motion with its rates, efforts, distances and limits, for plots."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -19,43 +19,43 @@ from planning.world.mechanics.dynamics import GroupDynamics
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
-# Bodies that have more than the last to spare are not of interest; few are looked at first [m].
+# Search radii beyond the largest margin, tried in turn: a small one is faster, mostly enough [m].
 _DISTANCE_RANGES = (0.1, 0.5)
 _MAX_DISTANCE = _DISTANCE_RANGES[-1]
-# A distance that is measured again differs by less [m].
+# Bound on the difference between two measurements of the same distance [m].
 _DISTANCE_TOLERANCE = 1e-9
-# Accelerations just before and after a break that differ by this share of the limit have jumped;
-# how near to the break they are looked at, as a share of the duration.
+# Smallest jump of acceleration at a break, as a share of the limit, and the distance from the break
+# of the samples before and after it, as a share of the duration.
 _MIN_JUMP, _JUMP_OFFSET = 1e-3, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class MotionSeries(Value):
-    """Samples, evenly spread over the motion.
+    """Samples of a motion at equal time steps.
 
     Attributes:
-        group: What moves.
-        limits: What it may do: the group's limits, scaled as the options say.
-        options: The limits besides, with zones in world; jerk is limited if `method` is "ruckig".
-        times: [s].
-        positions: [rad or m].
-        derivatives: The tangent's derivatives of order 1, 2 and 3: velocity, acceleration and jerk
-            [rad/s^k or m/s^k].
-        acceleration_jumps: When acceleration jumps within the motion, which no finite jerk does
-            [s].
-        efforts: What the motion takes of each joint [N m or N].
-        clearance: Smallest signed distance of any two bodies that may collide [m]; where all are
-            farther apart, half a metre more than the largest margin. Like `signed_margin`, not a
-            number if distances were left out.
-        closest_pairs: Whose it is, or two empty names.
-        margin: What is demanded of bodies of different robots and objects [m].
-        signed_margin: The least that any two bodies have to spare over the margin demanded of them
-            [m], at most half a metre. Bodies of one robot owe each other none.
-        tool_speeds: Of the origins of the group's tool frame and of all frames that are limited, by
-            their names [m/s].
-        path_limit_utilisation: How much is used of each limit that was asked for besides those of
-            joints [1], by its check in the certificate: `acceleration`, `tool_speed <frame>`,
-            `tool_acceleration <frame>`, `speed_zone <name>`, which is zero outside of the zone.
+        group: Joint group that moves.
+        limits: Limits of the group, scaled by the options.
+        options: Options with the other limits, zones in world; jerk is limited if `method` is
+            "ruckig".
+        times: Instants of the samples [s].
+        positions: Configurations [rad or m].
+        derivatives: Derivatives of order k = 1, 2 and 3 in velocity coordinates: velocity,
+            acceleration and jerk [rad/s^k or m/s^k].
+        acceleration_jumps: Instants within the motion at which acceleration jumps, so that jerk is
+            infinite [s].
+        efforts: Joint torques and forces of the motion [N m or N].
+        clearance: Smallest signed distance of any two bodies that may collide [m]; half a metre
+            more than the largest margin where all are farther apart. NaN without distances.
+        closest_pairs: Body pair of each clearance, or two empty names.
+        margin: Required distance of bodies of different robots and objects [m].
+        signed_margin: Smallest difference of distance and required margin over all body pairs [m],
+            at most half a metre; the margin of two bodies of one robot is 0. NaN without distances.
+        tool_speeds: Speeds of the origins of the group's tool frame and of all limited frames, by
+            frame [m/s].
+        path_limit_utilisation: Utilization of each limit besides those of joints [1], by its check
+            in the certificate: `acceleration`, `tool_speed <frame>`, `tool_acceleration <frame>`,
+            `speed_zone <name>`, which is zero outside of the zone.
     """
 
     group: JointGroup
@@ -75,14 +75,15 @@ class MotionSeries(Value):
 
     @property
     def is_jerk_limited(self) -> bool:
-        """Whether jerk was limited; else acceleration may jump, and jerk says nothing."""
+        """Whether jerk was limited; else acceleration may jump, and jerk is not meaningful."""
         return self.options.method == "ruckig"
 
     @property
     def acceleration_range(self) -> tuple[Float64[np.ndarray, " nv"], Float64[np.ndarray, " nv"]]:
-        """Lowest and highest acceleration of every coordinate, with bounds by sign.
+        """Lowest and highest acceleration of every velocity coordinate.
 
-        A block of several coordinates is limited by its norm: each alone may use all of it.
+        A block of several coordinates is limited by its norm; each of its coordinates gets the
+        whole bound.
         """
         highest = np.zeros(self.derivatives.shape[2])
         for block, bound in zip(self.limits.blocks, self.limits.acceleration, strict=True):
@@ -96,21 +97,22 @@ class MotionSeries(Value):
 
     @property
     def utilisation(self) -> dict[str, Array]:
-        """Rate or effort over its limit, by the name of its check, each of shape (m, limits).
+        """Ratio of rate or effort to its limit, by the name of its check, each shape (m, limits).
 
-        Of joints there is a column for each block, and for `acceleration` one more for each that
-        has bounds by sign. `jerk` is there only if it is limited; `torque` always, limited or not.
+        Joint limits have one column per block, and `acceleration` one more for each coordinate with
+        bounds by sign. `jerk` is present only if it is limited; `torque` always, limited or not.
         """
         limits = self.limits
-        amounts = {
+        values_and_limits = {
             "velocity": (self.derivatives[0], limits.velocity),
             "acceleration": (self.derivatives[1], limits.acceleration),
             "torque": (self.efforts, limits.effort),
         }
         if self.is_jerk_limited:
-            amounts["jerk"] = self.derivatives[2], limits.jerk
+            values_and_limits["jerk"] = self.derivatives[2], limits.jerk
         utilisation = {
-            name: _block_norms(values, limits) / bound for name, (values, bound) in amounts.items()
+            name: _block_norms(values, limits) / bound
+            for name, (values, bound) in values_and_limits.items()
         }
         for name, columns in self.path_limit_utilisation.items():
             utilisation[name] = (
@@ -121,7 +123,7 @@ class MotionSeries(Value):
         return utilisation
 
 
-def motion_series(  # noqa: PLR0913  (a question in full)
+def motion_series(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     trajectory: TimedTrajectory,
@@ -132,27 +134,27 @@ def motion_series(  # noqa: PLR0913  (a question in full)
     distances: bool = True,
     deadline: Deadline = NO_DEADLINE,
 ) -> MotionSeries:
-    """Return a motion's numbers at evenly spread instants.
+    """Return samples of a motion, its rates, efforts and distances at equal time steps.
 
-    Distances are Drake's, which overstates those of separate boxes (docs/decisions/0006): the
-    certificate has what is proven.
+    Distances are Drake's, which overstates those of separate boxes (docs/decisions/0006); proven
+    bounds are in the certificate.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
-        trajectory: The motion, one of the group's joints.
-        num_samples: Of instants, at least 2.
-        options: The scales of the limits, whether jerk is limited (`method`), the limits besides
-            those of joints, and what the group carries that the scene does not show.
-        margin: The distance that was to be kept [m]; None for the scene's.
-        distances: Whether to measure those of bodies, which takes most of the time.
-        deadline: When to give up.
+        world: Loaded scene.
+        group: Joint group that moves, `robot` or `robot::group`.
+        trajectory: Motion of the group's joints.
+        num_samples: Number of instants, at least 2.
+        options: Scales of the limits, whether jerk is limited (`method`), the limits besides those
+            of joints, and the payload; None for the defaults.
+        margin: Required distance of bodies [m]; None for the scene's.
+        distances: Whether to measure distances of bodies, which takes most of the time.
+        deadline: Time limit.
 
     Raises:
         UnknownName: There is no such group, frame or joint.
-        ProblemInvalid: A limit makes no sense, or the group does not move the payload.
+        ProblemInvalid: A limit is invalid, or the group does not move the payload.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     joints = world.group(group)
     retiming = resolve_retiming(world, joints, options or RetimeOptions(), trajectory.start)
@@ -187,7 +189,7 @@ def motion_series(  # noqa: PLR0913  (a question in full)
 def _distances(
     world: World, margins: PairMargins, states: Array, deadline: Deadline
 ) -> tuple[Array, tuple[tuple[str, str], ...], Array]:
-    """Return the least distance, whose it is, and the least to spare, at full positions by rows."""
+    """Return clearances, closest pairs and signed margins at rows of full configurations."""
     probe = world.distance_probe(margins)
     largest = max(margins.largest, 0.0)
     clearance = np.full(len(states), _MAX_DISTANCE + largest)
@@ -201,7 +203,7 @@ def _distances(
             tightest = min(
                 nearby_pairs, key=lambda p: p.distance - margins.of(*p.bodies), default=None
             )
-            # Of what is nearer than the pair that counts, and of it, the true distances.
+            # Exact distances of all pairs up to the one with the smallest margin.
             exact_pairs = (
                 ()
                 if tightest is None
@@ -210,7 +212,7 @@ def _distances(
             min_margin = min(
                 (p.distance - margins.of(*p.bodies) for p in exact_pairs), default=np.inf
             )
-            # What is beyond the horizon has more than that to spare.
+            # Pairs beyond the search radius have a larger margin than that.
             if min_margin <= max_distance:
                 signed_margin[i] = min_margin
                 break
@@ -221,7 +223,7 @@ def _distances(
 
 
 def _acceleration_jumps(trajectory: TimedTrajectory, limits: JointLimits) -> Array:
-    """Return the instants at which acceleration jumps, by the norms of blocks."""
+    """Return the instants at which the acceleration of a block jumps [s]."""
     breaks, offset = trajectory.breaks[1:-1], _JUMP_OFFSET * trajectory.duration
     steps = trajectory.accelerations(breaks + offset) - trajectory.accelerations(breaks - offset)
     sizes = _block_norms(steps, limits) / limits.acceleration
@@ -253,9 +255,9 @@ def _path_limit_utilisation(
     trajectory: TimedTrajectory,
     times: Array,
 ) -> dict[str, Array]:
-    """Return how much of the limits besides those of joints is used, by the names of checks."""
+    """Return the utilization of the limits besides those of joints, by the names of checks."""
     utilisation: dict[str, list[Array]] = {}
-    # Torques have a series of their own, limited or not.
+    # Torques are in `efforts`, limited or not.
     for limit in path_limits(world, group, replace(options, effort=False)):
         for where, values in limit.sampled_utilization(trajectory, times).items():
             is_of_joint = limit.name == "acceleration_bounds"

@@ -1,4 +1,4 @@
-"""list_planners(): everybody whom a search may name."""
+"""list_planners(): all planners that search options may name."""
 
 from planning.domain.planner.planner_card import PlannerCard
 from planning.pipeline.gcs_planner import GCS_CARD

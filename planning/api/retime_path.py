@@ -1,4 +1,4 @@
-"""retime_path(): time and prove a path that somebody else found."""
+"""retime_path(): retiming and certification of a given path."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -31,15 +31,15 @@ from planning.world.world import World
 
 @dataclass(frozen=True, eq=False)
 class RetimedPath(Value):
-    """A certified motion along a given path.
+    """Certified motion along a given path.
 
     Attributes:
-        path: The path, with angles that never jump by whole turns.
-        trajectory: The motion, exactly.
-        certificate: The proof.
-        retime: How it was timed.
-        certify: How it was proven.
-        cut_short: Stages that ended early because of the clock: `explain`, or none.
+        path: The path, with angles unwrapped so that they do not jump by full turns.
+        trajectory: The exact motion.
+        certificate: Certificate of the motion.
+        retime: Report of the retiming.
+        certify: Report of the certification.
+        cut_short: Stages cut short by the deadline: `explain`, or none.
     """
 
     path: JointPath
@@ -50,7 +50,7 @@ class RetimedPath(Value):
     cut_short: tuple[str, ...] = ()
 
 
-def retime_path(  # noqa: PLR0913  (a question in full)
+def retime_path(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     waypoints: Any,
@@ -61,29 +61,29 @@ def retime_path(  # noqa: PLR0913  (a question in full)
     constraints: tuple[PathConstraint, ...] = (),
     certify_options: CertifyOptions | None = None,
 ) -> RetimedPath:
-    """Return the quickest proven motion along waypoints.
+    """Return the quickest certified motion along waypoints.
 
-    Corners are rounded as far as that can be proven, at most 0.1 in joint-space length; where they
-    cannot be, the motion follows the very path and rests at them.
+    Corners are rounded by at most 0.1 in joint-space length. If no motion with rounded corners is
+    certified, the motion follows the path itself and rests at the corners.
 
     Args:
-        world: The scene, loaded.
+        world: Loaded scene.
         group: `robot` or `robot::group`.
         waypoints: The group's q, one per row, shape (n, nq), n >= 2; joined by geodesics.
-        deadline: When to give up.
-        options: How to time it.
-        margin: Distance to keep [m]; None for the scene's.
-        constraints: What it shall keep; what counts from the start counts from the first waypoint.
-        certify_options: What to find out about the motion besides its proof; None for nothing.
+        deadline: Time limit.
+        options: Options of the retiming; None for the defaults.
+        margin: Required distance of bodies [m]; None for the scene's.
+        constraints: Path constraints; those relative to the start refer to the first waypoint.
+        certify_options: Additional findings about the certified motion; None for none.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
         ProblemInvalid: There are fewer than two waypoints, one does not fit the group, or a limit
-            or constraint makes no sense.
+            or constraint is invalid.
         RetimingFailed: The path cannot be timed.
-        NotCertified: No motion along the path can be proven; evidence has the failed checks.
+        NotCertified: No motion along the path is proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     joints = world.group(group)
     rows = [validate_positions(joints, q, f"waypoints.{i}") for i, q in enumerate(waypoints)]
@@ -149,5 +149,4 @@ def _first_certified(
             motion = motion.with_explanation(
                 world.limits(joints), timing, limits_along_path, deadline
             )
-    outcome = motion.trajectory, certificate, motion.report, report
-    return RetimedPath(path, *outcome, watch.cut_short)
+    return RetimedPath(path, motion.trajectory, certificate, motion.report, report, watch.cut_short)

@@ -1,4 +1,4 @@
-"""reverse_plan(): the same motion from its end to its start, proven anew."""
+"""reverse_plan(): the motion of a plan from its end to its start, certified again."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,7 +25,7 @@ from planning.search.space_options import resolve_space
 from planning.world.world import World
 
 _REVERSED_KINDS = {"approach": "retreat", "retreat": "approach"}
-# What the certificate has checks for, and the report of a timing its share.
+# Checks of the certificate whose utilization is in the report of the retiming.
 _TIMING_CHECKS = (
     "velocity",
     "acceleration",
@@ -45,26 +45,26 @@ def reverse_plan(
     parts: Sequence[PlanPart],
     deadline: Deadline,
 ) -> MotionPlan:
-    """Return the motion of a plan backwards, as a plan of its own.
+    """Return the reversed motion of a plan as a plan of its own.
 
-    It is held against the same limits, margins, lines, path constraints and steering, by the same
-    scene as it is: what a robot holds, it holds on the way back. Constraints that speak of the
-    start speak of the start of this motion. A car without reverse has no way back.
+    It is certified for the same limits, margins, lines, path constraints and steering, in the given
+    state of the scene: attached objects stay attached. Constraints relative to the start refer to
+    the start of the reversed motion. The motion of a car without reverse gear cannot be reversed.
 
     Args:
-        world: The scene, loaded.
-        problem: What the motion solved.
-        path: Its waypoints.
+        world: Loaded scene.
+        problem: Problem that the motion solves.
+        path: Waypoints of the motion.
         trajectory: The motion.
-        parts: What it is made of.
-        deadline: When to give up.
+        parts: Segments of the motion.
+        deadline: Time limit.
 
     Raises:
         UnknownName: The scene has no such group.
-        ProblemInvalid: The problem's cars or limits make no sense in this scene.
-        NotCertified: The motion backwards cannot be proven; evidence has the failed checks.
+        ProblemInvalid: The problem's cars or limits are invalid in this scene.
+        NotCertified: The reversed motion is not proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     watch = Stopwatch(deadline.clock)
     deadline = deadline.with_on_expiry(watch.record_cut)
@@ -90,7 +90,7 @@ def reverse_plan(
         with watch.stage("certify"):
             certificate, report = certify(world.drake, request, deadline)
         if not certificate.proven:
-            raise not_certified(certificate, ["the motion backwards"])
+            raise not_certified(certificate, ["the reversed motion"])
     reversed_path = JointPath(group, path.waypoints[::-1])
     stages = StageReports(
         GoalConfigurations(reversed_motion.end[None], (0,), Funnel(1, 1, 1, 1, 1)),
@@ -121,11 +121,11 @@ def _retime_report(
     certificate: Certificate,
     parts: Sequence[PlanPart],
 ) -> RetimeReport:
-    """Return what the certificate says of the timing, which nobody chose anew."""
+    """Return the report of the timing from the certificate, since no retiming took place."""
     binding: dict[str, str] = {}
     utilisation: dict[str, float] = {}
     for check in certificate.checks:
-        # Checks of frames and zones are named after them.
+        # Names of checks of frames and zones contain the name of the frame or zone.
         kind, _, limited_frame = check.name.partition(" ")
         if kind in _TIMING_CHECKS:
             ratio = check.value if check.unit == "1" else check.value / check.bound

@@ -1,4 +1,4 @@
-"""sample_motion(): the samples of a proven motion, and which receivers may trust them."""
+"""sample_motion(): samples of a certified motion, and proofs for interpolations of the samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -29,18 +29,18 @@ from planning.world.world import World
 
 @dataclass(frozen=True, eq=False)
 class ProvenSamples(Value):
-    """Samples, and what is proven of them.
+    """Samples of a motion, and proofs for the motions that controllers interpolate from them.
 
     Attributes:
-        samples: Of the motion.
-        interpolations: A verdict on each of what receivers may make of them.
+        samples: Samples of the motion.
+        interpolations: Result of the proof of each interpolation.
     """
 
     samples: SampledTrajectory
     interpolations: tuple[InterpolationProof, ...]
 
 
-def sample_motion(  # noqa: PLR0913  (a question in full)
+def sample_motion(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     trajectory: TimedTrajectory,
@@ -53,25 +53,27 @@ def sample_motion(  # noqa: PLR0913  (a question in full)
     constraints: tuple[PathConstraint, ...] = (),
     origin: Any = None,
 ) -> ProvenSamples:
-    """Return samples of a motion that is proven, and whether each interpolation of them is.
+    """Return samples of a certified motion, and whether each interpolation of them is proven.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
+        world: Loaded scene.
+        group: Joint group that moves, `robot` or `robot::group`.
         trajectory: The motion.
-        sampling: At which instants.
-        deadline: When to stop proving; what is not proven by then is told as not proven.
-        options: Limits that it was proven to keep; `method` says whether jerk is one of them.
-        clearance: What no distance is below along the motion, as its certificate says
-            [m]; by default unknown, which takes longer.
-        margin: Distance that it keeps [m]; None for the scene's.
-        constraints: What it keeps.
-        origin: Where the motion began that it goes on from, shape (nq,); None if it begins at rest.
+        sampling: Instants of the samples.
+        deadline: Time limit of the proofs; interpolations not proven by then count as not proven.
+        options: Limits of the certified motion; jerk is limited if `method` is "ruckig". None for
+            the defaults.
+        clearance: Lower bound on all distances along the motion, from its certificate [m]; unknown
+            by default, which takes longer.
+        margin: Required distance of bodies [m]; None for the scene's.
+        constraints: Path constraints of the motion.
+        origin: First configuration of the running motion that this one continues, shape (nq,); None
+            if it begins at rest.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
-        ProblemInvalid: The trajectory is of other joints, or a limit makes no sense.
-        Canceled: The caller canceled.
+        ProblemInvalid: The trajectory is of other joints, or a limit is invalid.
+        Canceled: Cancellation was requested.
     """
     joints = world.group(group)
     validate_joints(joints, trajectory, "trajectory")
@@ -86,7 +88,7 @@ def sample_motion(  # noqa: PLR0913  (a question in full)
     return _sample(world, request, sampling, clearance, deadline)
 
 
-def sample_plan(  # noqa: PLR0913  (a question in full)
+def sample_plan(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     problem: PlanningProblem,
     trajectory: TimedTrajectory,
@@ -96,22 +98,23 @@ def sample_plan(  # noqa: PLR0913  (a question in full)
     deadline: Deadline,
     clearance: float = -np.inf,
 ) -> ProvenSamples:
-    """Return the same of a plan's motion, or of that slowed down.
+    """Return proven samples, as `sample_motion` does, of a plan's motion, possibly slowed down.
 
     Args:
-        world: The scene, loaded.
-        problem: What the motion solves.
+        world: Loaded scene.
+        problem: Problem that the motion solves.
         trajectory: The motion.
-        parts: What it is made of.
-        sampling: At which instants.
-        deadline: When to stop proving; what is not proven by then is told as not proven.
-        clearance: As in `sample_motion`.
+        parts: Segments of the motion.
+        sampling: Instants of the samples.
+        deadline: Time limit of the proofs; interpolations not proven by then count as not proven.
+        clearance: Lower bound on all distances along the motion, from its certificate [m]; unknown
+            by default, which takes longer.
 
     Raises:
         UnknownName: The scene has no such group.
-        ProblemInvalid: The problem's cars or limits make no sense in this scene, or the trajectory
-            is of other joints.
-        Canceled: The caller canceled.
+        ProblemInvalid: The problem's cars or limits are invalid in this scene, or the trajectory is
+            of other joints.
+        Canceled: Cancellation was requested.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
     validate_joints(group, trajectory, "trajectory")
@@ -132,7 +135,7 @@ def _sample(
     clearance: float,
     deadline: Deadline,
 ) -> ProvenSamples:
-    # The very joints of the group: what is the same thing need not be compared by content.
+    # The group's own joint objects, so that comparisons by identity suffice.
     trajectory = replace(original_request.trajectory, joints=original_request.group.joints)
     request = replace(original_request, trajectory=trajectory)
     limits = request.limits.per_coordinate(request.limits.acceleration)
@@ -144,7 +147,7 @@ def _sample(
 
 
 def unproven_samples(trajectory: TimedTrajectory, sampling: Sampling, reason: str) -> ProvenSamples:
-    """Return samples of which nothing is proven, and why, where there is no scene to ask."""
+    """Return samples without proofs, for the given reason, where there is no scene."""
     unlimited = np.full(trajectory.manifold.num_velocities, np.inf)
     proofs = tuple(
         InterpolationProof(kind, proven=False, deviation=np.inf, up_to_period=None, reason=reason)

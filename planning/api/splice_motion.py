@@ -1,4 +1,4 @@
-"""stop_motion() and splice_motion(): leave a running motion, for a stand or for another motion."""
+"""stop_motion() and splice_motion(): motions from a running motion to rest or to another motion."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -27,18 +27,18 @@ from planning.retime.limits.request_limits import path_limits
 from planning.world.constraints.validate_constraints import validate_constraints
 from planning.world.world import World
 
-# Instants of a new motion at which it may be joined.
+# Number of instants at which the other motion may be joined.
 _NUM_JOIN_TIMES = 12
 
 
 @dataclass(frozen=True, eq=False)
 class ProvenMotion(Value):
-    """A motion that begins as another goes on, and its proof.
+    """Certified motion that continues a running motion.
 
     Attributes:
-        trajectory: From the instant on; it may begin moving.
-        certificate: The proof, jerk and continuity of acceleration included.
-        certify: What it took.
+        trajectory: Motion from the instant on; its first velocity need not be zero.
+        certificate: Certificate of the motion, jerk and continuity of acceleration included.
+        certify: Report of the certification.
     """
 
     trajectory: TimedTrajectory
@@ -48,7 +48,7 @@ class ProvenMotion(Value):
 
 @dataclass(frozen=True)
 class _RunningMotion:
-    """What is left, and what holds on whatever way leads from it."""
+    """Running motion, and the limits and constraints of the motions that continue it."""
 
     world: World
     group: JointGroup
@@ -69,7 +69,13 @@ class _RunningMotion:
     def certify_first(
         self, motions: Iterable[TimedTrajectory], deadline: Deadline, *, has_jerk_limit: bool = True
     ) -> ProvenMotion:
-        """Return the first motion that is proven to keep everything from its first instant on."""
+        """Return the first motion that is certified.
+
+        Args:
+            motions: Motions that continue the running one, best first.
+            deadline: Time limit.
+            has_jerk_limit: Whether jerk is limited, from the first instant on.
+        """
         watch = Stopwatch(deadline.clock)
         margins = self.world.margins(self.margin)
 
@@ -89,7 +95,7 @@ class _RunningMotion:
             return ProvenMotion(*first_certified(named_motions, certify_motion, Refusals()))
 
 
-def stop_motion(  # noqa: PLR0913  (a question in full)
+def stop_motion(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     running: TimedTrajectory,
@@ -101,35 +107,36 @@ def stop_motion(  # noqa: PLR0913  (a question in full)
     margin: float | None = None,
     along_path: bool = False,
 ) -> ProvenMotion:
-    """Return the quickest stop from an instant of a motion, under jerk limits.
+    """Return the quickest certified stop from an instant of a motion, under jerk limits.
 
-    Every joint brakes by itself, so the stop leaves the path; it is proven like any motion, and
-    held to what the motion was planned with only as far as that is told here. Along the path it is
-    the motion itself, slowed down, as quickly as profiles of one form allow; at worst its end.
+    Every joint brakes independently, so the stop leaves the path. It is certified like any motion,
+    for the limits, constraints and margin given here; those of the running motion are not known.
+    Along the path, the stop is the running motion slowed down by the quickest speed profile of a
+    family; at worst it ends where the running motion ends.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
-        running: What it does.
-        time: When it shall begin to stop [s].
-        deadline: When to give up.
-        options: Scales of the limits, and limits besides; the rest of them has no meaning here, but
-            for a stop along the path: there `method` "toppra" lets accelerations jump, from the
-            first instant on, and "ruckig", or no options, does not.
-            What they and the constraints say of the start they say of where `running` begins.
-        constraints: What it shall keep.
-        margin: Distance to keep [m]; None for the scene's.
-        along_path: Whether it shall stay on the path of `running`.
+        world: Loaded scene.
+        group: Joint group that moves, `robot` or `robot::group`.
+        running: The running motion.
+        time: Instant at which the stop begins [s].
+        deadline: Time limit.
+        options: Scales of the limits, and limits besides those of joints; None for the defaults
+            under jerk limits. Of the other options only `method` has an effect, on a stop along the
+            path: "toppra" lets accelerations jump, from the first instant on, "ruckig" does not.
+            Options and constraints relative to the start refer to the start of `running`.
+        constraints: Path constraints.
+        margin: Required distance of bodies [m]; None for the scene's.
+        along_path: Whether the stop stays on the path of `running`.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
-        ProblemInvalid: `running` is of other joints or no motion, `time` is not within it, or a
-            limit or constraint makes no sense.
+        ProblemInvalid: `running` is of other joints or malformed, `time` is not within it, or a
+            limit or constraint is invalid.
         RetimingFailed: A joint is planar or floating, or there is no such stop; never along the
             path.
-        NotCertified: The stop cannot be proven; evidence has the failed checks.
+        NotCertified: The stop is not proven; evidence has the failed checks.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     running_motion = _make_running_motion(world, group, running, options, constraints, margin)
     _validate_time(running, time)
@@ -149,7 +156,7 @@ def stop_motion(  # noqa: PLR0913  (a question in full)
     return running_motion.certify_first([stop], deadline)
 
 
-def splice_motion(  # noqa: PLR0913  (a question in full)
+def splice_motion(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     running: TimedTrajectory,
@@ -161,32 +168,33 @@ def splice_motion(  # noqa: PLR0913  (a question in full)
     constraints: tuple[PathConstraint, ...] = (),
     margin: float | None = None,
 ) -> ProvenMotion:
-    """Return the quickest proven way from an instant of a motion into another one, without a rest.
+    """Return the quickest certified motion from an instant of a motion onto another, without rest.
 
-    The other motion is joined at one of some instants, in the state that it has there; the sooner
-    all is over the better. All of it, the rest of the other motion too, is held to what is told
-    here.
+    The other motion is joined at one of several instants, in its state of position, velocity and
+    acceleration there; the result that ends first is preferred. All of it, the rest of the other
+    motion included, is certified for the limits, constraints and margin given here.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
-        running: What it does.
-        time: When it leaves that [s].
-        onto: What it shall go over to.
-        deadline: When to give up.
-        options: Scales of the limits, and limits besides; the rest of them has no meaning here.
-            What they and the constraints say of the start they say of where `running` begins.
-        constraints: What it shall keep.
-        margin: Distance to keep [m]; None for the scene's.
+        world: Loaded scene.
+        group: Joint group that moves, `robot` or `robot::group`.
+        running: The running motion.
+        time: Instant at which it is left [s].
+        onto: Motion that is joined.
+        deadline: Time limit.
+        options: Scales of the limits, and limits besides those of joints; None for the defaults
+            under jerk limits. Other options have no effect. Options and constraints relative to the
+            start refer to the start of `running`.
+        constraints: Path constraints.
+        margin: Required distance of bodies [m]; None for the scene's.
 
     Raises:
         UnknownName: There is no such group, body, frame or joint.
-        ProblemInvalid: A motion is of other joints or none, `time` is not within `running`, or a
-            limit or constraint makes no sense.
+        ProblemInvalid: A motion is of other joints or malformed, `time` is not within `running`, or
+            a limit or constraint is invalid.
         RetimingFailed: A joint is planar or floating, or no state of the other motion is reached.
-        NotCertified: No way over can be proven; evidence has the failed checks of the last.
+        NotCertified: No transition is proven; evidence has the failed checks of the last one.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     running_motion = _make_running_motion(world, group, running, options, constraints, margin)
     _validate_time(running, time)
@@ -197,12 +205,12 @@ def splice_motion(  # noqa: PLR0913  (a question in full)
 def _splices(
     running_motion: _RunningMotion, time: float, onto: TimedTrajectory, deadline: Deadline
 ) -> Iterator[TimedTrajectory]:
-    """Yield ways into the other motion, soonest over first.
+    """Yield transitions with the rest of the other motion, shortest duration first.
 
     Raises:
         RetimingFailed: No state of the other motion is reached.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     running, limits = running_motion.running, running_motion.limits
     state = MotionState.of(running, time)
@@ -232,7 +240,7 @@ def _make_running_motion(
     constraints: tuple[PathConstraint, ...],
     margin: float | None,
 ) -> _RunningMotion:
-    """Return what is left, once it makes sense."""
+    """Return the running motion after checks of its input."""
     joints = world.group(group)
     _validate_motion(joints, running, "running")
     validate_constraints(world, joints, constraints)
@@ -243,12 +251,12 @@ def _make_running_motion(
 
 
 def _validate_motion(group: JointGroup, motion: TimedTrajectory, field: str) -> None:
-    """Go on only if a motion is one of a group's joints, and its times begin at 0 and increase."""
+    """Check that a motion has a group's joints and finite numbers, and that its times increase."""
     validate_joints(group, motion, field)
     numbers = (motion.breaks, motion.bases, motion.coefficients)
     is_timed = motion.breaks[0] == 0 and bool((np.diff(motion.breaks) > 0).all())
     if not (is_timed and all(np.isfinite(array).all() for array in numbers)):
-        message = f"{field}: all its numbers must be finite, and its times increase, from 0"
+        message = f"{field}: all numbers must be finite; its times must start at 0 and increase"
         raise ProblemInvalid(message, {"field": field})
 
 

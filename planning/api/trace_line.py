@@ -1,4 +1,4 @@
-"""trace_line(): how far a tool can be moved in a straight line, and what stops it."""
+"""trace_line(): straight motion of a tool (MoveL), as far as it is feasible, and its stop."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ from planning.world.world import World
 __all__ = ["TraceResolution", "trace_line"]
 
 
-def trace_line(  # noqa: PLR0913  (a question in full)
+def trace_line(  # noqa: PLR0913  (all inputs of a request)
     world: World,
     group: str,
     to: PoseTarget | Displacement,
@@ -28,35 +28,35 @@ def trace_line(  # noqa: PLR0913  (a question in full)
     margin: float | None = None,
     fineness: TraceResolution | None = None,
 ) -> LineTrace:
-    """Follow the straight line of a tool from where it stands as far as it goes.
+    """Trace the straight line of a tool from its pose at the start as far as it is feasible.
 
-    The rotation turns along with the translation (slerp). What is found is a continuous motion of
-    the group; straight ways between its waypoints keep to the line within `fineness`.
+    The rotation is interpolated along the translation (slerp). The result is a continuous motion of
+    the group; joint geodesics between its waypoints stay near the line within `fineness`.
+
+    Not promised: collisions are checked every 0.02 rad or m of joint space, not between; and a
+    redundant group follows one of its many joint motions, which may end before another would.
 
     Args:
-        world: The scene, loaded.
+        world: Loaded scene.
         group: `robot` or `robot::group`.
-        to: Where the line ends: a pose of the tool, or a way from where it stands.
-        deadline: When to give up.
+        to: End of the line: a pose of the tool, or a displacement from its pose at the start.
+        deadline: Time limit.
         start: The group's q, shape (nq,); None for the scene's state.
         frame: Full name of the tool frame; "" for the group's default.
-        margin: Distance to keep [m]; None for the scene's.
-        fineness: How near to the line, and in what steps.
-
-    Not promised: collisions are looked for every 0.02 rad or m of joint space, not between; and a
-    redundant group takes one of its many ways, which may end before another would.
+        margin: Required distance of bodies [m]; None for the scene's.
+        fineness: Resolution of the trace: largest deviations and steps; None for the default.
 
     Raises:
         UnknownName: A group or frame does not exist.
-        ProblemInvalid: The start does not fit the group.
+        ProblemInvalid: The start does not fit the group, or a number of `fineness` is not positive.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     joints = world.group(group)
     q = resolve_start(world, joints, start)
     resolution = fineness or TraceResolution()
     if not min(resolution.max_shift, resolution.max_turn, resolution.max_step) > 0:
-        message = "max_shift, max_turn and max_step of a line must be positive"
+        message = "fineness: max_shift, max_turn and max_step must be positive"
         raise ProblemInvalid(message, {"field": "fineness"})
     margins = world.margins(margin)
     tool = frame or joints.tool_frames[0]

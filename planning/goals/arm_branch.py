@@ -33,7 +33,7 @@ from planning.domain.goals.configuration_quality import ArmBranch
 
 # Tolerance within which axes are parallel, or meet [rad, m].
 _TOLERANCE = 1e-4
-# Factors smaller than this count as singular, with sign 0 [m, m^2, 1].
+# Factors whose magnitude is below this count as singular, with sign 0 [m, m^2, 1].
 _SINGULAR_BELOW = 1e-9
 
 
@@ -49,21 +49,18 @@ def branch_of(
     z, p = directions, points
     if not _are_parallel(z[1], z[2]):
         return None
-    intersection_56 = _intersection(z[4], p[4], z[5], p[5])
-    if intersection_56 is None:
+    wrist_point = _intersection(z[4], p[4], z[5], p[5])
+    if wrist_point is None:
         return None
-    intersection_45 = _intersection(z[3], p[3], z[4], p[4])
-    if (
-        intersection_45 is not None
-        and np.linalg.norm(intersection_45 - intersection_56) < _TOLERANCE
-    ):
-        center = intersection_56
+    point_45 = _intersection(z[3], p[3], z[4], p[4])
+    if point_45 is not None and np.linalg.norm(point_45 - wrist_point) < _TOLERANCE:
+        center = wrist_point
     elif _are_parallel(z[2], z[3]):
         center = p[3]
     else:
         return None
     return ArmBranch(
-        shoulder=_sign(np.cross(z[0], intersection_56 - p[0]) @ z[1]),
+        shoulder=_sign(np.cross(z[0], wrist_point - p[0]) @ z[1]),
         elbow=_sign(np.cross(p[2] - p[1], center - p[2]) @ z[1]),
         wrist=_sign(np.cross(z[3], z[4]) @ z[5]),
     )

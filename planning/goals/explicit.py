@@ -89,7 +89,8 @@ def explicit_goal_configurations(
         pair_text = describe_pairs(pairs, query.margins) + suggestion
         if tally.num_margin_only:
             message = (
-                f"no goal configuration keeps its margins, though not all collide: {pair_text}"
+                "every goal configuration violates margins, and at least one does not collide: "
+                f"{pair_text}"
             )
             raise GoalTooNear(message, evidence)
         raise GoalInCollision(f"every goal configuration collides: {pair_text}", evidence)
@@ -149,9 +150,9 @@ def suggest_nearest_joints(
         "nearest": nearest and {**nearest.evidence, "cut_short": is_cut_short},
         "relaxation": joint_goal_relaxation(world, query, rows),
     }
-    return evidence, "" if nearest is None else _describe_nearest(
-        nearest, is_cut_short=is_cut_short
-    )
+    if nearest is None:
+        return evidence, ""
+    return evidence, _describe_nearest(nearest, is_cut_short=is_cut_short)
 
 
 def _describe_nearest(nearest: NearestConfiguration, *, is_cut_short: bool) -> str:
@@ -161,6 +162,6 @@ def _describe_nearest(nearest: NearestConfiguration, *, is_cut_short: bool) -> s
     which = "configuration that was found in time" if is_cut_short else "configuration"
     return (
         f"; the nearest feasible {which} is {nearest.distance:.4g} away "
-        f"({nearest.names[largest]} by {nearest.differences[largest]:.4g}), where "
-        f"{', '.join(active_names)} {'bind' if len(active_names) > 1 else 'binds'}"
+        f"({nearest.names[largest]} by {nearest.differences[largest]:.4g})"
+        + (f", blocked by {', '.join(active_names)}" if active_names else "")
     )

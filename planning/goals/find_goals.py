@@ -55,7 +55,7 @@ def find_goals(
     deadline = _with_time_limit(deadline, query.options.time_limit)
     match query.goal:
         case LineGoal():
-            message = "lines are not searched for; `trace_line` follows them"
+            message = "a line goal has no goal configurations; trace it with `trace_line`"
             raise ProblemInvalid(message, {"field": "goal"})
         case PoseGoal() | RegionGoal() | RelativeGoal():
             return _find_tool_goals(world, query, rng, deadline)

@@ -71,17 +71,12 @@ class UniqueSolutions:
         Sums of cosines and of sines change by at most the sum of the changes of their angles, so
         only rows whose sums are close can be duplicates.
         """
-        angles, key_tolerance = (
-            rows[:, self._key_mask] + self._phases,
-            DUPLICATE_TOLERANCE * len(self._phases) + 1e-9,
-        )
+        angles = rows[:, self._key_mask] + self._phases
+        key_tolerance = DUPLICATE_TOLERANCE * len(self._phases) + 1e-9
         cosine_sums, sine_sums = np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1)
         order = np.argsort(cosine_sums, kind="stable")
-        cosine_sums, sine_sums, labels = (
-            cosine_sums[order],
-            sine_sums[order],
-            np.arange(len(cosine_sums)),
-        )
+        cosine_sums, sine_sums = cosine_sums[order], sine_sums[order]
+        labels = np.arange(len(cosine_sums))
         for step in range(1, len(cosine_sums)):
             is_near = cosine_sums[step:] - cosine_sums[:-step] <= key_tolerance
             a = np.flatnonzero(is_near & (labels[step:] != labels[:-step]))

@@ -53,15 +53,11 @@ def validate_start(
     if not world.collision_oracle(group, margins).is_free(start):
         pairs = world.violations(group, start, margins)
         if pairs:
-            pair_text, evidence = (
-                describe_pairs(pairs, margins),
-                {"pairs": pair_evidence(pairs, margins)},
-            )
+            pair_text = describe_pairs(pairs, margins)
+            evidence = {"pairs": pair_evidence(pairs, margins)}
             if has_overlap(pairs):
                 raise StartInCollision(f"the start collides: {pair_text}", evidence)
-            message = (
-                f"nothing overlaps at the start, but it does not keep its margins: {pair_text}"
-            )
+            message = f"no bodies overlap at the start, but it violates margins: {pair_text}"
             raise StartTooNear(message, evidence)
     return start, start - q
 

@@ -1,1 +1,1 @@
-"""The stages joined: read `plan.py` first. The only place that knows more than one stage."""
+"""Pipeline of the planning stages: read `plan.py` first. Only this package joins several stages."""

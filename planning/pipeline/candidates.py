@@ -1,4 +1,4 @@
-"""Candidates: the motions that one path can become, quickest first."""
+"""Candidates: timed motions along one path, not certified yet, quickest first."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -24,17 +24,21 @@ from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
 
-# Share of the time for timing one more curve where there is a motion already.
+# Share of the time for timing another curve when there is a timed motion already.
 _COMPARISON_TIME_FRACTION = 0.5
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A timed motion that is not certified yet.
+    """Timed motion that is not certified yet.
 
     Attributes:
-        curve: What it follows.
-        clearance_penalty: What falling short of the clearance that is wished for costs [s].
+        name: Name of the curve, for messages and reports.
+        curve: Geometric curve that the motion follows.
+        trajectory: The motion.
+        refine: Report of the refinement.
+        retime: Report of the retiming.
+        clearance_penalty: Cost of clearance below the clearance objective's distance [s].
     """
 
     name: str
@@ -46,13 +50,13 @@ class Candidate:
 
     @property
     def cost(self) -> float:
-        """What is compared, the less the better [s]."""
+        """Duration plus clearance penalty, by which candidates are compared [s]."""
         return self.trajectory.duration + self.clearance_penalty
 
 
 @dataclass(frozen=True)
 class _RetimeInputs:
-    """How every curve is timed, and what was wrong with those that cannot be."""
+    """Inputs of the retiming of every curve, and the failures so far."""
 
     limits: JointLimits
     path_limits: tuple[PathLimit, ...]
@@ -63,23 +67,23 @@ class _RetimeInputs:
 
     @property
     def for_comparison(self) -> "_RetimeInputs":
-        """The same for curves that are timed only to see whether they are quicker."""
+        """The same inputs with less time, for curves that may only improve on a timed motion."""
         return replace(self, deadline=self.deadline.at_fraction(_COMPARISON_TIME_FRACTION))
 
 
 def refine_and_proof_deadlines(
     problem: PlanningProblem, deadline: Deadline
 ) -> tuple[Deadline, Deadline]:
-    """Return when to give up refining a path, and when timing and proving it.
+    """Return the deadline of refinement, and the deadline of retiming and certification.
 
-    Who wants the best so far from a cancel gets it without refinement, but not without proof.
+    If a canceled plan is to return the best motion so far, a cancellation ends refinement only.
     """
     if problem.search.on_cancel == "discard":
         return deadline, deadline
     return deadline.expired_when_canceled, deadline.uncancelable
 
 
-def candidates(  # noqa: PLR0913  (a question in full)
+def candidates(  # noqa: PLR0913  (all inputs of two stages)
     world: World,
     path: JointPath,
     problem: PlanningProblem,
@@ -89,13 +93,14 @@ def candidates(  # noqa: PLR0913  (a question in full)
     *,
     path_limits: tuple[PathLimit, ...],
 ) -> Iterator[Candidate]:
-    """Yield timed motions along a path: the better of refined and rounded first.
+    """Yield timed motions along a path: the better of the refined and the rounded curve first.
 
     Raises:
-        RetimingFailed: After all others, not even the path itself, with a rest at every corner, can
-            be timed. Where a duration was asked for, evidence has the least of all that failed.
+        RetimingFailed: After all other curves the path itself, with a rest at every corner, cannot
+            be timed either. If the requested duration is too short, evidence has the least duration
+            of all curves.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     refine_deadline, deadline = refine_and_proof_deadlines(problem, deadline)
     group, retime_options = world.group(problem.group), problem.retime
@@ -110,7 +115,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
             margins,
             problem.refine,
             jerk=retime_options.method == "ruckig",
-            fixed_coordinates=_held_coordinates(group, problem.search),
+            fixed_coordinates=_fixed_coordinates(group, problem.search),
             motion_limits=_motion_limits(retime_options),
             constraints=constraints
             and constraints.tightened(path.waypoints[0], path.waypoints[-1:]),
@@ -127,7 +132,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
             reason="the unrefined path is quicker or safer",
             lower_bound=report.lower_bound,
         )
-    # With jerk limits a wide corner may well be slower than a rest: all of them are compared.
+    # With jerk limits a wide corner may be slower than a rest: all curves are compared.
     oracle = world.collision_oracle(group, margins)
     curves = collision_free_curves(path, retime_options, oracle, constraints)
     with watch.stage("retime"):
@@ -139,7 +144,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
                 curve, retime_inputs.for_comparison if timed else retime_inputs, unrefined_report
             )
         except DeadlineExceeded:
-            # A motion that is timed is to be proven while there is time.
+            # The remaining time is for certifying the motion that is timed already.
             if not timed:
                 raise
             curves = chain(first_curves[i:], curves)
@@ -151,7 +156,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
     if objective is not None:
         timed = [_with_clearance_penalty(candidate, objective) for candidate in timed]
     yield from sorted(timed, key=lambda candidate: candidate.cost)
-    # Looking whether a shape collides counts as timing it.
+    # The collision check of a curve counts as retiming.
     for curve in watch.each("retime", curves):
         new_candidates = _retime_curve(curve, retime_inputs, unrefined_report)
         yield from new_candidates
@@ -160,7 +165,7 @@ def candidates(  # noqa: PLR0913  (a question in full)
 
 
 def _with_clearance_penalty(candidate: Candidate, objective: ClearanceCost) -> Candidate:
-    """Return a candidate that knows how far it falls short of the clearance wished for."""
+    """Return a candidate with the penalty of its clearance shortfall."""
     shortfall = objective.mean_shortfall(candidate.trajectory)
     report = replace(candidate.refine, shortfall=shortfall)
     return replace(candidate, refine=report, clearance_penalty=objective.weight * shortfall)
@@ -176,12 +181,12 @@ def _motion_limits(options: RetimeOptions) -> MotionLimits:
     )
 
 
-def _held_coordinates(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:
-    """Return the coordinates of rotations that the search was told to keep."""
-    held_blocks = {
+def _fixed_coordinates(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:
+    """Return the velocity coordinates of rotations that the search space keeps fixed."""
+    fixed_blocks = {
         f"{name}.angular" for name, space in search.spaces.items() if space == "position"
     }
-    return tuple(i for name, indices in group.blocks if name in held_blocks for i in indices)
+    return tuple(i for name, indices in group.blocks if name in fixed_blocks for i in indices)
 
 
 def _compile_constraints(
@@ -205,16 +210,16 @@ def _retime_curve(
 def _retime_spline(
     name: str, spline: JointSpline, retime_inputs: _RetimeInputs, report: RefineReport
 ) -> list[Candidate]:
-    """Time a curve; return nothing and remember why if it cannot be timed."""
-    arguments = (
-        retime_inputs.limits,
-        retime_inputs.options,
-        retime_inputs.path_limits,
-        retime_inputs.deadline,
-    )
+    """Return the candidate along a curve; if it cannot be timed, store the failure, return none."""
     with retime_inputs.watch.stage("retime"):
         try:
-            trajectory, retime_report = retime(spline, *arguments)
+            trajectory, retime_report = retime(
+                spline,
+                retime_inputs.limits,
+                retime_inputs.options,
+                retime_inputs.path_limits,
+                retime_inputs.deadline,
+            )
         except RetimingFailed as failure:
             retime_inputs.failures.append(failure)
             return []
@@ -222,9 +227,10 @@ def _retime_spline(
 
 
 def _retiming_failure(failures: list[RetimingFailed]) -> RetimingFailed:
-    """Return what to say once the path itself cannot be timed, which failed last.
+    """Return the failure of retiming all curves; the last one is that of the path itself.
 
-    Rests at corners take time: if that is all that is wrong, the quickest curve says what is not.
+    If that is only slower than the requested duration, because of its rests at corners, the failure
+    of the curve with the least duration is returned.
     """
     last = failures[-1]
     if "least" not in last.evidence:
@@ -232,4 +238,5 @@ def _retiming_failure(failures: list[RetimingFailed]) -> RetimingFailed:
         return RetimingFailed(message, last.evidence)
     too_slow = [failure for failure in failures if "least" in failure.evidence]
     quickest = min(too_slow, key=lambda failure: failure.evidence["least"])
-    return RetimingFailed(f"the path cannot be timed so: {quickest.detail}", quickest.evidence)
+    message = f"no curve along the path can be timed as requested: {quickest.detail}"
+    return RetimingFailed(message, quickest.evidence)

@@ -1,4 +1,4 @@
-"""Certification: what a motion is held against, and the first of several that is proven."""
+"""Certification of candidate motions: the request of a motion, and the first certified one."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -17,24 +17,24 @@ from planning.world.world import World
 
 @dataclass
 class Refusals:
-    """Motions that could not be proven so far; the evidence of a failure.
+    """Motions that were not certified so far; the evidence of a failure.
 
     Attributes:
-        reasons: What was wrong with each, a line for a motion.
-        last: Certificate of the last one; None if there was none.
+        reasons: Failed checks of each motion, one line per motion.
+        last: Certificate of the last motion; None if there is none.
     """
 
     reasons: list[str] = field(default_factory=list[str])
     last: Certificate | None = None
 
     def add(self, name: str, certificate: Certificate) -> None:
-        """Add a motion by its name and its certificate."""
+        """Add a motion by its name and its failed certificate."""
         self.reasons.append(f"{name}: {failed_checks(certificate)}")
         self.last = certificate
 
     @property
     def failure(self) -> NotCertified:
-        """The failure that all of them are evidence of."""
+        """Failure with all refusals as evidence."""
         return not_certified(self.last, self.reasons)
 
 
@@ -44,13 +44,13 @@ def first_certified[T](
     refusals: Refusals,
     is_hopeless: Callable[[Certificate], bool] = lambda _: False,
 ) -> tuple[T, Certificate, CertifyReport]:
-    """Return the first motion that is proven, with its certificate and what the proof took.
+    """Return the first motion that is proven, with its certificate and the certifier's report.
 
     Args:
-        motions: Names and motions, the best first; taken one by one.
-        certify: Tries to prove a motion.
-        refusals: Gets those that are not proven.
-        is_hopeless: Whether a failed certificate rules out every other motion as well.
+        motions: Names and motions, best first; consumed one by one.
+        certify: Certifies a motion.
+        refusals: Receives the motions that are not proven.
+        is_hopeless: Returns whether a failed certificate rules out all other motions as well.
 
     Raises:
         NotCertified: None is proven, or one is hopeless; evidence has all refusals so far.
@@ -72,17 +72,17 @@ def certify_request(
     options: RetimeOptions,
     margins: PairMargins,
 ) -> CertifyRequest:
-    """Return the request to prove a motion from where it begins to where it ends.
+    """Return the request to certify a motion from its own start to its own end.
 
-    Callers that demand more, or other ends, replace the rest.
+    Callers with further requirements, or with another start or goal, replace fields.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
+        world: Loaded scene.
+        group: Joint group that moves.
         trajectory: The motion.
-        options: Limits besides the group's own, from `validate_timing`; `method` says whether jerk
-            is limited.
-        margins: The distances to keep.
+        options: Limits besides the group's own, as of `resolve_retiming`; jerk is limited if
+            `method` is "ruckig".
+        margins: Required distance of every body pair [m].
     """
     limits, followers = world.stated_limits(group)
     scales = options.velocity_scale, options.acceleration_scale

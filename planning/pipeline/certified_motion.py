@@ -1,4 +1,4 @@
-"""CertifiedMotion: a motion with its proof and the reports of the stages that made it."""
+"""CertifiedMotion: a motion with its certificate and the reports of all stages."""
 
 from dataclasses import dataclass, replace
 
@@ -16,16 +16,16 @@ from planning.pipeline.segments import end_configurations
 
 @dataclass(frozen=True, kw_only=True)
 class CertifiedMotion:
-    """A motion that is certified, and the reports of all stages.
+    """Certified motion with the reports of all stages.
 
     Attributes:
         goal_row: Row of the goal configuration that it reaches.
-        motion: All its segments.
+        motion: All segments of the motion.
         search: Report of the search.
         refine: Report of the refinement.
-        certificate: The proof.
+        certificate: Certificate of the motion.
         certify: Report of the certification.
-        graph: The planner's, if the problem wants it.
+        graph: Graph of the planner; None if the problem does not request it.
     """
 
     goal_row: int
@@ -38,7 +38,7 @@ class CertifiedMotion:
 
 
 def certify_motion(context: PlanContext, motion: Motion) -> tuple[Certificate, CertifyReport]:
-    """Return the certificate of a motion, proven or not, and what the proof took."""
+    """Return the certificate of a motion, proven or not, and the certifier's report."""
     problem, timing = context.problem, context.problem.retime
     goal = problem.goal
     tolerances = (

@@ -1,4 +1,4 @@
-"""A plan under path constraints: its start, its goals, its search."""
+"""Path constraints of a plan: checks of start and goal configurations, and constrained search."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -30,13 +30,13 @@ from planning.search.request import SearchResult, SearchTask
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import CollisionChecker, World
 
-# RRTConnect's steps where nothing else is asked for [rad or m].
+# RRTConnect's default step [rad or m].
 _DEFAULT_STEP = 0.5
-# How many states an attempt by sampling, and one by projection, may check in the first round where
-# a path must keep to a thin set, and by how much more in every round that follows. A projected
-# state takes some hundred times as long.
+# Largest number of states that an attempt by sampling, and one by projection, checks in the first
+# round on a set of measure zero, and growth factor of both per round. A projected state takes about
+# a hundred times as long.
 _FIRST_SAMPLED_STATES, _FIRST_PROJECTED_STATES, _GROWTH_FACTOR = 200_000, 1_000, 4
-# Messages have no more of what is violated than that; the evidence has all.
+# Largest number of violations in a message; the evidence has all.
 _MAX_NAMED_VIOLATIONS = 3
 
 
@@ -46,12 +46,12 @@ def compile_constraints(
     constraints: tuple[PathConstraint, ...],
     start: Float64[np.ndarray, " nq"],
 ) -> PathConstraints | None:
-    """Return the rules that constraints make from a start, shape (nq,); None without any.
+    """Return the path constraints compiled for a start, shape (nq,); None if there are none.
 
     Raises:
         UnknownName: A body, frame or joint does not exist.
-        ProblemInvalid: A number makes no sense.
-        StartViolatesConstraint: The start does.
+        ProblemInvalid: A number of a constraint is invalid.
+        StartViolatesConstraint: The start violates a constraint.
     """
     if not constraints:
         return None
@@ -67,10 +67,11 @@ def compile_constraints(
 def filter_goals(
     world: World, query: GoalQuery, goals: GoalConfigurations, seed: int, deadline: Deadline
 ) -> GoalConfigurations:
-    """Return the goal configurations that keep the query's rules, on their lines too.
+    """Return the goal configurations that satisfy the path constraints, linear moves included.
 
     Raises:
-        GoalViolatesConstraint: None does; evidence has the nearest that does, and what would do.
+        GoalViolatesConstraint: None does; evidence has the nearest feasible configuration or pose,
+            and sufficient relaxations.
     """
     constraints, goal = query.constraints, query.goal
     if constraints is None:
@@ -94,15 +95,11 @@ def filter_goals(
                 pass
         message = _violation_message(len(violations_by_row), statistics) + suggestion
         raise GoalViolatesConstraint(message, {"violations": statistics, **evidence})
+    num_violating = goals.funnel.num_goals_violating + len(violations_by_row) - len(rows)
     return GoalConfigurations(
         goals.positions[rows],
         tuple(goals.target_indices[row] for row in rows),
-        replace(
-            goals.funnel,
-            num_goals_violating=goals.funnel.num_goals_violating
-            + len(violations_by_row)
-            - len(rows),
-        ),
+        replace(goals.funnel, num_goals_violating=num_violating),
         tuple(goals.moves[row] for row in rows if goals.moves),
     )
 
@@ -115,12 +112,12 @@ def search_constrained(
     deadline: Deadline,
     watch: Stopwatch,
 ) -> SearchResult:
-    """Search for a path that keeps the rules.
+    """Search for a path that satisfies path constraints.
 
     Raises:
         NoPathFound: The planner ended without an exact solution.
-        DeadlineExceeded: The time ran out before there was any.
-        Canceled: The end was asked for.
+        DeadlineExceeded: The time ran out without a path.
+        Canceled: Cancellation was requested.
     """
     options = task.options
     if "RRTConnect" in options.planners and constraints.suggested_step < _DEFAULT_STEP:
@@ -142,14 +139,15 @@ def search_constrained(
 def _alternate_sampling_and_projection(
     run_search: Callable[[SearchTask], SearchResult], task: SearchTask, residual: Residual
 ) -> SearchResult:
-    """Return what sampling finds or else projection, each with more states in every round.
+    """Search by sampling and by projection in turn, each with more states in every round.
 
-    Which of them is the quicker depends on the problem, and counts, not seconds, end their turns.
+    Which of them is quicker depends on the problem. Attempts are limited by numbers of states, not
+    by seconds, so that the result is reproducible.
 
     Raises:
-        NoPathFound: Both ended by themselves without a solution, or there is none to look for.
+        NoPathFound: Both ended by themselves without a solution, or there can be none.
         DeadlineExceeded: The time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     num_sampled_states, num_projected_states = _FIRST_SAMPLED_STATES, _FIRST_PROJECTED_STATES
     while True:
@@ -160,23 +158,21 @@ def _alternate_sampling_and_projection(
         ):
             try:
                 return run_search(limited_task)
-            except NoPathFound as fault:
-                num_given_up += fault.evidence.get("num_given_up", 0)
-                if "reason" in fault.evidence or (
+            except NoPathFound as failure:
+                num_given_up += failure.evidence.get("num_given_up", 0)
+                if "reason" in failure.evidence or (
                     limited_task.residual is not None and not num_given_up
                 ):
                     raise
             task = replace(task, roadmap=None)
-        num_sampled_states, num_projected_states = (
-            _GROWTH_FACTOR * num_sampled_states,
-            _GROWTH_FACTOR * num_projected_states,
-        )
+        num_sampled_states *= _GROWTH_FACTOR
+        num_projected_states *= _GROWTH_FACTOR
 
 
 def _violations(
     constraints: PathConstraints, goals: GoalConfigurations, row: int
 ) -> list[dict[str, Any]]:
-    """Return what a goal configuration violates, or else the first waypoint of its lines."""
+    """Return the violations of a goal configuration, or else of the first violating waypoint."""
     waypoints = [move.positions for move in goals.moves[row].all] if goals.moves else []
     for q in np.concatenate([goals.positions[row : row + 1], *waypoints]):
         violations = constraints.violations(q)
@@ -186,31 +182,31 @@ def _violations(
 
 
 def _violation_message(count: int, statistics: list[dict[str, Any]]) -> str:
-    """Return why none of some goal configurations will do, as words."""
+    """Return the message of a failure in which all goal configurations violate constraints."""
     entries = statistics[:_MAX_NAMED_VIOLATIONS]
     if count == 1:
         descriptions = "; ".join(_describe_violation(entry["least"]) for entry in entries)
         return f"the goal configuration violates {descriptions}"
     descriptions = "; ".join(
-        f"{entry['count']} violate {_describe_violation(entry['least'], ', the least by')}"
+        f"{entry['count']} violate {_describe_violation(entry['least'], ', at least by')}"
         for entry in entries
     )
-    return f"none of {count} goal configurations keeps the path constraints: {descriptions}"
+    return f"all {count} goal configurations violate path constraints: {descriptions}"
 
 
 def _describe_violation(violation: dict[str, Any], by: str = " by") -> str:
-    """Return a constraint's index and kind, and by how much it is violated."""
+    """Return a constraint's index and kind and the amount of its violation, as text."""
     index, _, kind = str(violation["constraint"]).partition(": ")
     value, bound, unit = violation["value"], violation["bound"], violation["unit"]
     if unit == "1":
-        return f"{index} ({kind}), which says no"
+        return f"{index} ({kind}), which is false"
     at = f" at {violation['joint']}" if "joint" in violation else ""
     amount = f"{abs(value - bound):.4g} {unit}"
     return f"{index} ({kind}){by} {amount}{at} ({value:.4g} {unit}, bound {bound:.4g} {unit})"
 
 
 def _violation_statistics(violations_by_row: list[list[dict[str, Any]]]) -> list[dict[str, Any]]:
-    """Return for every constraint how many violate it and the least violation, worst first."""
+    """Return the number and the least of the violations of each constraint, most frequent first."""
     entries: dict[str, list[dict[str, Any]]] = {}
     for violation in (entry for violations in violations_by_row for entry in violations):
         entries.setdefault(violation["constraint"], []).append(violation)

@@ -1,4 +1,4 @@
-"""PlanContext: what the stages of a plan work on; StageProgress: which stage is at work."""
+"""PlanContext: checked and resolved input of the later stages; StageProgress: stage reports."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,52 +19,52 @@ from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import Array, World
 
-# Progress of a plan that searches, as a share of the whole.
+# Progress at the beginning of the search, as a share of the whole plan.
 SEARCH_FRACTION = 0.15
-# The same in stages that report nothing but that they begin.
+# Progress at the beginning of other stages, for those that report nothing else.
 _STAGE_FRACTIONS = {"refine": 0.5, "retime": 0.6, "certify": 0.8, "explain": 0.95}
 
 
 class StageProgress:
-    """Passes progress on, and reports stages that begin without a report of their own."""
+    """Forwards progress, and reports the beginning of stages that do not report it themselves."""
 
     def __init__(self, on_progress: Callable[[Progress], None]) -> None:
-        """Pass progress on to `on_progress`."""
+        """Forward progress to `on_progress`."""
         self._on_progress = on_progress
         self._stage = ""
 
     def __call__(self, progress: Progress) -> None:
-        """Pass progress on."""
+        """Forward progress."""
         self._stage = progress.stage
         self._on_progress(progress)
 
     def begin(self, stage: str) -> None:
-        """Report that a stage begins, unless it is at work already."""
+        """Report that a stage begins, unless it reported progress already."""
         if stage != self._stage:
             self(Progress(stage, _STAGE_FRACTIONS.get(stage, SEARCH_FRACTION)))
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlanContext:
-    """A problem whose input is checked, whose defaults are filled in and whose goals are found.
+    """Checked problem with all defaults filled in, and with its goal configurations.
 
     Attributes:
-        world: The scene, loaded.
-        problem: As it was given, with its timing options resolved.
-        group: Whose joints move.
-        limits: Theirs, tightened by the path constraints.
-        margins: Distances to keep.
-        start: Inside its limits, shape (nq,).
-        start_clipped: What was added to the given start to be so, shape (nq,).
-        goals: Where the motion may end.
-        lines: Lines to the only goal, if lines are the goal; else none.
-        path_limits: What limits motions besides their joints, made once for all that are timed.
-        deadline: Of the whole plan.
-        report_progress: Receives the progress.
-        watch: Adds up the time of every stage.
-        constraints: The path constraints, or None.
-        roadmap: A graph that the search looks into before it runs a planner, or None.
-        pool: Makes several attempts of the search at once, or None.
+        world: Loaded scene.
+        problem: The given problem with resolved timing options.
+        group: Joint group that moves.
+        limits: Limits of the group's joints, tightened by the path constraints.
+        margins: Required distance of every body pair [m].
+        start: Start configuration within its limits, shape (nq,).
+        start_clipped: Change of the given start by clipping, shape (nq,).
+        goals: Goal configurations.
+        lines: Linear moves to the only goal configuration of a line goal; else empty.
+        path_limits: Limits on motions besides those of joints, compiled once for all retimings.
+        deadline: Deadline of the whole plan.
+        report_progress: Callback for the progress.
+        watch: Stopwatch of the stages.
+        constraints: Compiled path constraints; None for none.
+        roadmap: Roadmap that is queried before any planner; None for none.
+        pool: Pool of processes for concurrent search attempts; None for none.
     """
 
     world: World
@@ -86,15 +86,15 @@ class PlanContext:
 
     @property
     def refine_deadline(self) -> Deadline:
-        """When refinement and explanation end: at a cancel that wants the best so far, too."""
+        """Deadline of refinement and explanation; a cancellation always ends them."""
         return refine_and_proof_deadlines(self.problem, self.deadline)[0]
 
     @property
     def proof_deadline(self) -> Deadline:
-        """When timing and certification end: not at a cancel that wants the best so far."""
+        """Deadline of retiming and certification; not canceled if the best so far is requested."""
         return refine_and_proof_deadlines(self.problem, self.deadline)[1]
 
     def report_best(self, attempt: AttemptReport) -> None:
-        """Report the best path so far."""
+        """Report the best path so far as progress."""
         detail = f"{attempt.planner} found a path of length {attempt.length:.3f}, the best so far"
         self.report_progress(Progress("search", SEARCH_FRACTION, detail, attempt.length))

@@ -1,4 +1,4 @@
-"""A search that is led through regions: the planner "GCS", and what stands in for it elsewhere."""
+"""GcsPlanner: the planner "GCS", shortest paths inside regions, with OMPL planners as fallback."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -36,18 +36,20 @@ GCS_CARD = PlannerCard(
     ),
     needs_regions=True,
 )
-# Who searches outside of the regions where nobody else is named.
+# Fallback planner if the problem names no other.
 _FALLBACK_PLANNER = "RRTConnect"
-# Joints on circles go the shorter way between waypoints, so these are no farther apart [rad].
+# Largest joint motion between waypoints [rad]: less than half a turn, so that the geodesic of a
+# joint that wraps around is the straight line between them.
 _MAX_WAYPOINT_STEP = 1.0
 
 
 def validate_regions(problem: PlanningProblem, world: World, group: JointGroup) -> None:
-    """Go on only if the planner "GCS", where it is asked for, has regions that fit.
+    """Check that a problem with the planner "GCS" has regions that fit it.
 
     Raises:
-        ProblemInvalid: There are none, or they belong to another scene or group, or keep less
-            distance than is demanded; or the group can have none, or a parameter makes no sense.
+        ProblemInvalid: There are no regions, or they belong to another scene or group, or have a
+            smaller margin than required; or the group cannot have regions, or a parameter is
+            invalid.
     """
     if GCS not in problem.search.planners:
         return
@@ -59,16 +61,16 @@ def validate_regions(problem: PlanningProblem, world: World, group: JointGroup) 
             f"search.planner {GCS!r} needs regions: grow them first and give them as `regions`"
         )
         raise ProblemInvalid(message, {"field": "regions"})
-    faults = {
+    mismatches = {
         "scene": regions.scene != world.digest,
         "group": regions.group != group.name,
         "margin": regions.margin < margin,
     }
-    if any(faults.values()):
-        wrong = ", ".join(name for name, is_fault in faults.items() if is_fault)
+    if any(mismatches.values()):
+        wrong = ", ".join(name for name, is_wrong in mismatches.items() if is_wrong)
         message = (
-            f"the regions were grown for group {regions.group!r} and margin {regions.margin:g} m "
-            f"in scene {regions.scene[:12]}; this problem differs in: {wrong}"
+            f"the regions do not fit the {wrong} of this problem: they were grown for group "
+            f"{regions.group!r} and margin {regions.margin:g} m in scene {regions.scene[:12]}"
         )
         raise ProblemInvalid(message, {"field": "regions", "differs": wrong})
     split_parameters(problem.search.parameters)
@@ -77,7 +79,7 @@ def validate_regions(problem: PlanningProblem, world: World, group: JointGroup) 
 def split_parameters(
     parameters: Mapping[str, Scalar],
 ) -> tuple[dict[str, int], dict[str, Scalar]]:
-    """Return the parameters of GCS, defaults filled in, and those of others.
+    """Return the parameters of GCS, with defaults filled in, and those of the other planners.
 
     Raises:
         ProblemInvalid: A value has the wrong type or lies outside its range.
@@ -105,25 +107,26 @@ def _as_integer(given: Scalar) -> int | None:
 
 
 def make_gcs_planner(context: PlanContext, round_: int) -> "GcsPlanner | None":
-    """Return who leads the search, None if the planner "GCS" is not asked for."""
+    """Return the GCS planner of a round; None if the problem does not name the planner "GCS"."""
     regions = context.problem.regions
     if regions is None or GCS not in context.problem.search.planners:
         return None
     if context.constraints is not None:
-        return GcsPlanner(context, regions, "regions know no path constraints")
-    return GcsPlanner(context, regions, "its motions could not be proven" if round_ else "")
+        return GcsPlanner(context, regions, "regions do not respect path constraints")
+    reason = "the motions of the first round were not certified" if round_ else ""
+    return GcsPlanner(context, regions, reason)
 
 
 class GcsPlanner:
-    """Leads a search through regions.
+    """Path guide of a search: the shortest path inside regions.
 
     Attributes:
         name: "GCS".
-        options: Of those who search where it knows no way.
+        options: Search options of the fallback planners.
     """
 
     def __init__(self, context: PlanContext, regions: Regions, reason: str) -> None:
-        """Lead from the context's start, unless there is a reason not to."""
+        """Prepare for the context's start; with a reason against it, no path is proposed."""
         self.name = GCS
         self._start, self._regions = context.start, regions
         self._gcs_parameters, other_parameters = split_parameters(context.problem.search.parameters)
@@ -134,25 +137,24 @@ class GcsPlanner:
         self._has_wrapping_joints = any(manifold.wraps)
 
     def propose_path(self, goals: Float64[np.ndarray, "n nq"]) -> tuple[Array, int] | None:
-        """Return the shortest path inside the regions, and the row of its goal."""
+        """Return the shortest path inside the regions and the row of its goal; None if none."""
         if self._reason:
             return None
         gcs_path = shortest_inside(self._regions, self._start, goals, **self._gcs_parameters)
         self._considered_regions, self._reason = gcs_path.rows, gcs_path.reason
         if gcs_path.reason:
             return None
-        return (
-            _subdivide(gcs_path.waypoints) if self._has_wrapping_joints else gcs_path.waypoints
-        ), gcs_path.goal_row
+        waypoints = gcs_path.waypoints
+        return _subdivide(waypoints) if self._has_wrapping_joints else waypoints, gcs_path.goal_row
 
     def with_regions_report(self, report: SearchReport) -> SearchReport:
-        """Return the report of the search with what the regions were good for."""
+        """Return the report of the search with a report on the use of the regions."""
         is_inside = report.planner == GCS and not report.direct
         reason = self._reason
         if not is_inside and not reason:
             reason = "the straight line is free"
             if not report.direct:
-                reason = "the path inside is blocked on a closer look"
+                reason = "the GCS path collides at the fine resolution"
         regions = self._regions
         regions_report = RegionsReport(
             regions.digest, len(regions.regions), self._considered_regions, is_inside, reason
@@ -169,7 +171,7 @@ def _without_gcs(options: SearchOptions, parameters: Mapping[str, Any]) -> Searc
 
 
 def _subdivide(waypoints: Array) -> Array:
-    """Return the path with more waypoints, so that whole turns are never the shorter way."""
+    """Return the path with waypoints inserted, none farther apart than `_MAX_WAYPOINT_STEP`."""
     rows = [waypoints[:1]]
     for before, after in pairwise(waypoints):
         count = int(np.ceil(np.abs(after - before).max() / _MAX_WAYPOINT_STEP))

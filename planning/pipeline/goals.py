@@ -1,4 +1,4 @@
-"""From a problem to a context: every check of its input, every default, its start and its goals."""
+"""Resolution of a problem: checks of its input, defaults, start and goal configurations."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -39,18 +39,18 @@ _ROADMAP_TIME_FRACTION = 0.6
 
 @dataclass(frozen=True, kw_only=True)
 class ResolvedProblem:
-    """A problem that makes sense in its world; whether it can be solved is open.
+    """Valid problem in its world; its start and goals are not checked yet.
 
     Attributes:
-        world: The scene, loaded.
-        problem: As it was given.
-        group: Whose joints move, with the spaces that the problem chooses for them.
-        requested_start: Start that was asked for, shape (nq,).
-        margins: Distances to keep.
-        deadline: Of the whole plan.
-        report_progress: Receives the progress.
-        watch: Adds up the time of every stage.
-        pool: Makes several attempts of the search at once, or None.
+        world: Loaded scene.
+        problem: The given problem.
+        group: Joint group that moves, with the joint spaces of the search options.
+        requested_start: Start, given or from the scene's state, shape (nq,).
+        margins: Required distance of every body pair [m].
+        deadline: Deadline of the whole plan.
+        report_progress: Callback for the progress.
+        watch: Stopwatch of the stages.
+        pool: Pool of processes for concurrent search attempts; None for none.
     """
 
     world: World
@@ -72,10 +72,10 @@ def resolve(
     watch: Stopwatch,
     pool: AttemptPool | None,
 ) -> ResolvedProblem:
-    """Return a problem with its defaults filled in.
+    """Return a problem with its defaults filled in, after checks of its input.
 
     Raises:
-        InputError: It names what does not exist, or its numbers do not fit.
+        InputError: The problem has an unknown name or invalid numbers.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
     requested_start = resolve_start(world, group, problem.start)
@@ -102,11 +102,11 @@ def resolve(
 
 
 def find_goals(resolved: ResolvedProblem) -> PlanContext:
-    """Return the context of the later stages: start, goals and path constraints.
+    """Return the context of the later stages: start, goal configurations and path constraints.
 
     Raises:
-        InputError: Options of the timing, or path constraints, make no sense.
-        PlanningFailure: The start or all goals are impossible.
+        InputError: Timing options or path constraints are invalid.
+        PlanningFailure: The start or all goal configurations are infeasible.
     """
     world, group, problem = resolved.world, resolved.group, resolved.problem
     margins, deadline = resolved.margins, resolved.deadline
@@ -141,7 +141,7 @@ def find_goals(resolved: ResolvedProblem) -> PlanContext:
 
 
 def with_roadmap(context: PlanContext, roadmaps: RoadmapStore | None) -> PlanContext:
-    """Return a context with its roadmap, if the problem wants one: loaded, or else built."""
+    """Return a context with its roadmap, loaded or else built, if the problem requests one."""
     if context.problem.search.roadmap is None:
         return context
     context.report_progress(Progress("roadmap", 0.1, "looking for the roadmap"))
@@ -158,7 +158,7 @@ def with_roadmap(context: PlanContext, roadmaps: RoadmapStore | None) -> PlanCon
 def _find_configurations(
     world: World, query: GoalQuery, seed: int, deadline: Deadline
 ) -> tuple[GoalConfigurations, tuple[LinearMove, ...]]:
-    """Return goal configurations, and the lines that lead to the only one if lines are the goal."""
+    """Return the goal configurations, and the linear moves of a line goal, else none."""
     if isinstance(query.goal, LineGoal):
         lines = follow_lines(world, query, query.goal, deadline)
         return end_of_moves(lines), lines

@@ -1,4 +1,4 @@
-"""The straight lines that parts of a motion follow, from the motion itself."""
+"""Line sections of a motion: straight tool lines of its segments, from the motion itself."""
 
 from collections.abc import Sequence
 
@@ -26,33 +26,24 @@ def line_sections(
     motion: TimedTrajectory,
     parts: Sequence[PlanPart],
 ) -> tuple[LineSection, ...]:
-    """Return the lines that straight parts follow: from where the tool is to where it will be.
+    """Return the lines of the straight segments, between the tool poses at their ends.
 
     Args:
-        world: The scene, loaded.
-        group: What moves.
-        problem: Says which frame follows lines, and how far it may stray.
-        motion: The parts, one after another.
-        parts: What it is made of.
+        world: Loaded scene.
+        group: Joint group that moves.
+        problem: Problem whose goal has the tool frame and the largest deviations from its lines.
+        motion: The whole motion.
+        parts: Segments of the motion.
     """
     goal, frame = problem.goal, tool_frame(group, problem.goal)
-    tolerances = (
-        (goal.max_position_deviation, goal.max_rotation_deviation)
-        if isinstance(goal, LineGoal)
-        else ()
-    )
+    max_shift, max_turn = MAX_POSITION_DEVIATION, MAX_ROTATION_DEVIATION
+    if isinstance(goal, LineGoal):
+        max_shift, max_turn = goal.max_position_deviation, goal.max_rotation_deviation
     sections: list[LineSection] = []
     for part in parts:
         if part.kind != "free":
             ends = world.embed(group, motion.positions(np.array([part.begin, part.end])))
             begin, end = (world.frame_pose(frame, q) for q in ends)
             line = ToolLine(frame, begin, end)
-            sections.append(
-                LineSection(
-                    line,
-                    part.begin,
-                    part.end,
-                    *(tolerances or (MAX_POSITION_DEVIATION, MAX_ROTATION_DEVIATION)),
-                )
-            )
+            sections.append(LineSection(line, part.begin, part.end, max_shift, max_turn))
     return tuple(sections)

@@ -1,4 +1,4 @@
-"""Motion: parts put together at rest, slowed alike and described."""
+"""Motion: sequence of segments joined at rest, with a common time scaling and report."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,30 +26,30 @@ from planning.retime.limits.path_limit import PathLimit
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import Array, World
 
-# Configurations between which the length of the tool's free way is measured.
+# Samples for the length of the tool's path along a free segment.
 _NUM_LENGTH_SAMPLES = 33
-# Durations that are less by this share are the same.
+# Relative difference up to which durations count as equal.
 _DURATION_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class Motion:
-    """All parts of a motion, at least one.
+    """Motion as a sequence of segments.
 
     Attributes:
-        segments: In order.
+        segments: Segments in order, at least one.
     """
 
     segments: tuple[MotionSegment, ...]
 
     @property
     def trajectory(self) -> TimedTrajectory:
-        """The parts, one after another."""
+        """Trajectory of all segments, one after another."""
         return TimedTrajectory.joined([segment.trajectory for segment in self.segments])
 
     @property
     def path(self) -> JointPath:
-        """The waypoints of all parts; where two meet there is one."""
+        """Waypoints of all segments; where two segments meet there is one."""
         rows = [
             segment.path.waypoints if i == 0 else segment.path.waypoints[1:]
             for i, segment in enumerate(self.segments)
@@ -59,13 +59,13 @@ class Motion:
 
     @property
     def goal_configuration(self) -> Array:
-        """Where the goal is reached: at the end, but for a retreat."""
+        """Configuration at the goal, shape (nq,): at the end, or before a retreat."""
         reached = [segment for segment in self.segments if segment.kind != "retreat"]
         return reached[-1].trajectory.end if reached else self.segments[0].trajectory.start
 
     @property
     def report(self) -> RetimeReport:
-        """How all of it was timed."""
+        """Combined report of the retiming of all segments."""
         reports = [segment.report for segment in self.segments]
         if len(reports) == 1:
             return reports[0]
@@ -92,14 +92,14 @@ class Motion:
     def with_duration(
         self, options: RetimeOptions, path_limits: Sequence[PathLimit] = ()
     ) -> "Motion":
-        """Return the motion with all parts slowed alike to the duration that is asked for.
+        """Return the motion with all segments slowed by the same factor to a requested duration.
 
         Args:
-            options: Say how long it shall take.
-            path_limits: With which the parts were timed.
+            options: Options with the requested duration; None for the least.
+            path_limits: Path limits with which the segments were timed.
 
         Raises:
-            RetimingFailed: That would be quicker than the limits allow.
+            RetimingFailed: The requested duration is less than the limits allow.
         """
         min_duration = sum(segment.trajectory.duration for segment in self.segments)
         if options.duration is None or len(self.segments) == 1 == len(self._free_segments):
@@ -118,7 +118,7 @@ class Motion:
         factor = max(1.0, options.duration / min_duration)
         if factor == 1.0:
             return self
-        return Motion(tuple(_slowed(part, factor, path_limits) for part in self.segments))
+        return Motion(tuple(_slowed(segment, factor, path_limits) for segment in self.segments))
 
     def with_explanation(
         self,
@@ -127,18 +127,18 @@ class Motion:
         path_limits: Sequence[PathLimit],
         deadline: Deadline,
     ) -> "Motion":
-        """Return the motion with reports that say why its parts take as long as they do.
+        """Return the motion with reports that explain the duration of its segments.
 
-        If the time runs out it is the motion as it was, which is worth more than its explanation.
+        If the time runs out, the motion is returned without explanations.
 
         Args:
-            limits: With which the parts were timed, unscaled.
-            options: And with which options.
-            path_limits: And with which limits besides.
-            deadline: When to give up.
+            limits: Unscaled joint limits with which the segments were timed.
+            options: Options with which they were timed.
+            path_limits: Path limits with which they were timed.
+            deadline: Time limit of the explanation.
 
         Raises:
-            Canceled: The end was asked for.
+            Canceled: Cancellation was requested.
         """
         retime_inputs = limits, options, path_limits, deadline
         try:
@@ -150,8 +150,8 @@ class Motion:
             return self
         return Motion(
             tuple(
-                replace(part, report=replace(part.report, explanation=explanation))
-                for part, explanation in zip(self.segments, explanations, strict=True)
+                replace(segment, report=replace(segment.report, explanation=explanation))
+                for segment, explanation in zip(self.segments, explanations, strict=True)
             )
         )
 
@@ -162,7 +162,12 @@ class Motion:
     def line_sections(
         self, max_shift: float = MAX_POSITION_DEVIATION, max_turn: float = MAX_ROTATION_DEVIATION
     ) -> tuple[LineSection, ...]:
-        """Return what is demanded of the parts that follow lines."""
+        """Return the required tool lines of the straight segments.
+
+        Args:
+            max_shift: Largest distance of the tool from its line [m].
+            max_turn: Largest rotation error of the tool [rad].
+        """
         return tuple(
             LineSection(segment.move.line, begin, end, max_shift, max_turn)
             for segment, begin, end in self._spans
@@ -170,7 +175,7 @@ class Motion:
         )
 
     def summary(self, world: World, frame: str) -> tuple[PlanPart, ...]:
-        """Return what there is to say of each part; lengths are those of a tool frame's way."""
+        """Return a summary of each segment; lengths are those of the path of a tool frame."""
         return tuple(
             PlanPart(
                 segment.kind,
@@ -187,15 +192,15 @@ class Motion:
         ends = np.cumsum([segment.trajectory.duration for segment in self.segments])
         begins = [0.0, *ends[:-1]]
         return [
-            (part, float(begin), float(end))
-            for part, begin, end in zip(self.segments, begins, ends, strict=True)
+            (segment, float(begin), float(end))
+            for segment, begin, end in zip(self.segments, begins, ends, strict=True)
         ]
 
 
 def _slowed(
     segment: MotionSegment, factor: float, path_limits: Sequence[PathLimit]
 ) -> MotionSegment:
-    """Return a part that takes `factor` times as long."""
+    """Return a segment that takes `factor` times as long."""
     report, trajectory = segment.report, segment.trajectory.time_scaled(factor)
     utilisation = {
         rate: report.utilisation[rate] / factor**order
@@ -206,10 +211,8 @@ def _slowed(
     for limit in path_limits:
         for limit_utilization in limit.utilizations(trajectory):
             if limit_utilization.fraction_at(1.0) > utilisation.get(limit.name, -1.0):
-                binding[limit.name], utilisation[limit.name] = (
-                    limit_utilization.where,
-                    limit_utilization.fraction_at(1.0),
-                )
+                binding[limit.name] = limit_utilization.where
+                utilisation[limit.name] = limit_utilization.fraction_at(1.0)
     slowed_report = replace(
         report, duration=report.duration * factor, binding=binding, utilisation=utilisation
     )
@@ -217,7 +220,7 @@ def _slowed(
 
 
 def _combined_explanation(reports: Sequence[RetimeReport]) -> DurationExplanation | None:
-    """Return why all parts together take as long as they do, if that was asked for."""
+    """Return the explanation of the whole duration; None if none was requested."""
     explanations = [
         (report.explanation, report.duration)
         for report in reports
@@ -227,7 +230,7 @@ def _combined_explanation(reports: Sequence[RetimeReport]) -> DurationExplanatio
 
 
 def _tool_path_length(world: World, segment: MotionSegment, frame: str) -> float:
-    """Return how far a tool frame goes [m]; of a free part to within a few percent."""
+    """Return the length of a tool frame's path [m]; of a free segment to within a few percent."""
     if segment.move is not None:
         return segment.move.line.length
     if not frame:

@@ -1,4 +1,4 @@
-"""Shapes: the curves that one path can become before it is timed."""
+"""PathCurve: smooth curves near one path, to be timed: corners rounded, or smoothed."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,20 +14,20 @@ from planning.retime.bspline_smoothing import smooth_path
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import CollisionChecker
 
-# How far corners may be rounded, largest first (joint-space length). The last resort, 0, follows
-# the very path that was checked and rests at every corner.
+# Largest deviations of rounded corners from the path (joint-space length), tried in turn. The last
+# one, 0, follows the verified path itself and rests at every corner.
 _DEVIATIONS = (0.1, 0.03, 0.008, 0.0)
-# How closely a curve is looked at before it is timed (joint-space length).
+# Sample spacing of the collision check of a curve before it is timed (joint-space length).
 _COARSE_SPACING = 0.03
 
 
 @dataclass(frozen=True)
 class PathCurve:
-    """A curve near a path.
+    """Curve near a path.
 
     Attributes:
-        name: What was done to the path.
-        deviation: How far the curve may be from the path (joint-space length).
+        name: Name for messages and reports, which says how the path was changed.
+        deviation: Largest distance of the curve from the path (joint-space length).
         spline: The curve.
     """
 
@@ -42,9 +42,9 @@ def collision_free_curves(
     checker: CollisionChecker,
     constraints: PathConstraints | None,
 ) -> Iterator[PathCurve]:
-    """Yield the shapes that do not collide at a glance; what does is not worth timing.
+    """Yield the curves that are free and satisfy path constraints at coarse samples.
 
-    The path itself is the last one, whatever it looks like.
+    The path itself is the last one, without that check.
     """
     count = int(path.length / _COARSE_SPACING) + 2
     curve, is_yielded = None, True
@@ -56,19 +56,19 @@ def collision_free_curves(
         )
         if is_yielded:
             yield curve
-    # Without corners to round the last is the path itself under another name.
+    # Without corners to round, the last curve is the path itself under another name.
     if curve is not None and not is_yielded:
         yield PathCurve("path itself", 0.0, curve.spline)
 
 
 def _curves(path: JointPath, options: RetimeOptions) -> Iterator[PathCurve]:
-    """Yield the farthest from the path first; jerk limits want curves that are smooth all along."""
+    """Yield curves, the farthest from the path first; with jerk limits also smoothed ones."""
     smoothness = 2 if options.method == "ruckig" else 1
     max_deviations = _max_deviations(options)
     if options.method == "ruckig":
         for max_deviation, curve in smooth_path(path, max_deviations[:-1]):
             yield PathCurve(f"path smoothed within {max_deviation:.3g}", max_deviation, curve)
-    # Rounded, a car's path would leave the arcs that it can drive.
+    # Rounded corners would leave the arcs that a car can drive.
     deviations = max_deviations[-1:] if steering_of(path.group) else max_deviations
     previous: JointSpline | None = None
     for deviation in deviations:
@@ -80,7 +80,7 @@ def _curves(path: JointPath, options: RetimeOptions) -> Iterator[PathCurve]:
 
 
 def _max_deviations(options: RetimeOptions) -> tuple[float, ...]:
-    """Return how far a curve may be from the path, largest first; the last is 0."""
+    """Return the largest distances from the path to try, in descending order; the last is 0."""
     largest = options.deviation
     if largest is None:
         return _DEVIATIONS

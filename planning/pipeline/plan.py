@@ -6,10 +6,10 @@
                       refine_and_retime > named motions     best first; straight moves joined
                       first_certified --> Certificate       the first proven, else another round
 
-The stages do not know each other. What a stage cannot do better it leaves alone: several candidate
-motions are timed, the quickest one that the certifier proves is delivered, and if none is proven
-the search runs again, with more distance and a finer resolution. Straight moves of a tool belong
-to the goals: a search ends where they begin.
+The stages do not import each other. Several candidate motions are timed, and the quickest one that
+the certifier proves is returned. If none is proven, the search runs again, with more padding and a
+finer resolution. Linear moves of a tool (approach, retreat) belong to the goals stage: the search
+ends where the approach begins.
 """
 
 from collections.abc import Callable
@@ -48,24 +48,25 @@ def plan(
 ) -> MotionPlan:
     """Plan a certified motion.
 
-    The same problem in the same scene gives the same bytes, as long as the deadline cuts nothing;
-    what it cuts is in `MotionPlan.cut_short`. Work that a plan can do without (refinement, the
-    explanation of the duration) is cut before the plan is lost.
+    The same problem in the same scene gives the same bytes, unless the deadline cuts a stage short;
+    such stages are in `MotionPlan.cut_short`. Optional work (refinement, the explanation of the
+    duration) is cut short before the plan fails.
 
     Args:
         problem: Group, start, goal, options, seed.
-        world: The scene, loaded.
-        deadline: When to give up, if the problem's allowed time, which begins now, does not end
-            before; also says whether the plan was canceled.
-        on_progress: Receives the progress of every stage.
-        roadmaps: Where a roadmap is looked for, and left if it had to be built, if the problem
-            wants one; what is found there changes no byte.
-        pool: Makes several attempts of the search at once; that changes no byte either.
+        world: Loaded scene.
+        deadline: Time limit, and whether the plan was canceled. The problem's allowed planning time
+            begins now and may end earlier.
+        on_progress: Callback for the progress of every stage.
+        roadmaps: Cache of roadmaps, used if the problem requests a roadmap; None for no cache. It
+            does not change the result.
+        pool: Pool of processes for concurrent search attempts; None for none. It does not change
+            the result.
 
     Raises:
-        InputError: The problem names what does not exist, or its numbers do not fit.
-        PlanningFailure: There is no motion to give; code, stage and evidence say why, and `timings`
-            how long the stages took.
+        InputError: The problem has an unknown name or invalid numbers.
+        PlanningFailure: No certified motion was found; code, stage and evidence give the reason,
+            `timings` the times of the stages.
     """
     progress = StageProgress(on_progress)
     watch = Stopwatch(deadline.clock, progress.begin)
@@ -77,12 +78,12 @@ def plan(
 
 
 def _follow_lines(context: PlanContext) -> CertifiedMotion:
-    """Time and certify lines; there is nothing to search."""
+    """Retime and certify the linear moves of a line goal, which needs no search."""
     motion = retime_lines(context)
     context.report_progress(Progress("certify", 0.8, "certifying the lines"))
     certificate, report = certify_motion(context, motion)
     if not certificate.proven:
-        raise not_certified(certificate, ["the lines themselves"])
+        raise not_certified(certificate, ["the motion along the straight lines"])
     motion = with_explanation(context, motion)
     return CertifiedMotion(
         goal_row=0,
@@ -129,7 +130,7 @@ def _search(context: PlanContext) -> CertifiedMotion:
 
 
 def _has_only_failed_stops(certificate: Certificate) -> bool:
-    """Return whether stops alone fail, which lower scales shorten and other paths do not."""
+    """Return whether only stops fail, which other paths do not shorten, but lower scales do."""
     return {check.name for check in certificate.failed} == {"stop"}
 
 

@@ -1,4 +1,4 @@
-"""find_path(): the search of one round, with more distance and a finer resolution each time."""
+"""find_path(): the search of one round, with more padding and a finer resolution each time."""
 
 from dataclasses import replace
 
@@ -15,11 +15,11 @@ from planning.search.solver import SearchResult, SearchTask, search
 from planning.world.collision.obstacle_distance import obstacle_distances
 from planning.world.collision.search_padding import endpoint_padding
 
-# Rounds that look into the roadmap; if its paths are never proven, another one has to be found.
+# Rounds that query the roadmap; if none of its paths is proven, a planner finds another one.
 _MAX_ROADMAP_ROUNDS = 3
-# Share of the time for a search that keeps more distance than is demanded.
+# Share of the time for the search with padding, which keeps more than the required margins.
 _PADDED_TIME_FRACTION = 0.6
-# Time for the search of a canceled plan whose best path so far could not be proven [s].
+# Time for the search of a canceled plan whose best path so far was not proven [s].
 _CANCELED_SEARCH_TIME = 0.4
 
 
@@ -27,13 +27,14 @@ def find_path(context: PlanContext, round_: int) -> SearchResult:
     """Return a collision-free path from the start to one of the goals.
 
     Args:
-        context: Start, goals, distances to keep.
-        round_: From 0 on; every round halves the resolution and searches with another seed.
+        context: Start, goals and margins.
+        round_: Number of the round, from 0; every round halves the resolution and uses another
+            seed.
 
     Raises:
         NoPathFound: No planner found one.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     context.report_progress(Progress("search", SEARCH_FRACTION, f"searching, round {round_ + 1}"))
     with context.watch.stage("search"):
@@ -41,7 +42,7 @@ def find_path(context: PlanContext, round_: int) -> SearchResult:
 
 
 def _search_again(context: PlanContext, round_: int) -> SearchResult:
-    """Search with a finer eye; once and briefly, if a cancel wants the best there was so far."""
+    """Search at a finer resolution; one short attempt if a canceled plan returns its best."""
     wants_best = context.problem.search.on_cancel == "best"
     if not (wants_best and context.deadline.is_canceled()):
         try:
@@ -59,7 +60,7 @@ def _search_again(context: PlanContext, round_: int) -> SearchResult:
 
 
 def _search(context: PlanContext, round_: int) -> SearchResult:
-    """Search with some distance to spare; without, if there is no path that way."""
+    """Search with padding beyond the margins; without it if no path is found with it."""
     padding = endpoint_padding(
         context.world, context.group, context.start, context.goals.entries, context.problem.margin
     )

@@ -1,4 +1,4 @@
-"""Parts: a free motion and straight lines, timed each by itself from rest to rest.
+"""MotionSegment: a free motion or a linear move, each timed by itself from rest to rest.
 
 start --free--> beginning of the approach --approach--> goal --retreat--> end
 start --line--> first pose --line--> second pose ...
@@ -29,21 +29,21 @@ from planning.world.world import Array, World
 
 type PartKind = Literal["free", "approach", "retreat", "line"]
 
-# Of motions that nobody refines.
+# Report of motions along lines, which are not refined.
 NOT_REFINED = RefineReport("none", improved=False, reason="lines are followed as they are")
 
 
 @dataclass(frozen=True)
 class MotionSegment:
-    """One timed part of a motion.
+    """Timed segment of a motion.
 
     Attributes:
-        kind: What it is for.
-        path: Its waypoints.
-        curve: What it follows.
-        trajectory: From rest to rest, beginning at time 0.
-        move: The line that it follows, if it does.
-        report: How it was timed.
+        kind: "free", "approach", "retreat" or "line".
+        path: Waypoints of the segment.
+        curve: Geometric curve that the segment follows.
+        trajectory: Trajectory from rest to rest, beginning at time 0.
+        move: Linear move that the segment follows; None for a free segment.
+        report: Report of the retiming.
     """
 
     kind: PartKind
@@ -55,13 +55,13 @@ class MotionSegment:
 
 
 def tool_frame(group: JointGroup, goal: Goal) -> str:
-    """Return the tool frame that a goal speaks of, or the group's default, or "" for none."""
+    """Return the tool frame of a goal, or else the group's default, or "" if there is none."""
     frame = goal.frame if isinstance(goal, PoseGoal | RegionGoal | LineGoal) else ""
     return frame or next(iter(group.tool_frames), "")
 
 
 def end_of_moves(lines: Sequence[LinearMove]) -> GoalConfigurations:
-    """Return the goal configuration that lines lead to, one after another."""
+    """Return the end configuration of successive linear moves as the only goal configuration."""
     end = lines[-1].positions[-1:]
     return GoalConfigurations(
         end, (len(lines) - 1,), Funnel(1, 1, 1, 1, 1, num_with_linear_moves=1)
@@ -69,7 +69,7 @@ def end_of_moves(lines: Sequence[LinearMove]) -> GoalConfigurations:
 
 
 def empty_search_report(path: JointPath) -> SearchReport:
-    """Return the report on a path that nobody searched for."""
+    """Return the search report of a path that needed no search."""
     return SearchReport(
         planner="none",
         attempts=0,
@@ -86,7 +86,7 @@ def empty_search_report(path: JointPath) -> SearchReport:
 
 
 def end_configurations(goals: GoalConfigurations) -> Array:
-    """Return where a motion to each goal configuration ends, shape (n, nq)."""
+    """Return the last configuration of a motion to each goal configuration, shape (n, nq)."""
     retreats = [moves.retreat for moves in goals.moves if moves.retreat is not None]
     return (
         np.stack([retreat.positions[-1] for retreat in retreats]) if retreats else goals.positions
@@ -94,7 +94,7 @@ def end_configurations(goals: GoalConfigurations) -> Array:
 
 
 def approach_moves(goal_moves: GoalMoves) -> list[tuple[PartKind, LinearMove]]:
-    """Return the legs of a goal in the order in which they are followed."""
+    """Return the approach and the retreat of a goal, in this order, with their kinds."""
     moves: list[tuple[PartKind, LinearMove]] = []
     if goal_moves.approach is not None:
         moves.append(("approach", goal_moves.approach))
@@ -104,16 +104,16 @@ def approach_moves(goal_moves: GoalMoves) -> list[tuple[PartKind, LinearMove]]:
 
 
 def line_moves(moves: Sequence[LinearMove]) -> list[tuple[PartKind, LinearMove]]:
-    """Return the legs of a line goal, named as such."""
+    """Return the linear moves of a line goal with their kind."""
     return [("line", move) for move in moves]
 
 
 def without_duration(problem: PlanningProblem) -> PlanningProblem:
-    """Return a problem that leaves the duration open: it is asked of all parts together."""
+    """Return a problem without its duration, which applies to all segments together."""
     return replace(problem, retime=replace(problem.retime, duration=None))
 
 
-def retime_moves(  # noqa: PLR0913, PLR0917  (a question in full)
+def retime_moves(  # noqa: PLR0913, PLR0917  (all inputs of a stage)
     world: World,
     group: JointGroup,
     moves: Sequence[tuple[PartKind, LinearMove]],
@@ -122,21 +122,22 @@ def retime_moves(  # noqa: PLR0913, PLR0917  (a question in full)
     path_limits: Sequence[PathLimit],
     deadline: Deadline,
 ) -> tuple[MotionSegment, ...]:
-    """Time legs one after another, each along a smooth curve through its waypoints.
+    """Retime linear moves one after another, each along a cubic spline through its waypoints.
 
     Args:
-        world: The scene.
-        group: What moves.
-        moves: What they are for, and the legs.
-        problem: Its options say how.
-        begin: Where the first one begins, shape (nq,); whole turns of joints go on from here.
-        path_limits: What the problem limits besides the joints.
-        deadline: When to give up.
+        world: Loaded scene.
+        group: Joint group that moves.
+        moves: Kinds and linear moves.
+        problem: Problem with the options of the retiming.
+        begin: Configuration at the beginning of the first move, shape (nq,); full turns of joints
+            continue from here.
+        path_limits: Limits of the problem besides those of joints.
+        deadline: Time limit.
 
     Raises:
-        RetimingFailed: A leg cannot be timed.
+        RetimingFailed: A linear move cannot be timed.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     limits, segments = world.limits(group), list[MotionSegment]()
     for kind, move in moves:
@@ -155,7 +156,7 @@ def retime_moves(  # noqa: PLR0913, PLR0917  (a question in full)
 
 
 def free_segment(path: JointPath, candidate: Candidate) -> MotionSegment:
-    """Return a candidate for the free way as a part."""
+    """Return the free segment of a candidate motion along a path."""
     return MotionSegment(
         "free", path, candidate.curve, candidate.trajectory, None, candidate.retime
     )

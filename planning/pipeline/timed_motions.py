@@ -1,4 +1,4 @@
-"""Timed motions: what one path, or lines alone, can become, best first."""
+"""Timed motions along one path and its linear moves, or along lines alone, best first."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
@@ -25,14 +25,14 @@ from planning.world.world import Array
 def refine_and_retime(
     context: PlanContext, search_result: SearchResult, round_: int
 ) -> Iterator[tuple[str, tuple[Motion, RefineReport]]]:
-    """Yield motions along a path and the straight moves after it: names, motions, reports.
+    """Yield motions along a path and the linear moves after it: names, motions, reports.
 
-    The better of the refined and the rounded path comes first; the last one rests at every corner.
+    The better of the refined and the rounded curve comes first; the last one rests at every corner.
 
     Raises:
-        RetimingFailed: After all others, not even that one can be timed.
+        RetimingFailed: After all other motions, the last one cannot be timed either.
         DeadlineExceeded: Time ran out.
-        Canceled: The end was asked for.
+        Canceled: Cancellation was requested.
     """
     moves = (
         approach_moves(context.goals.moves[search_result.goal_row]) if context.goals.moves else []
@@ -59,7 +59,7 @@ def refine_and_retime(
 
 
 def retime_lines(context: PlanContext) -> Motion:
-    """Return the motion along the lines of a goal that is made of nothing else."""
+    """Return the motion along the linear moves of a line goal."""
     context.report_progress(Progress("retime", 0.5, "timing the lines"))
     with context.watch.stage("retime"):
         segments = _retime_moves(context, line_moves(context.lines), context.start)
@@ -67,7 +67,7 @@ def retime_lines(context: PlanContext) -> Motion:
 
 
 def with_explanation(context: PlanContext, motion: Motion) -> Motion:
-    """Return a motion with the reasons for its duration, if the problem wants them and in time."""
+    """Return a motion with the explanation of its duration, if requested and time is left."""
     if not context.problem.retime.explain:
         return motion
     limits = context.world.limits(context.world.group(context.problem.group))
@@ -80,7 +80,7 @@ def with_explanation(context: PlanContext, motion: Motion) -> Motion:
 def _retime_moves(
     context: PlanContext, moves: Sequence[tuple[PartKind, LinearMove]], begin: Array
 ) -> tuple[MotionSegment, ...]:
-    """Return straight moves as segments, timed under all that limits the motion."""
+    """Return linear moves as segments, timed under all limits of the problem."""
     return retime_moves(
         context.world,
         context.group,
@@ -93,5 +93,5 @@ def _retime_moves(
 
 
 def _with_duration(context: PlanContext, segments: tuple[MotionSegment, ...]) -> Motion:
-    """Return the motion that segments make, as long as the problem wants it."""
+    """Return the motion of some segments, slowed to the duration that the problem requests."""
     return Motion(segments).with_duration(context.problem.retime, context.path_limits)

@@ -1,4 +1,4 @@
-"""What the options of the timing must satisfy to be meant in a world."""
+"""Resolution of retiming options: checks against a world, and speed zones placed in world."""
 
 from dataclasses import replace
 
@@ -19,25 +19,25 @@ def resolve_retiming(
     start: Array,
     field_prefix: str = "retime.",
 ) -> RetimeOptions:
-    """Return the options with all zones in world: frames count where the start puts them.
+    """Return the options with all speed zones in world, moving frames evaluated at the start.
 
     Args:
-        world: The scene.
-        group: What moves.
-        options: As they were given.
-        start: The group's q where the motion begins, shape (nq,).
-        field_prefix: What stands before the options' names in the request, for messages.
+        world: Loaded scene.
+        group: Joint group that moves.
+        options: Given options.
+        start: The group's q at the beginning of the motion, shape (nq,).
+        field_prefix: Prefix of the options' names in the request, for messages.
 
     Raises:
         UnknownName: A frame or joint does not exist.
-        ProblemInvalid: A number makes no sense, or a name comes twice.
+        ProblemInvalid: A number is invalid, or a name occurs twice.
     """
     _validate_tool_limits(world, options, field_prefix)
     _validate_zones(world, options.speed_zones, field_prefix)
     _validate_bounds(group, options, field_prefix)
     if options.deviation is not None:
         is_length = 0 <= options.deviation < np.inf
-        _validate(is_length, f"{field_prefix}deviation", "a length of at least 0 is needed")
+        _validate(is_length, f"{field_prefix}deviation", "it must be finite and not negative")
     if options.payload is not None:
         validate_payload(world, group, options.payload, f"{field_prefix}payload")
     if not options.speed_zones:
@@ -70,7 +70,7 @@ def _validate_zones(world: World, zones: tuple[SpeedZone, ...], field_prefix: st
         world.validate_frame(zone.frame)
         world.validate_frame(zone.box.reference)
         _validate(0 < zone.speed < np.inf, field, "the speed must be positive")
-        _validate(bool((zone.box.size > 0).all()), field, "every side must be longer than 0")
+        _validate(bool((zone.box.size > 0).all()), field, "every side of the box must be positive")
         _validate(names.count(zone.name) == 1, field, f"two zones are called {zone.name!r}")
 
 
@@ -79,7 +79,11 @@ def _validate_bounds(group: JointGroup, options: RetimeOptions, field_prefix: st
     for name, (lowest, highest) in options.acceleration_bounds.items():
         has_both_signs = -np.inf < lowest < 0 < highest < np.inf
         field = f"{field_prefix}acceleration_bounds.{name}"
-        _validate(has_both_signs, field, "the lowest must be negative, the highest positive")
+        _validate(
+            has_both_signs,
+            field,
+            "the lowest acceleration must be negative, the highest positive, both finite",
+        )
 
 
 def _validate(is_valid: bool, field: str, message: str) -> None:  # noqa: FBT001

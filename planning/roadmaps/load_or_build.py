@@ -58,7 +58,7 @@ def validate_roadmap_options(problem: PlanningProblem) -> None:
         return
     if isinstance(problem.goal, LineGoal):
         field = "search.roadmap"
-        message = f"{field}: lines are followed and not searched for; plan them without a roadmap"
+        message = f"{field}: a line goal needs no search; omit `{field}`"
         raise ProblemInvalid(message, {"field": field})
     for index, constraint in enumerate(problem.constraints):
         if isinstance(constraint, PathPredicate):
@@ -92,7 +92,7 @@ def _build(context: RoadmapContext, deadline: Deadline) -> Roadmap:
     except DeadlineExceeded as error:
         message = (
             f"the allowed {deadline.time_limit:g} s ran out while the roadmap of "
-            f"{context.build_request.options.states} states was built; it is built once, "
-            "so allow for it once, or ask for fewer states"
+            f"{context.build_request.options.states} states was built; allow more time for this "
+            "first plan (later ones reuse the roadmap), or request fewer states"
         )
         raise error.saying(message, {"during": "roadmap"}).in_stage("roadmap") from error

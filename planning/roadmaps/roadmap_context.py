@@ -79,7 +79,7 @@ class RoadmapContext:
         Raises:
             UnknownName: The options name a joint, block or coordinate that does not exist.
             ProblemInvalid: A number of the options is invalid, or a vehicle of the group cannot
-                reverse, while roadmap edges lead both ways.
+                reverse, while roadmap edges lead in both directions.
             NoPathFound: All joints are locked.
         """
         _validate_options(problem)
@@ -92,7 +92,7 @@ class RoadmapContext:
             return cls(world, group, margins, build_request, None)
         lock = JointLock(group, constraints.locked, start)
         if not lock.free.joints:
-            message = "every joint is locked where the start has it"
+            message = "path constraints lock every joint of the group, so nothing can move"
             raise NoPathFound(message, {"reason": "goals", "locked": sorted(constraints.locked)})
         build_request = RoadmapBuildRequest.from_search(
             lock.free,
@@ -145,7 +145,7 @@ def _validate_options(problem: PlanningProblem) -> None:
     options = problem.search.roadmap
     if options is not None and (options.states < 1 or options.neighbours < 1 or options.seed < 0):
         field = "search.roadmap"
-        message = f"{field}: states and neighbours are at least 1, the seed is not negative"
+        message = f"{field}: states and neighbours must be at least 1, the seed not negative"
         raise ProblemInvalid(message, {"field": field})
 
 
@@ -154,7 +154,8 @@ def _validate_reversible(group: JointGroup) -> None:
     if cars:
         field = "search.roadmap"
         message = (
-            f"{field}: edges of roadmaps lead both ways; {', '.join(cars)} cannot drive backwards"
+            f"{field}: roadmap edges lead in both directions, and {', '.join(cars)} cannot drive "
+            "backwards"
         )
         raise ProblemInvalid(message, {"field": field, "joints": cars})
 

@@ -1,4 +1,4 @@
-"""A motion's numbers over time: held against its certificate, and against what was asked for."""
+"""Motion series: consistent with the certificate and with the requested limits."""
 
 import numpy as np
 import pytest

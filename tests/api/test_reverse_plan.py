@@ -1,4 +1,4 @@
-"""A plan backwards: the same places the other way round, and a proof of its own."""
+"""Reversed plans: the same configurations in reverse order, certified again."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Leaving a running motion: for a stand, or for another motion, without a jump of any rate."""
+"""Motions that continue a running motion, to rest or onto another one, without jumps of rates."""
 
 from itertools import pairwise
 from typing import Any

@@ -1,4 +1,4 @@
-"""Goals that a function decides."""
+"""Predicate goals: configurations that a function accepts."""
 
 import pickle
 

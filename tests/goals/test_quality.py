@@ -1,4 +1,4 @@
-"""How good configurations are."""
+"""Quality of configurations: manipulability, clearance, limit margin and arm branch."""
 
 from itertools import pairwise
 

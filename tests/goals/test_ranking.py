@@ -1,4 +1,4 @@
-"""Which solutions are the same."""
+"""Ranking: duplicates among IK solutions, and their equivalents by full turns."""
 
 import numpy as np
 from hypothesis import given, settings

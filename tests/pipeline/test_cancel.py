@@ -1,4 +1,4 @@
-"""What a cancel leaves behind: nothing, or the best so far, proven."""
+"""Canceled plans return nothing, or the best motion so far, certified."""
 
 import numpy as np
 import pytest

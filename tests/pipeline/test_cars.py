@@ -1,4 +1,4 @@
-"""Cars through every stage: planned, timed, proven, and looked at by somebody else."""
+"""Cars in all stages: planned, timed, certified, and checked by independent means."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The first motion that is proven is taken; those before it are the evidence."""
+"""The first proven motion is taken; the refused ones before it are evidence."""
 
 from types import SimpleNamespace
 from typing import Any

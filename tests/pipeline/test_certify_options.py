@@ -1,4 +1,4 @@
-"""What a plan is asked to find out about its motion changes no byte of the motion."""
+"""Options of the certification do not change the motion by a byte."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""plan() under path constraints: kept between samples, by a Drake loop of its own."""
+"""plan() under path constraints: satisfied between samples, by an independent check with Drake."""
 
 from functools import cache
 
@@ -223,8 +223,8 @@ def test_a_goal_that_moves_a_locked_joint_is_refused() -> None:
     assert caught.value.detail == (
         "the goal configuration violates constraint 0 (locked_joints) by 0.1 rad or m at "
         "panda::panda_joint1 (0.1 rad or m, bound 1e-06 rad or m); the nearest feasible "
-        "configuration is 0.1 away (panda::panda_joint1 by -0.1), where constraint 0: "
-        "locked_joints binds"
+        "configuration is 0.1 away (panda::panda_joint1 by -0.1), blocked by "
+        "constraint 0: locked_joints"
     )
 
 
@@ -237,11 +237,11 @@ def test_goals_that_all_violate_are_told_with_every_constraint() -> None:
     with pytest.raises(GoalViolatesConstraint) as caught:
         solve(world, "body", JointGoal(rows), never, KeepIn("body::body", box))
     assert caught.value.detail == (
-        "none of 2 goal configurations keeps the path constraints: "
-        "2 violate constraint 0 (predicate is_left), which says no; "
-        "1 violate constraint 1 (keep_in), the least by 0.005 m (0.005 m, bound 0 m); "
-        "the nearest feasible configuration is 0.01 away (body::base_joint.x by -0.01), where "
-        "constraint 0: predicate is_left binds"
+        "all 2 goal configurations violate path constraints: "
+        "2 violate constraint 0 (predicate is_left), which is false; "
+        "1 violate constraint 1 (keep_in), at least by 0.005 m (0.005 m, bound 0 m); "
+        "the nearest feasible configuration is 0.01 away (body::base_joint.x by -0.01), "
+        "blocked by constraint 0: predicate is_left"
     )
 
 

@@ -1,4 +1,4 @@
-"""Joints that turn without end, alone and on a base that slides, through every stage."""
+"""Continuous joints, alone and on a sliding base, in all stages."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""A duration that is asked for: met, or refused with the least that any candidate allows."""
+"""Requested durations: met, or refused with the least duration of all candidates."""
 
 from typing import Literal
 

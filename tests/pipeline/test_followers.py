@@ -1,4 +1,4 @@
-"""Motions are planned within the limits of what follows, and turns count where it shows them."""
+"""Mimic joints: motions keep their limits, and full turns of their leaders count."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Plans and own motions under limits of frames, zones and signed accelerations."""
+"""Plans and given motions under limits of frames, zones and signed accelerations."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Refinement that knows limits besides those of joints: proven, and quicker for it."""
+"""Refinement under limits besides those of joints: certified, and quicker for it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Plans of parts: one motion, at rest where parts meet, on its lines, and proven as a whole."""
+"""Motions of several segments: at rest between them, on their lines, certified as a whole."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Plans under torque limits: proven, explained, heavier with what is held."""
+"""Plans under torque limits: certified, explained, with the mass of attached objects."""
 
 from typing import Any
 

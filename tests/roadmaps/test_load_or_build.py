@@ -1,4 +1,4 @@
-"""Roadmaps that plans share: the same bytes cold, warm and from disk; new where worlds differ."""
+"""Roadmaps shared by plans: the same bytes built, from memory and from disk; one per world."""
 
 import os
 import subprocess
@@ -153,7 +153,7 @@ def test_nonsense_and_lines_are_refused(maze):
             solve(maze, problem_of(roadmap=RoadmapOptions(**options)))
         assert caught.value.evidence["field"] == "search.roadmap"
     line = LineGoal((PoseTarget(Pose.from_parts([0.0, 0.05, 0.0]), "body::body"),))
-    with pytest.raises(ProblemInvalid, match="lines") as refusal:
+    with pytest.raises(ProblemInvalid, match="line goal") as refusal:
         solve(maze, replace(problem_of(), goal=line))
     assert refusal.value.evidence["field"] == "search.roadmap"
 

@@ -1,4 +1,4 @@
-"""The shelf: last used stays, files survive processes, and what is not whole is as good as none."""
+"""Roadmap cache: the last used stays, files outlive processes, damaged files count as misses."""
 
 import json
 import os

@@ -14,7 +14,7 @@ from planning.world.world import World
 
 # Distance from its bound within which a pair or a joint is active [m, rad].
 _ACTIVE_TOLERANCE = 1e-4
-# Steps towards the goal, as shares of the geodesic; the last one arrives.
+# Steps towards the goal, as shares of the geodesic; the last one ends at the goal.
 _STEP_FRACTIONS = np.append(10 ** np.linspace(-5.0, -0.25, 20), 1.0)
 
 

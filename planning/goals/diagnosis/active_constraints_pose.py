@@ -21,7 +21,7 @@ from planning.world.world import World
 
 # Distance from its bound within which a pair or a joint is active [m, rad].
 _ACTIVE_TOLERANCE = 1e-4
-# Steps towards the goal, as shares of the line; the last one arrives.
+# Steps towards the goal, as shares of the line; the last one ends at the goal.
 _STEP_FRACTIONS = 10 ** np.linspace(-4.0, 0.0, 17)
 _NUM_NEWTON_STEPS = 4
 
@@ -103,13 +103,13 @@ def _violated_constraints(
     constrained_joints = {entry.get("joint", "") for entry in violations}
     limits = world.limits(query.group)
     joints = _position_names(query, (q < limits.lower) | (q > limits.upper))
-    bounds = ActiveConstraints(
+    active = ActiveConstraints(
         joints=tuple(name for name in joints if name not in constrained_joints),
         pairs=pairs,
         constraints=tuple(entry["constraint"] for entry in violations),
     )
-    if bounds != ActiveConstraints() or approach_check is None:
-        return bounds
+    if active != ActiveConstraints() or approach_check is None:
+        return active
     return approach_check.active_constraints_at(q, 0)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from planning.domain.arrays import Array
-from planning.domain.goals.funnel import PairTally, funnel_evidence
+from planning.domain.goals.funnel import LinearMoveTally, PairTally, funnel_evidence
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ApproachBlocked, GoalInCollision, GoalTooNear, GoalUnreachable
@@ -42,7 +42,7 @@ def goal_failure(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> ApproachBlocked | GoalInCollision | GoalTooNear | GoalUnreachable:
-    """Return the failure of a search: unreachable, reachable only in collision, or lines blocked.
+    """Return the failure of a search: unreachable, reachable only in collision, or blocked lines.
 
     The evidence has the nearest free pose, and relaxations each of which is sufficient.
 
@@ -95,9 +95,9 @@ def collision_failure(
     funnel = search.funnel(tally.summary)
     relaxation = dict(evidence.get("relaxation", {}))
     is_margin_only = tally.num_margin_only > 0
-    text = "are too near to something" if is_margin_only else "collide"
+    text = "violate margins" if is_margin_only else "collide"
     message = f"all {funnel.within_limits} configurations that reach the goal {text}"
-    verb = "break the margin of" if is_margin_only else "hit"
+    verb = "violate the margin of" if is_margin_only else "hit"
     message += _describe_tallies(funnel.rejected_by, verb, is_cut_short=deadline.is_over)
     if query.constraints is not None:
         rows = rows[query.constraints.are_satisfied(rows)]
@@ -105,11 +105,10 @@ def collision_failure(
         q, pairs = shallowest_collision(world, query, rows)
         relaxation["obstacles"] = pair_evidence(pairs, query.margins)
         relaxation["positions"] = q.tolist()
-        message += f"; the least deep hits {describe_pairs(pairs, query.margins)}"
+        kind = "smallest margin violation" if is_margin_only else "shallowest collision"
+        message += f"; the {kind} is {describe_pairs(pairs, query.margins)}"
     if is_margin_only:
-        message += (
-            f"; nothing overlaps in {tally.num_margin_only} of them, which break margins only"
-        )
+        message += f"; in {tally.num_margin_only} of them no bodies overlap"
     evidence = {**evidence, "funnel": funnel_evidence(funnel), "relaxation": relaxation}
     failure = GoalTooNear if is_margin_only else GoalInCollision
     return failure(message + suggestion, evidence)
@@ -137,29 +136,38 @@ def _approach_failure(
 ) -> ApproachBlocked:
     funnel, checker = search.funnel(()), search.checker
     assert checker is not None  # noqa: S101  (something was blocked)
-    text = ", ".join(
-        f"{tally.count} times {tally.reason}{' of ' if tally.where else ''}{tally.where} stops the "
-        f"{tally.move} ({100 * tally.max_fraction:.0f} % of it is free at best)"
-        for tally in funnel.blocked_by[:3]
-    )
+    text = ", ".join(map(_describe_blocked, funnel.blocked_by[:3]))
     message = f"no goal configuration has a free approach and retreat: {text}"
     shorter = shorter_moves(world, query, checker, deadline)
     if shorter is not None:
         lengths = " and ".join(
             f"{1000 * m:.1f} mm of {move_name}" for move_name, m in shorter.lengths.items()
         )
-        message += f"; {lengths} would do"
+        message += f"; with {lengths} a goal configuration exists"
     removal = sufficient_removal(
         world, query, search, rng, deadline.at_fraction(_REMOVAL_TIME_FRACTION)
     )
     if removal is not None:
-        message += f"; without {removal['body']} there would be one"
+        message += f"; without {removal['body']} a goal configuration exists"
     hints = _distinct(query, search.blocked.rows)
     evidence, text = suggest_nearest_pose(world, query, selection, hints, rng, deadline)
     lengths = {"approach": None, "retreat": None, "pose_index": None}
     relaxation = {**evidence["relaxation"], **lengths, **(shorter.evidence if shorter else {})}
     evidence = {"nearest": evidence["nearest"], "relaxation": {**relaxation, "remove": removal}}
     return ApproachBlocked(message + text, {"funnel": funnel_evidence(funnel), **evidence})
+
+
+def _describe_blocked(tally: LinearMoveTally) -> str:
+    reason = {
+        "collision": f"a collision of {tally.where}",
+        "limit": f"the limit of {tally.where}",
+        "singularity": "a singularity",
+        "unreachable": "a direction in which the joints cannot move the tool",
+    }[tally.reason]
+    return (
+        f"the {tally.move} is blocked {tally.count} times by {reason} "
+        f"(at most {100 * tally.max_fraction:.0f} % of its length is free)"
+    )
 
 
 def _distinct(query: GoalQuery, configurations: list[Array] | Array) -> Array:

@@ -41,9 +41,8 @@ def _position_weights(group: JointGroup, weights: Array) -> Array:
     for joint in group.joints:
         joint_weights = weights[offset : offset + joint.num_velocities]
         if joint.type is JointType.FLOATING:
-            position_weights += [2 * float(joint_weights[:3].mean())] * 4 + joint_weights[
-                3:
-            ].tolist()
+            position_weights += [2 * float(joint_weights[:3].mean())] * 4
+            position_weights += joint_weights[3:].tolist()
         else:
             position_weights += joint_weights.tolist()
         offset += joint.num_velocities

@@ -31,11 +31,8 @@ class JointPerturbations:
     @property
     def max_radius(self) -> float:
         """Norm of the largest displacement worth sampling."""
-        return float(
-            np.linalg.norm(
-                self._max_displacement[~self._is_unweighted] / self._scale[~self._is_unweighted]
-            )
-        )
+        weighted = ~self._is_unweighted
+        return float(np.linalg.norm(self._max_displacement[weighted] / self._scale[weighted]))
 
     def sample_ball(self, radius: float, count: int) -> Float64[np.ndarray, "count nv"]:
         """Return displacements of norm at most `radius`: half uniform, half along few coordinates.
@@ -46,9 +43,8 @@ class JointPerturbations:
         displacements = self._normal_samples(count)
         num_sparse = count // 2
         order = self._rng.random((num_sparse, displacements.shape[1])).argsort(axis=1)
-        displacements[:num_sparse][
-            order >= self._rng.integers(1, _MAX_SPARSE_COORDINATES + 1, (num_sparse, 1))
-        ] = 0.0
+        num_changed = self._rng.integers(1, _MAX_SPARSE_COORDINATES + 1, (num_sparse, 1))
+        displacements[:num_sparse][order >= num_changed] = 0.0
         lengths = self._rng.random((count, 1))
         lengths[num_sparse:] **= 1 / displacements.shape[1]
         norms = np.linalg.norm(displacements, axis=1, keepdims=True)

@@ -85,23 +85,20 @@ class NearestJointSearch:
         """Return the nearest feasible configuration found; None if none was."""
         self._update_best(self._clipped_goals)
         self._find_first()
-        num_without_improvement = 0
+        num_failed_rounds = 0
         for _ in range(_MAX_ROUNDS):
             best = self._best
-            if (
-                best is None
-                or best.cost <= 0
-                or num_without_improvement >= _PATIENCE
-                or self._deadline.is_over
-            ):
+            if best is None or best.cost <= 0:
                 break
-            num_without_improvement = 0 if self._improve(best) else num_without_improvement + 1
+            if num_failed_rounds >= _PATIENCE or self._deadline.is_over:
+                break
+            num_failed_rounds = 0 if self._improve(best) else num_failed_rounds + 1
         return self._best
 
     def _find_first(self) -> None:
         """Find a first feasible configuration, at growing distance, and improve it by descent."""
-        radius, largest = _INITIAL_RADIUS, self._perturbations.max_radius
-        while self._best is None and radius < largest and not self._deadline.is_over:
+        radius, max_radius = _INITIAL_RADIUS, self._perturbations.max_radius
+        while self._best is None and radius < max_radius and not self._deadline.is_over:
             self._update_best(self._sample_around(radius))
             radius *= _RADIUS_GROWTH
         if self._best is None:
@@ -132,8 +129,8 @@ class NearestJointSearch:
     def _sample_around(self, radius: float) -> Array:
         """Return random configurations around the given ones, in turn."""
         displacements = self._perturbations.sample_ball(radius, _BATCH_SIZE)
-        centres = self._clipped_goals[np.arange(_BATCH_SIZE) % len(self._clipped_goals)]
-        return self._manifold.plus(centres, displacements)
+        centers = self._clipped_goals[np.arange(_BATCH_SIZE) % len(self._clipped_goals)]
+        return self._manifold.plus(centers, displacements)
 
     def _refine_on_geodesic(self, nearest: NearestJoints) -> None:
         """Find the first feasible point on the geodesic from a given configuration to `nearest`."""

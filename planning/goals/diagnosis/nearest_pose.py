@@ -1,4 +1,4 @@
-"""NearestSearch: feasible tool pose nearest to an unreachable goal pose, in the pose metric."""
+"""NearestPoseSearch: feasible tool pose nearest to an unreachable goal, in the pose metric."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -111,13 +111,11 @@ class NearestPoseSearch:
             self._update_best(self._descend(self._targets[i], q)[None], [i])
         if self._is_constrained:
             self._find_first(sorted({i for i, _ in descent_starts}) or [0])
-        num_without_improvement, patience = 0, _PATIENCE if self._is_constrained else 1
+        num_failed_rounds, patience = 0, _PATIENCE if self._is_constrained else 1
         for _ in range(_MAX_CONSTRAINED_ROUNDS if self._is_constrained else _MAX_ROUNDS):
-            if self._best is None or self._deadline.is_over or num_without_improvement >= patience:
+            if self._best is None or self._deadline.is_over or num_failed_rounds >= patience:
                 break
-            num_without_improvement = (
-                0 if self._improve(self._best) else num_without_improvement + 1
-            )
+            num_failed_rounds = 0 if self._improve(self._best) else num_failed_rounds + 1
         if self._best is None:
             return None
         return self._report(self._best, is_reached=len(hints) > 0)
@@ -141,17 +139,16 @@ class NearestPoseSearch:
         nearest = costs.argmin(axis=1)
         costs = costs.min(axis=1)
         order = np.argsort(costs, kind="stable")
-        feasible_order = order[is_feasible[order]]
-        for k in feasible_order[
-            self._attempts.with_free_approach(
-                rows[feasible_order], np.array(targets)[nearest[feasible_order]]
-            )
-        ][:1]:
+        feasible = order[is_feasible[order]]
+        with_approach = self._attempts.with_free_approach(
+            rows[feasible], np.array(targets)[nearest[feasible]]
+        )
+        for k in feasible[with_approach][:1]:
             index = targets[int(nearest[k])]
             self._best = _NearestResult(float(costs[k]), rows[k], Pose.from_matrix(poses[k]), index)
         best_hints = [k for k in order if k < num_hints][:_NUM_DESCENTS]
         best_random = [k for k in order if k >= num_hints][:_NUM_DESCENTS]
-        best_feasible = list(order[is_feasible[order]][:_NUM_DESCENTS])
+        best_feasible = list(feasible[:_NUM_DESCENTS])
         selected = dict.fromkeys(int(k) for k in [*best_hints, *best_random, *best_feasible])
         return [(targets[int(nearest[k])], rows[k]) for k in selected]
 
@@ -219,18 +216,17 @@ class NearestPoseSearch:
     def _update_best(self, rows: Array, indices: list[int]) -> None:
         """Update the best configuration by the nearest feasible row, if that is nearer."""
         feasible = np.flatnonzero(self._attempts.are_feasible(rows))
-        poses, target_indices = (
-            self._tool_poses(rows[feasible]),
-            np.array(indices, dtype=np.int64)[feasible],
-        )
+        poses = self._tool_poses(rows[feasible])
+        target_indices = np.array(indices, dtype=np.int64)[feasible]
         costs = np.zeros(len(target_indices))
         for i in set(target_indices.tolist()):
             costs[target_indices == i] = self._costs(poses[target_indices == i], i)
         nearer_indices = np.flatnonzero(costs < self._best_cost)
         order = nearer_indices[np.argsort(costs[nearer_indices], kind="stable")]
-        for k in order[
-            self._attempts.with_free_approach(rows[feasible[order]], target_indices[order])
-        ][:1]:
+        with_approach = self._attempts.with_free_approach(
+            rows[feasible[order]], target_indices[order]
+        )
+        for k in order[with_approach][:1]:
             q, pose = np.array(rows[feasible[k]]), Pose.from_matrix(poses[k])
             self._best = _NearestResult(float(costs[k]), q, pose, int(target_indices[k]))
 
@@ -258,18 +254,18 @@ class NearestPoseSearch:
     def _report(self, best: _NearestResult, *, is_reached: bool) -> NearestPose:
         """Return the best pose with its errors, and its active constraints if time was left."""
         closest = self._targets[best.index].closest(best.pose)
-        bounds = (
+        active_constraints = (
             None if self.is_out_of_time else self._active_constraints(best, is_reached=is_reached)
         )
         if self._full_deadline.is_over:
-            bounds = None
+            active_constraints = None
         return NearestPose(
             best.pose,
             best.q,
             *best.pose.distance(closest),
             best.index,
             displaced_target_pose(self._targets[best.index], best.pose),
-            bounds,
+            active_constraints,
         )
 
     def _active_constraints(self, best: _NearestResult, *, is_reached: bool) -> ActiveConstraints:

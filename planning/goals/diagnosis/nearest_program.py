@@ -33,7 +33,7 @@ _INFLUENCE_DISTANCE = 0.02
 _SLACK, _MAX_INACCURACY = 1e-5, 1e-3
 # Step size below which the iteration has converged [rad or m].
 _STEP_TOLERANCE = 1e-6
-# Largest angle up to which the weight of the cosine cost is matched to the squared angle [rad].
+# Largest angle at which the weight of the cosine cost is matched to the squared angle [rad].
 _LARGEST_ANGLE = 3.0
 
 
@@ -71,10 +71,8 @@ def minimize_cost(
     slack = _SLACK
     for _ in range(_MAX_ROUNDS):
         num_known = len(pairs)
-        near_pairs, depth = (
-            _near_pairs(world, query, q) if is_collision_constrained else ({}, -np.inf)
-        )
-        pairs.update(near_pairs)
+        near, depth = _near_pairs(world, query, q) if is_collision_constrained else ({}, -np.inf)
+        pairs.update(near)
         # A small margin violation that the solver left is added to the slack of the next round.
         slack += depth + _SLACK if 0 < depth < _MAX_INACCURACY else 0.0
         program = GroupProgram(world, query.group, _MAJOR_ITERATIONS)
@@ -98,7 +96,8 @@ def pose_distance_cost(world: World, query: GoalQuery, target: Target) -> AddCos
     """Return the cost of the pose metric between a tool frame and its closest pose in tolerance.
 
     Drake's cost of a rotation is c (1 - cos theta); with c = 2 w^2 theta / sin theta at the present
-    theta it has the slope of (w theta)^2 there, so both have the same minima on convergence.
+    theta it has the slope of (w theta)^2 there, so both have the same minima on convergence. w is
+    the rotation weight of the metric.
     """
     metric = query.options.pose_metric
     frame, origin = world.drake.frame(target.frame), world.drake.plant.world_frame()
@@ -110,8 +109,8 @@ def pose_distance_cost(world: World, query: GoalQuery, target: Target) -> AddCos
         weight = metric.translation**2 * np.eye(3)
         program.ik.AddPositionCost(origin, x_wg.translation(), frame, np.zeros(3), weight)
         theta = min(tool_pose.distance(desired)[1], _LARGEST_ANGLE)
-        slope = 2 * metric.rotation**2 / float(np.sinc(theta / np.pi))
-        program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), slope)
+        c = 2 * metric.rotation**2 / float(np.sinc(theta / np.pi))
+        program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), c)
 
     return add_cost
 

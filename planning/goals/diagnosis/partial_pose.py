@@ -33,7 +33,7 @@ class Freedom(Enum):
 
 @dataclass(frozen=True)
 class PartialPoseResult:
-    """Feasible configuration whose pose differs from a goal in position or in rotation only.
+    """Feasible configuration whose tool pose differs from a goal in position or in rotation only.
 
     Attributes:
         error: Distance to the goal [m or rad].
@@ -71,14 +71,12 @@ class PartialPoseSearch:
             if radius >= self._freedom.value:
                 break
             radius = min(_RADIUS_GROWTH * radius, self._freedom.value)
-        num_without_improvement = 0
-        while (
-            best is not None and num_without_improvement < self._patience and not deadline.is_over
-        ):
+        num_failed_rounds = 0
+        while best is not None and num_failed_rounds < self._patience and not deadline.is_over:
             self._attempts.hints = best.q[None]
             nearer = self._best_of(best.error * self._displacements(rng), best.q)
             is_improved = nearer is not None and nearer.error < _IMPROVEMENT_RATIO * best.error
-            num_without_improvement = 0 if is_improved else num_without_improvement + 1
+            num_failed_rounds = 0 if is_improved else num_failed_rounds + 1
             best = best if nearer is None else min(best, nearer, key=lambda one: one.error)
         return best
 
@@ -100,9 +98,8 @@ class PartialPoseSearch:
         axis_aligned[numbers, numbers % 6 // 2] = np.where(numbers % 2, 1, -1)
         axis_aligned *= 1 - ((numbers[:, None] // 6 + 0.5) / (third // 6 + 1)) ** 2
         general = rng.normal(size=(_POSES_PER_ROUND - third, 3))
-        general *= (rng.uniform(size=len(general)) ** (1 / 3) / np.linalg.norm(general, axis=1))[
-            :, None
-        ]
+        scales = rng.uniform(size=len(general)) ** (1 / 3) / np.linalg.norm(general, axis=1)
+        general *= scales[:, None]
         displacements = np.zeros((_POSES_PER_ROUND, 6))
         columns = slice(0, 3) if self._freedom is Freedom.POSITION else slice(3, 6)
         displacements[:, columns] = rng.permutation(np.concatenate([axis_aligned, general]))

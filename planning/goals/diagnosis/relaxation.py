@@ -48,7 +48,7 @@ def sufficient_single_relaxation(
 
     Each error is at least the distance of the nearest pose in the pose metric, since nothing nearer
     is free. Goals with approach or retreat get no rotation, since their axes stay in place. If time
-    ran out, which `cut_short` tells, smaller errors may be sufficient.
+    ran out, which `cut_short` says, smaller errors may be sufficient.
 
     Args:
         world: Loaded scene.

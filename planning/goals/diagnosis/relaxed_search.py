@@ -77,12 +77,8 @@ def sufficient_constraint_relaxations(
             constrained_world, replace(query, constraints=remaining), rng, deadline
         )
         if solutions:
-            entries.append(
-                min(
-                    (_constraint_relaxation(constraint, *one) for one in solutions),
-                    key=_bound_change,
-                )
-            )
+            relaxations = [_constraint_relaxation(constraint, *one) for one in solutions]
+            entries.append(min(relaxations, key=_bound_change))
     return sorted(entries, key=lambda entry: entry["constraint"])
 
 
@@ -137,9 +133,5 @@ def _blocking_bodies(world: World, query: GoalQuery, search: PoseSearch) -> list
     moved = moved_bodies(world.drake, query.group)
     pairs = [] if search.checker is None else search.checker.blocking_pairs
     static_bodies = [[body for body in pair if body not in moved] for pair in pairs]
-    return [
-        body
-        for body, _ in Counter(
-            bodies[0] for bodies in static_bodies if len(bodies) == 1
-        ).most_common()
-    ]
+    counts = Counter(bodies[0] for bodies in static_bodies if len(bodies) == 1)
+    return [body for body, _ in counts.most_common()]

@@ -32,7 +32,7 @@ def suggest_nearest_pose(
     rng: np.random.Generator,
     deadline: Deadline,
 ) -> tuple[dict[str, Any], str]:
-    """Return the nearest feasible pose, and tolerances each of which is sufficient.
+    """Return the nearest feasible pose, and relaxations each of which is sufficient.
 
     Args:
         world: Loaded scene, with the joint limits under the query's path constraints.
@@ -61,9 +61,8 @@ def suggest_nearest_pose(
         relaxation |= sufficient_single_relaxation(
             world, query, target, nearest, (rng, deadline.at_fraction(0.5))
         )
-    return {"nearest": nearest and nearest.evidence, "relaxation": relaxation}, _describe_nearest(
-        nearest
-    )
+    evidence = {"nearest": nearest and nearest.evidence, "relaxation": relaxation}
+    return evidence, _describe_nearest(nearest)
 
 
 def suggest_reachable_without_constraint(
@@ -86,7 +85,7 @@ def suggest_reachable_without_constraint(
         deadline: Time limit, after which the best results so far are returned.
     """
     path_constraints = query.constraints
-    assert path_constraints is not None  # noqa: S101  (something was broken)
+    assert path_constraints is not None  # noqa: S101  (the configurations violate them)
     constraints = sufficient_constraint_relaxations(
         world, query, rng, deadline.at_fraction(_RELAXED_TIME_FRACTION)
     )
@@ -99,7 +98,7 @@ def suggest_reachable_without_constraint(
     )
     evidence["relaxation"]["constraints"] = constraints
     if constraints:
-        text += f"; it would do if {' or '.join(map(_describe_relaxation, constraints))} gave way"
+        text += f"; relaxing {' or '.join(map(_describe_relaxation, constraints))} is sufficient"
     return evidence, text
 
 
@@ -118,26 +117,25 @@ def _describe_nearest(nearest: NearestPose | None) -> str:
     if nearest.active_constraints is None:
         return f"; the nearest free pose that was found in time is {distance_text}"
     reasons = _describe_active_constraints(nearest.active_constraints)
-    text = f"; the nearest free pose is {distance_text}, where {reasons}"
+    text = f"; the nearest free pose is {distance_text}, {reasons}"
     is_rounding = (
         nearest.translation_error < _ROUNDED_LENGTH and nearest.rotation_error < _ROUNDED_ANGLE
     )
     if is_rounding and nearest.active_constraints.binding == "reach":
-        text += ": so little comes of rounded numbers (3.14159 for pi), give a `tolerance`"
+        text += (
+            "; such a small error may come from rounded numbers (3.14159 for pi): "
+            "give a `tolerance`"
+        )
     return text
 
 
-def _describe_active_constraints(bounds: ActiveConstraints) -> str:
-    if bounds.linear_move_stop is not None:
-        move_stop = bounds.linear_move_stop
-        return f"the {move_stop.move} binds: {describe_stop(move_stop.stop)}"
+def _describe_active_constraints(active: ActiveConstraints) -> str:
+    if active.linear_move_stop is not None:
+        move_stop = active.linear_move_stop
+        return f"blocked by the {move_stop.move}: {describe_stop(move_stop.stop)}"
     return {
-        "collision": f"{', '.join('-'.join(pair) for pair in bounds.pairs)} bind",
-        "path_constraint": f"{', '.join(bounds.constraints)} {_bind_verb(bounds.constraints)}",
-        "limits": f"{', '.join(bounds.joints)} at their limits bind",
-        "reach": "the reach binds",
-    }[bounds.binding]
-
-
-def _bind_verb(names: tuple[str, ...]) -> str:
-    return "bind" if len(names) > 1 else "binds"
+        "collision": f"blocked by {', '.join('-'.join(pair) for pair in active.pairs)}",
+        "path_constraint": f"blocked by {', '.join(active.constraints)}",
+        "limits": f"blocked by the limits of {', '.join(active.joints)}",
+        "reach": "limited by the reach of the arm",
+    }[active.binding]

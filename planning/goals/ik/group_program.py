@@ -60,7 +60,7 @@ class GroupProgram:
 
         Returns:
             Predicate: whether both geometries of a pair are registered. Of the objects outside of
-            Drake's model at most `MOST_SHOWN` are.
+            Drake's model at most `MAX_REGISTERED` are.
         """
         near = NearStatic(self._world.drake, self._diagram_context)
         rows = sorted({row for pair in pairs for i in pair if (row := near.row(i)) is not None})

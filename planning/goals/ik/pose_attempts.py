@@ -86,15 +86,11 @@ class PoseAttempts:
             return np.arange(len(rows))
         likely = np.flatnonzero(self.approach_check.may_be_free(rows, indices))
         spread = np.linspace(0, len(likely) - 1, _NUM_TRACED).astype(np.int64)
-        for candidates in (
-            likely[:_NUM_TRACED],
-            np.unique(likely[spread]) if len(likely) else likely,
-        ):
-            free_indices = candidates[
-                self.approach_check.are_free(rows[candidates], indices[candidates])
-            ]
-            if len(free_indices):
-                return free_indices
+        spread_candidates = np.unique(likely[spread]) if len(likely) else likely
+        for candidates in (likely[:_NUM_TRACED], spread_candidates):
+            is_free = self.approach_check.are_free(rows[candidates], indices[candidates])
+            if is_free.any():
+                return candidates[is_free]
         return np.zeros(0, dtype=np.int64)
 
     def pose_at(self, q: Float64[np.ndarray, " nq"]) -> Pose:
@@ -121,12 +117,10 @@ class PoseAttempts:
         """
         metric = self._query.options.pose_metric
         group, poses = self._query.group, _displaced_poses(base, displacements)
-        solver = exact_kernel_solver(self._world, group, self.frame, poses) or self._drake_solver(
-            poses
-        )
-        count = (
-            len(displacements) if self.uses_kernel else min(len(displacements), _MAX_DRAKE_ATTEMPTS)
-        )
+        kernel_solver = exact_kernel_solver(self._world, group, self.frame, poses)
+        solver = kernel_solver or self._drake_solver(poses)
+        max_attempts = len(displacements) if self.uses_kernel else _MAX_DRAKE_ATTEMPTS
+        count = min(len(displacements), max_attempts)
         seeds = self._seeds.take(count).copy()
         if seed is not None:
             seeds[::4] = seed

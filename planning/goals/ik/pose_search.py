@@ -40,17 +40,15 @@ class PoseSearch:
         deadline: Deadline,
         checker: ApproachChecker | None = None,
     ) -> None:
-        """Prepare to search; with a judge only solutions with approach and retreat are kept."""
+        """Prepare to search; with a checker only solutions with approach and retreat are kept."""
         self._query = query
         self._deadline = deadline
         self._limits = world.limits(query.group)
         self._oracle = world.collision_oracle(query.group, query.margins)
         self._seeds = Seeds(query.group, self._limits, query.start, rng)
         self._drawn_seeds = self._seeds.take(0)
-        self._num_tried = self._num_converged = self._num_within_limits = self._num_free = (
-            self._num_repeats
-        ) = 0
-        self._num_approachable = self._num_violating = 0
+        self._num_tried = self._num_converged = self._num_within_limits = self._num_free = 0
+        self._num_approachable = self._num_violating = self._num_repeats = 0
         self._num_wanted = query.options.max_configurations
         self.checker = checker
         self._manifold = Manifold(query.group.joints)

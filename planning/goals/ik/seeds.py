@@ -9,9 +9,11 @@ from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup, JointLimits, JointType
 from planning.domain.robot.manifold import Manifold
 
-_NUM_NEAR = 8
-_NEAR_DEVIATION = 0.4
+# Number of samples near the start, and their standard deviation [rad or m].
+_NUM_NEAR, _NEAR_DEVIATION = 8, 0.4
+# Half-range of translations without bounds about the start [m].
 _UNBOUNDED_RANGE = 2.0
+# Uniform seeds per block.
 _BATCH_SIZE = 256
 
 
@@ -66,15 +68,7 @@ def _default_range(kind: JointType) -> Array:
         case JointType.PLANAR:
             return np.array([_UNBOUNDED_RANGE, _UNBOUNDED_RANGE, np.pi])
         case JointType.FLOATING:
-            return np.array([
-                1.0,
-                1.0,
-                1.0,
-                1.0,
-                _UNBOUNDED_RANGE,
-                _UNBOUNDED_RANGE,
-                _UNBOUNDED_RANGE,
-            ])
+            return np.array([1.0] * 4 + [_UNBOUNDED_RANGE] * 3)
         case JointType.PRISMATIC:
             return np.array([_UNBOUNDED_RANGE])
         case _:

@@ -28,7 +28,7 @@ _LOG = logging.getLogger(__name__)
 def solve_tool_goal(
     world: World, query: GoalQuery, rng: np.random.Generator, deadline: Deadline
 ) -> tuple[TargetSelection, PoseSearch]:
-    """Search configurations of a tool goal by the kernel, if available, and verify them by Drake.
+    """Search for configurations of a tool goal by the kernel, if available; verify them by Drake.
 
     If Drake's forward kinematics refutes a single solution of the kernel, all are discarded and
     the search is repeated by Drake alone.

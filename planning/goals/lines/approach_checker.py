@@ -100,7 +100,7 @@ class ApproachChecker:
     def moves_of(
         self, checked: Float64[np.ndarray, "n nq"], rows: Float64[np.ndarray, "n nq"]
     ) -> list[GoalMoves]:
-        """Return the linear moves of rows that equal admitted ones up to full turns of joints."""
+        """Return the linear moves of rows that equal accepted ones up to full turns of joints."""
         return [
             _shifted(self._moves[q.tobytes()], row - q)
             for q, row in zip(checked, rows, strict=True)
@@ -109,7 +109,7 @@ class ApproachChecker:
     def moves_satisfy_constraints(
         self, rows: Float64[np.ndarray, "n nq"]
     ) -> Bool[np.ndarray, " n"]:
-        """Return whether all lines of each admitted row satisfy the query's path constraints."""
+        """Return whether all lines of each accepted row satisfy the query's path constraints."""
         constraints = self._query.constraints
         is_satisfied = np.ones(len(rows), dtype=bool)
         if constraints is not None:
@@ -174,7 +174,7 @@ class ApproachChecker:
     def _free_moves(
         self, name: str, rows: Array, targets: Indices, is_free: Flags
     ) -> dict[int, LinearMove]:
-        """Return the outward linear moves of the good rows whose line is free, by row."""
+        """Return the outward linear moves of the free rows whose line is free, by row."""
         indices = np.flatnonzero(is_free)
         trace_states = self.trace(name, rows[indices], targets[indices])
         for target, trace_state in zip(targets[indices], trace_states, strict=True):

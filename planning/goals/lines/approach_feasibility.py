@@ -122,10 +122,8 @@ class ApproachFeasibility:
         These are the stop of a line, or else the violated path constraints; empty if the time runs
         out.
         """
-        constraints, checker = (
-            self._query.constraints,
-            self._make_checker(self._moved_targets(self._tool_poses(q[None]), [index])),
-        )
+        constraints = self._query.constraints
+        checker = self._make_checker(self._moved_targets(self._tool_poses(q[None]), [index]))
         try:
             stop = checker.stop_of(q, 0)
             if (

@@ -138,9 +138,9 @@ def describe_stop(stop: LineStop) -> str:
             why = f"{stop.joint} would leave its limits"
         case "collision":
             bodies = "two bodies" if stop.pair is None else " and ".join(stop.pair.bodies)
-            why = f"{bodies} would be too near"
+            why = f"{bodies} would violate their margin"
         case "singularity":
             why = f"the arm is singular (smallest singular value {stop.singular_value:.2g})"
         case "unreachable":
-            why = "its joints cannot move the tool that way"
+            why = "the joints cannot move the tool in this direction"
     return f"it ends after {100 * stop.fraction:.2f} %: {why}"

@@ -103,9 +103,7 @@ class LineTracer:
             return trace_states
         self._check_starts(trace_states, starts)
         steps = LineSteps(self.kinematics, self._manifold, lines)
-        while rows := [
-            i for i, trace_state in enumerate(trace_states) if not trace_state.is_finished
-        ]:
+        while rows := [i for i, state in enumerate(trace_states) if not state.is_finished]:
             deadline.check("line")
             for row, step in zip(rows, self._checked_steps(steps, rows, trace_states), strict=True):
                 trace_states[row].apply_step(step)
@@ -154,7 +152,7 @@ class LineTracer:
     def _step_within_limits(
         self, steps: LineSteps, rows: Indices, q: Array, spans: tuple[Array, Array]
     ) -> tuple[Array, Indices, Array]:
-        """Return the ends of steps, the reasons against them, and configurations beyond limits.
+        """Return the ends of steps, their stops, and the infeasible configurations of the stops.
 
         In a redundant group, coordinates that would leave their limits are locked.
         """
@@ -175,16 +173,10 @@ class LineTracer:
                 next_q[limited_rows], is_converged = steps.step(
                     rows[limited_rows], q[limited_rows], span, locked[limited_rows]
                 )
-                stops[limited_rows[is_converged & ~self._are_outside(next_q[limited_rows])]] = (
-                    TraceStop.NONE
-                )
-        next_q = np.clip(
-            next_q,
-            self._limits.lower,
-            self._limits.upper,
-            where=(stops == TraceStop.NONE)[:, None],
-            out=next_q,
-        )
+                is_feasible = is_converged & ~self._are_outside(next_q[limited_rows])
+                stops[limited_rows[is_feasible]] = TraceStop.NONE
+        accepted = (stops == TraceStop.NONE)[:, None]
+        np.clip(next_q, self._limits.lower, self._limits.upper, where=accepted, out=next_q)
         return next_q, stops, infeasible_q
 
     def _check_collisions(

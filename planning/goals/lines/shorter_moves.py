@@ -57,14 +57,14 @@ def shorter_moves(
         deadline: Time limit; None is returned after it.
     """
     goal = query.goal
-    assert isinstance(goal, PoseGoal | RegionGoal)  # noqa: S101  (no other goal has a judge)
+    assert isinstance(goal, PoseGoal | RegionGoal)  # noqa: S101  (no other goal has a checker)
     vectors = {"approach": goal.approach, "retreat": goal.retreat}
     requested = {name: vector for name, vector in vectors.items() if vector is not None}
     for target, q, fractions in _longest_traces(checker, requested):
         if deadline.is_over:
             return None
-        scaled = {name: way * fractions[name] for name, way in requested.items()}
-        remaining = {name: way if way.any() else None for name, way in scaled.items()}
+        scaled = {name: vector * fractions[name] for name, vector in requested.items()}
+        remaining = {name: vector if vector.any() else None for name, vector in scaled.items()}
         shorter = replace(goal, **remaining)
         shorter_checker = ApproachChecker(
             world, replace(query, goal=shorter), shorter, checker.targets, deadline
@@ -73,7 +73,7 @@ def shorter_moves(
             shorter_checker.check(q[None], np.array([target]))[0]
             and shorter_checker.moves_satisfy_constraints(q[None])[0]
         ):
-            lengths = {name: float(np.linalg.norm(way)) for name, way in scaled.items()}
+            lengths = {name: float(np.linalg.norm(vector)) for name, vector in scaled.items()}
             return ShorterMoves(target, lengths, q)
     return None
 
@@ -82,11 +82,9 @@ def _longest_traces(
     checker: ApproachChecker, requested: dict[str, Array]
 ) -> list[tuple[int, Array, dict[str, float]]]:
     """Return targets, configurations and the free share of each line, longest lines first."""
-    blocked_lines = sorted(checker.blocked_lines, key=lambda entry: -entry[2].fraction)[
-        :_NUM_CANDIDATES
-    ]
+    longest_first = sorted(checker.blocked_lines, key=lambda entry: -entry[2].fraction)
     candidates: list[tuple[int, Array, dict[str, float]]] = []
-    for name, target, trace_state in blocked_lines:
+    for name, target, trace_state in longest_first[:_NUM_CANDIDATES]:
         q, reached_fractions = trace_state.waypoints[0], {name: trace_state.fraction}
         for other_name in requested.keys() - reached_fractions.keys():
             (other_state,) = checker.trace(other_name, q[None], np.array([target]))
@@ -98,7 +96,8 @@ def _longest_traces(
         if any(fractions.values()):
             candidates.append((target, q, fractions))
     lengths = {name: float(np.linalg.norm(vector)) for name, vector in requested.items()}
-    candidates.sort(
-        key=lambda entry: -sum(lengths[move] * share for move, share in entry[2].items())
-    )
-    return candidates
+
+    def free_length(candidate: tuple[int, Array, dict[str, float]]) -> float:
+        return sum(lengths[name] * fraction for name, fraction in candidate[2].items())
+
+    return sorted(candidates, key=lambda candidate: -free_length(candidate))

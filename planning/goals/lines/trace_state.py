@@ -112,10 +112,7 @@ class TraceState:
                 if self._step_fraction < BISECTION_TOLERANCE / 2:
                     self.stop = TraceStop.STUCK
             case TraceStop.LIMIT | TraceStop.COLLISION:
-                self._infeasible_fraction, self._infeasible_stop, self.infeasible_q = (
-                    step.fraction,
-                    step.stop,
-                    step.infeasible_q,
-                )
+                self._infeasible_fraction, self._infeasible_stop = step.fraction, step.stop
+                self.infeasible_q = step.infeasible_q
         if self._infeasible_fraction - self.fraction < self.bisection_tolerance:
             self.stop = self._infeasible_stop

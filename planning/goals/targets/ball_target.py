@@ -86,9 +86,8 @@ class BallTarget(Value):
         Along axes without weight samples extend to the workspace bound.
         """
         unit_samples = rng.normal(size=(count, 6))
-        unit_samples *= (rng.uniform(size=count) ** (1 / 6) / np.linalg.norm(unit_samples, axis=1))[
-            :, None
-        ]
+        scales = rng.uniform(size=count) ** (1 / 6) / np.linalg.norm(unit_samples, axis=1)
+        unit_samples *= scales[:, None]
         unit_samples[:1] = 0.0
         max_shift = workspace.radius + float(np.linalg.norm(workspace.center - self.pose.position))
         shifts = unit_samples[:, :3] * np.minimum(self._half_widths[:3], max_shift)

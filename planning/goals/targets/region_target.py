@@ -77,10 +77,8 @@ class RegionTarget(Value):
         Only the position is restricted to the workspace bound.
         """
         center = self.pose
-        shifts, turns = (
-            self._sample_positions(count, workspace, rng),
-            self._sample_rotations(count, rng),
-        )
+        shifts = self._sample_positions(count, workspace, rng)
+        turns = self._sample_rotations(count, rng)
         positions = center.position + rotation.rotate(center.quaternion, shifts)
         turns = rotation.normalized(rotation.multiply(center.quaternion, turns))
         positions = np.concatenate([center.position[None], positions])[:count]
@@ -146,7 +144,7 @@ def _swing_twist(turn: Array, axis: int) -> tuple[Array, float]:
 
 
 def _swings_and_twists(turns: Array, axis: int) -> tuple[Array, Array]:
-    """Return the swing-twist decomposition R = exp(tilt) exp(twist e), tilt orthogonal to e."""
+    """Return the swing-twist decomposition R = exp(swing) exp(twist e), swing orthogonal to e."""
     twists = 2 * np.arctan2(turns[:, 1 + axis], turns[:, 0])
     twists = np.remainder(twists + np.pi, 2 * np.pi) - np.pi
     untwisted = rotation.exp(-twists[:, None] * np.eye(3)[axis])

@@ -33,8 +33,8 @@ class ExactPoses:
         """Tool targets without tolerance, one per pose."""
         exact = np.zeros(3)
         return [
-            ToolTarget(self.frame, Pose(p, a), exact, exact)
-            for p, a in zip(self.positions, self.quaternions, strict=True)
+            ToolTarget(self.frame, Pose(position, quaternion), exact, exact)
+            for position, quaternion in zip(self.positions, self.quaternions, strict=True)
         ]
 
 
@@ -57,11 +57,10 @@ class TargetSamples:
     end_trial: int | None = None
 
     def trials(self, first: int, count: int) -> tuple[Indices, Indices]:
-        """Return the seed number and target index of each of `count` trials from `first_trial`."""
+        """Return the seed number and target index of each of `count` trials from number `first`."""
         numbers = np.arange(first, first + count)
-        return numbers // self.targets_per_seed, (numbers - self.first_trial) % len(
-            self.pose_indices
-        )
+        target_indices = (numbers - self.first_trial) % len(self.pose_indices)
+        return numbers // self.targets_per_seed, target_indices
 
     def end_within(self, max_trials: int) -> int:
         """Return the trial number to end before: `end_trial`, but at most `max_trials`."""

@@ -1,4 +1,4 @@
-"""What is nearest to a refused configuration is feasible, and what would do does."""
+"""The nearest configuration to an infeasible one is feasible; suggested relaxations suffice."""
 
 from dataclasses import replace
 from functools import cache
@@ -187,7 +187,7 @@ def test_what_is_out_of_limits_goes_to_the_limit() -> None:
     near, relaxation = failure.evidence["nearest"], failure.evidence["relaxation"]
     assert near["positions"] == [*start[:5], limits.upper[5]]
     assert (near["binding"], near["joints"]) == ("limits", ["arm::wrist_3_joint"])
-    assert "the limit of arm::wrist_3_joint binds" in failure.detail
+    assert "blocked by the limit of arm::wrist_3_joint" in failure.detail
     assert relaxation["limits"] == failure.evidence["joints"]
     (entry,) = relaxation["limits"]
     assert entry["violation"] == pytest.approx(near["distance"])

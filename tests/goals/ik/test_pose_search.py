@@ -1,4 +1,4 @@
-"""The kernel's way to a goal and Drake's: other numbers, the same kind of answer."""
+"""IK by the kernel and by Drake: different numbers, solutions of the same quality."""
 
 import itertools
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Approach and retreat decide which goal configurations are kept, and the funnel says why."""
+"""Goal configurations are filtered by approach and retreat; the funnel has the reasons."""
 
 from dataclasses import replace
 

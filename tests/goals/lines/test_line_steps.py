@@ -1,4 +1,4 @@
-"""The bound on leaving a line between two of its points."""
+"""The bound on the deviation from a line between two of its waypoints."""
 
 from functools import cache
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Planning inside regions: certified, repeatable, and by OMPL where regions end."""
+"""The GCS planner: certified, repeatable, with OMPL outside of the regions."""
 
 import json
 import pickle

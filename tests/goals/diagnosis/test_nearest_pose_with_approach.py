@@ -1,4 +1,4 @@
-"""What is nearest to a pose that no approach leads to is approached, and what would do does."""
+"""The nearest pose to one without approach has an approach; suggested relaxations suffice."""
 
 from dataclasses import replace
 from functools import cache
@@ -101,7 +101,7 @@ def test_what_binds_is_what_stops_the_line_a_little_nearer(approach: Way, retrea
     assert (near["line"]["leg"], near["line"]["reason"]) == (near["binding"], "collision")
     assert 0 <= near["line"]["fraction"] < 1
     assert "can" in near["line"]["bodies"]
-    assert f"where the {near['binding']} binds" in failure.detail
+    assert f"blocked by the {near['binding']}: " in failure.detail
 
 
 @cache

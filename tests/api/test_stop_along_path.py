@@ -1,4 +1,4 @@
-"""Stops along the path of a running motion: on it, from its state, as quick as may be, proven."""
+"""Stops along the path of a running motion: on it, from its state, quick and certified."""
 
 from itertools import product
 from typing import Any, Literal

@@ -1,4 +1,4 @@
-"""Regions: what is in them, and solutions that are spread over them."""
+"""Region targets: membership of poses, and solutions that are spread over the region."""
 
 from typing import Any
 

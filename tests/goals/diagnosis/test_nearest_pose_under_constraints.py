@@ -1,4 +1,4 @@
-"""What is nearest to a pose that breaks a path constraint keeps it, and what would do does."""
+"""The nearest pose satisfies path constraints; suggested relaxations suffice."""
 
 from dataclasses import replace
 from functools import cache

@@ -1,4 +1,4 @@
-"""A thin set is searched by sampling and by projection in turns, and counts end a turn."""
+"""Sets of measure zero are searched by sampling and by projection in turn, limited by states."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Paths and trajectories of one's own: constraints on them, and how far corners are rounded."""
+"""Given paths and trajectories: constraints on them, and the deviation of rounded corners."""
 
 from functools import cache
 from typing import Any

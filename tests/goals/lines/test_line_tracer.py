@@ -1,4 +1,4 @@
-"""Lines: waypoints on them, a bound that holds between, and a stop that is real."""
+"""Line tracing: waypoints on the line, a bound on the deviation between them, a verified stop."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Balls: poses within a weighted distance of one, by the axes that were asked for."""
+"""Ball targets: poses within a weighted distance of a center pose, in the requested axes."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What is missed by little is said in digits that show; a margin not kept is no collision."""
+"""Small distances are written with enough digits; a violated margin is no collision."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Roadmaps under path constraints: they keep them, and rules that differ never share one."""
+"""Roadmaps under path constraints: they satisfy them; other constraints have other roadmaps."""
 
 from dataclasses import replace
 from functools import cache

@@ -1,4 +1,4 @@
-"""Displacements from the start, in the tool's axes and in those of other frames."""
+"""Relative goals: displacements from the start in the axes of the tool and of other frames."""
 
 import numpy as np
 import pytest
