@@ -11,12 +11,13 @@ from typing import Any, ClassVar, cast, override
 
 import numpy as np
 
-# Numbers, truth values and text of fixed width. Long doubles have padding bytes.
+# Type of row indices.
 _ROWS = np.dtype(np.int32)
+# Numbers, truth values and text of fixed width. Long doubles have padding bytes.
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
 # Scalar types, which most parts of a value have.
 _SCALAR_TYPES = frozenset({str, int, bool, type(None)})
-# Attribute in which a value of a class with `is_fed_once` keeps its bytes.
+# Attribute in which a value of a class with `caches_bytes` keeps its bytes.
 _BYTES_ATTRIBUTE = "_fed_bytes"
 
 
@@ -119,7 +120,7 @@ def digest(content: Any) -> str:
     type and length. Two values of different classes never share a digest.
 
     Raises:
-        TypeError: Something in it is no value.
+        TypeError: A part of it is not a value.
     """
     sha = hashlib.sha256()
     _feed(sha, content)

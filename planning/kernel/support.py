@@ -32,7 +32,7 @@ def farthest_point(shape: ConvexShape, n: Float64[np.ndarray, "3"]) -> Float64[n
         case ShapeKind.HULL:
             return shape.vertices[np.argmax(shape.vertices @ n)]
         case ShapeKind.HALF_SPACE:
-            message = "no point of a half_space lies farthest along a direction"
+            message = "a half_space is unbounded and has no farthest point along a direction"
             raise ModelInvalid(message, {"reason": message})
 
 

@@ -164,7 +164,7 @@ class GoalConfigurations(Value):
     @property
     def entries(self) -> Float64[np.ndarray, "n nq"]:
         """End of the free motion to each row: the beginning of its approach, if it has one."""
-        approaches = [leg.approach for leg in self.moves]
+        approaches = [moves.approach for moves in self.moves]
         if not approaches or approaches[0] is None:
             return self.positions
-        return np.stack([leg.positions[0] for leg in approaches if leg is not None])
+        return np.stack([move.positions[0] for move in approaches if move is not None])

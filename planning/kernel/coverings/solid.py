@@ -27,7 +27,7 @@ class Solid:
             ModelInvalid: A half space is unbounded.
         """
         if shape.kind is ShapeKind.HALF_SPACE:
-            reason = f"a {shape.kind} has no end on one side, so no spheres cover it"
+            reason = f"a {shape.kind} is unbounded, so no finite set of spheres covers it"
             raise ModelInvalid(reason, {"reason": reason})
         return cls(shape)
 

@@ -1,8 +1,8 @@
 """Whole turns of joints: whether a joint's followers are unchanged by them.
 
 Drake counts positions of joints on the real line. In `planning` an unlimited revolute joint is on a
-circle, modulo whole turns. That is valid only if all its followers are where they were
-after a whole turn, and may go there: a follower by half is half a turn off.
+circle, modulo whole turns. That is valid only if a whole turn brings all its followers back to
+where they were, and their limits permit it: a follower with multiplier 1/2 is half a turn off.
 """
 
 from dataclasses import dataclass

@@ -58,8 +58,8 @@ class ToolKinematics:
         """Return the Jacobians' columns by the tangent, followers apart from their leaders.
 
         First come the group's own, as `jacobians` has them without followers, then those of
-        `followers`. Bounds need them: where a follower turns against its
-        leader, their sum does not bound how far each moves the tool.
+        `followers`. Bounds need them: where a follower turns against its leader, their sum does not
+        bound how far each moves the tool.
         """
         if not self.followers[0].size:
             return self.jacobians(qs)

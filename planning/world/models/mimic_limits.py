@@ -37,9 +37,9 @@ def followers_of(
 ) -> tuple[Follower, ...]:
     """Return the joints that follow those of a group, directly or through others.
 
-    Positions and velocities are limited by the card, or else the description. Accelerations
-    and jerks are limited by the card; if it states none for the follower and none for the leader,
-    they are assumed from the follower's velocity as those of any joint are.
+    Positions and velocities are limited by the card, or else the description. Accelerations and
+    jerks are limited by the card; if it states none for the follower and none for the leader, they
+    are assumed from the follower's velocity as those of any joint are.
     """
     cards = {r.scene_robot.name: r.source.card.limits for r in robots if r.source.card}
     found: list[Follower] = []
