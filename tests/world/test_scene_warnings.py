@@ -62,7 +62,7 @@ def test_a_mesh_that_is_inside_out_says_that_it_is_not_sure(
     (warning,) = urdf_world(
         ROBOT.format(LINK.format(MESH.format("m.obj", "1 1 1")))
     ).summary.warnings
-    assert "encloses no sure volume" in warning
+    assert "its volume is not well defined" in warning
 
 
 def test_a_mesh_of_an_object_counts(urdf_world: Callable[..., World], tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_a_link_that_is_only_seen_is_told(urdf_world: Callable[..., World]) -> N
     seen = '<visual><geometry><sphere radius="1"/></geometry></visual>'
     world = urdf_world(ROBOT.format(LINK.format(seen)))
     assert world.summary.warnings == (
-        "r::a is seen but has no collision shape: it collides with nothing",
+        "r::a is visible but has no collision shape: it collides with nothing",
     )
     both = seen + seen.replace("visual", "collision")
     assert urdf_world(ROBOT.format(LINK.format(both))).summary.warnings == ()
