@@ -86,13 +86,13 @@ SCENES = {
     "name of a path": posted({"robots": [{**ARM, "name": "../arm"}]}, "robots.0.name"),
     "name with a scope": posted({"robots": [{**ARM, "name": "a::b"}]}, "robots.0.name"),
     "robot of a path upwards": posted(
-        {"robots": [{**ARM, "model": "../../ur5e"}]}, "no robot description", "asset_not_found"
+        {"robots": [{**ARM, "model": "../../ur5e"}]}, "not a robot description", "asset_not_found"
     ),
     "robot of a NUL": posted(
         {"robots": [{**ARM, "model": "/a\0b.urdf"}]}, "there is no file", "asset_not_found"
     ),
     "robot of a folder": posted(
-        {"robots": [{**ARM, "model": "/"}]}, "no robot description", "asset_not_found"
+        {"robots": [{**ARM, "model": "/"}]}, "not a robot description", "asset_not_found"
     ),
     "mesh of a NUL": posted(
         scene(objects=[{"name": "a", "shape": {"mesh": {"uri": "/a\0.obj"}}}]), "there is no file"
