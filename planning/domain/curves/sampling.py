@@ -143,10 +143,8 @@ def _adjusted_accelerations(
         before, after = times[m] - times[i], times[j] - times[m]
         target_sum = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
         rows = slice(0 if m == 0 else knots.pieces[i], knots.pieces[j] + 1)
-        begins, ends = (
-            second_derivative[rows, 0],
-            evaluate_polynomials(second_derivative[rows], curve.widths[rows]),
-        )
+        begins = second_derivative[rows, 0]
+        ends = evaluate_polynomials(second_derivative[rows], curve.widths[rows])
         # Of the piece before only its end counts, of the piece after only its beginning.
         nearby = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
         accelerations = np.concatenate(nearby)

@@ -139,10 +139,8 @@ class PathConstraints:
         lower, upper = np.array(limits.lower), np.array(limits.upper)
         for constraint in self.constraints:
             if isinstance(constraint, LimitConstraint):
-                lower, upper = (
-                    np.maximum(lower, constraint.lower),
-                    np.minimum(upper, constraint.upper),
-                )
+                lower = np.maximum(lower, constraint.lower)
+                upper = np.minimum(upper, constraint.upper)
         empty = [self.group.position_names[i] for i in np.flatnonzero(lower > upper)]
         if empty:
             message = f"path_constraints leave no position of {empty} within the robot's limits"

@@ -152,11 +152,10 @@ class _Gltf:
         children: dict[int, list[int]] = {}
         for i, node in enumerate(self._elements("nodes")):
             children[i] = self._indices(node.get("children", []), f"nodes.{i}.children")
-            is_repeated = children_seen.intersection(children[i]) or len(set(children[i])) < len(
-                children[i]
-            )
+            is_repeated = len(set(children[i])) < len(children[i])
+            has_other_parent = not children_seen.isdisjoint(children[i])
             children_seen.update(children[i])
-            if is_repeated:
+            if is_repeated or has_other_parent:
                 message = f"nodes.{i}.children: a node has two parents, or is listed twice"
                 raise ValueError(message)
         pending, num_visited = [i for i in children if i not in children_seen], 0

@@ -127,11 +127,8 @@ class ToolKinematics:
     def _plant_jacobians(self, qs: Array) -> Array:
         """Return Drake's Jacobians by all velocities of the plant, shape (n, 6, num_velocities)."""
         plant, context = self._world.drake.plant, self._context
-        frame, world, origin = (
-            self._world.drake.frame(self.frame),
-            plant.world_frame(),
-            np.zeros(3),
-        )
+        frame, world = self._world.drake.frame(self.frame), plant.world_frame()
+        origin = np.zeros(3)
         found = np.empty((len(qs), 6, plant.num_velocities()))
         for i, full in enumerate(self._world.embed(self._group, qs)):
             plant.SetPositions(context, full)

@@ -119,9 +119,9 @@ def validate_supported_elements(file: Path, root: ET.Element) -> None:
                 raise _invalid(file, reason)
     _validate_sphere_radii(file, root)
     for mesh in root.iter("mesh"):
-        for attribute, at_rest in _UNSUPPORTED_MESH_ATTRIBUTES.items():
+        for attribute, default in _UNSUPPORTED_MESH_ATTRIBUTES.items():
             numbers = [_number(file, word) for word in mesh.get(attribute, "").split()]
-            if numbers not in ([], at_rest):
+            if numbers not in ([], default):
                 reason = f"mesh {mesh.get('name') or mesh.get('file')!r} has {attribute!r}, which "
                 raise _invalid(file, reason + "is not read: move the mesh's vertices instead")
 
