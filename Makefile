@@ -18,7 +18,14 @@ WORKERS ?= $(shell expr $$(nproc) + 1)
 # Where shapes and types of every call are checked; `make test` does that at the doors, where it is cheap.
 SHAPES := --jaxtyping-packages=planning,tests.check
 
-.PHONY: demo test costs check format lint imports types drake-only shapes golden campaign sanitize setup lock \
+# The kernel's sources, and a build of it beside that of the package.
+KERNEL := $(wildcard planning/kernel/src/*/*.?pp planning/kernel/src/*/*.inc)
+TIDY := build/tidy
+CONFIGURE = $(VENV)/bin/cmake -S . -G Ninja -DSKBUILD_DATA_DIR=data \
+  -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
+  -Dnanobind_DIR="$$($(PYTHON) -m nanobind --cmake_dir)"
+
+.PHONY: demo test costs check format lint imports types tidy drake-only shapes golden campaign sanitize setup lock \
         bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
         chaos pictures serve clean
 
@@ -88,19 +95,18 @@ drake-only: setup
 # The kernel's own tests with addresses and undefined behaviour checked; needs gcc or clang.
 sanitize: setup
 	@SANITIZED=$$(mktemp -d) && trap 'rm -rf "$$SANITIZED"' EXIT && \
-	$(VENV)/bin/cmake -S . -B "$$SANITIZED" -G Ninja -DWAYPROOF_SANITIZE=ON -DSKBUILD_DATA_DIR=data \
-	  -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
-	  -Dnanobind_DIR="$$($(PYTHON) -m nanobind --cmake_dir)" > "$$SANITIZED/log" && \
+	$(CONFIGURE) -B "$$SANITIZED" -DWAYPROOF_SANITIZE=ON > "$$SANITIZED/log" && \
 	$(VENV)/bin/cmake --build "$$SANITIZED" >> "$$SANITIZED/log" || { cat "$$SANITIZED/log"; exit 1; } && \
 	LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0 WAYPROOF_NATIVE="$$SANITIZED" \
 	$(PYTHON) -m pytest -p no:cacheprovider tests/kernel \
 	  tests/certify/clearance/test_native_clearance.py tests/refine/constraints/test_distance_query.py tests/refine/model/test_penalty_qp.py
 
-check: format lint imports types
+check: format lint imports types tidy
 
 format: setup
 	@$(VENV)/bin/ruff format --check .
+	@$(VENV)/bin/clang-format --dry-run --Werror $(KERNEL)
 
 lint: setup
 	@$(VENV)/bin/ruff check .
@@ -111,6 +117,16 @@ imports: setup
 
 types: setup
 	@$(VENV)/bin/basedpyright
+
+# Faults that clang-tidy finds in the kernel, by the compiler's own flags; half a minute on two cores.
+tidy: $(TIDY)/compile_commands.json
+	@if [ -s $< ]; then printf '%s\n' $(filter %.cpp,$(KERNEL)) | xargs -P $$(nproc) -n 1 \
+	  $(VENV)/bin/clang-tidy -p $(TIDY) --quiet; else echo "no C++20 compiler: the kernel is not looked at"; fi
+
+# Empty without a compiler.
+$(TIDY)/compile_commands.json: CMakeLists.txt $(KERNEL) $(STAMP)
+	@mkdir -p $(TIDY) && $(CONFIGURE) -B $(TIDY) -DCMAKE_EXPORT_COMPILE_COMMANDS=ON > $(TIDY)/log 2>&1 || \
+	  { cat $(TIDY)/log; exit 1; }; touch $@
 
 bench: setup
 	@$(PYTHON) benchmarks/pipeline.py

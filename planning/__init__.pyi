@@ -142,4 +142,5 @@ from .world.models.model_library import (
 from .world.models.model_list import describe_model as describe_model
 from .world.models.model_list import list_models as list_models
 from .world.replay.replay_writer import replay_html as replay_html
+from .world.scene_summary import scene_summary as scene_summary
 from .world.world import World as World

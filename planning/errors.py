@@ -139,9 +139,9 @@ class PlanningFailure(WayproofError):
 
     def saying[F: "PlanningFailure"](self: F, detail: str, more: Evidence) -> F:  # noqa: PYI019
         """Return the failure with another detail and more evidence, of the same stage."""
-        copy = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
-        copy.timings = self.timings
-        return copy
+        failure = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
+        failure.timings = self.timings
+        return failure
 
 
 class StartInCollision(PlanningFailure):

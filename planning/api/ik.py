@@ -16,6 +16,7 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.goals.find_goals import GoalQuery, find_goals
 from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
+from planning.goals.start_validation import resolve_start
 from planning.pipeline.constrained_search import filter_goals
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.loading.positions import validate_positions
@@ -61,8 +62,7 @@ def solve_ik(  # noqa: PLR0913  (a question in full)
         ProblemInvalid: The start does not fit the group, or an option makes no sense.
     """
     joints = world.group(group)
-    given = world.positions(joints) if start is None else start
-    q = validate_positions(joints, given, "start")
+    q = resolve_start(world, joints, start)
     ik_options = options or IkOptions()
     path_constraints = (
         PathConstraints.compiled(world, joints, constraints, q) if constraints else None
@@ -100,8 +100,7 @@ def assess_configurations(
         ProblemInvalid: A row or the start does not fit the group, or a weight is negative.
     """
     joints = world.group(group)
-    given = world.positions(joints) if start is None else start
-    origin = validate_positions(joints, given, "start")
+    origin = resolve_start(world, joints, start)
     tool = frame or joints.tool_frames[0]
     world.validate_frame(tool)
     metric = JointMetric.from_names(joints, joint_weights or {})

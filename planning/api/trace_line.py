@@ -10,8 +10,8 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import ProblemInvalid
 from planning.goals.lines.line_stop import make_line_trace
 from planning.goals.lines.line_tracer import LineTracer, TraceResolution
+from planning.goals.start_validation import resolve_start
 from planning.goals.targets.tool_target import line_end
-from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 __all__ = ["TraceResolution", "trace_line"]
@@ -53,8 +53,7 @@ def trace_line(  # noqa: PLR0913  (a question in full)
         Canceled: The end was asked for.
     """
     joints = world.group(group)
-    given = world.positions(joints) if start is None else start
-    q = validate_positions(joints, given, "start")
+    q = resolve_start(world, joints, start)
     resolution = fineness or TraceResolution()
     if not min(resolution.max_shift, resolution.max_turn, resolution.max_step) > 0:
         message = "max_shift, max_turn and max_step of a line must be positive"

@@ -12,12 +12,22 @@ from planning.domain.robot.manifold import Manifold
 from planning.errors import StartInCollision, StartOutOfLimits, StartTooNear
 from planning.goals.diagnosis.distance_text import millimetres
 from planning.world.collision.margins import PairMargins
+from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 # Limit violations up to this are rounding errors: they are clipped and reported [rad or m].
 ROUNDING = 1e-6
 # Distances below this are 0 up to rounding [m].
 _CONTACT_TOLERANCE = 1e-9
+
+
+def resolve_start(world: World, group: JointGroup, start: Any) -> Array:
+    """Return the requested start, or without one the scene's positions, shape (nq,), read-only.
+
+    Raises:
+        ProblemInvalid: The count is wrong, a number is not finite, or a quaternion is zero.
+    """
+    return validate_positions(group, world.positions(group) if start is None else start, "start")
 
 
 def validate_start(

@@ -20,7 +20,13 @@ def native() -> ModuleType | None:
         return None
 
 
+def verdict_numbers(module: ModuleType) -> tuple[int, int, int]:
+    """Return the numbers of free, colliding and unsure in the kernel's arrays of verdicts."""
+    kinds = module.Verdict
+    return kinds.FREE.value, kinds.COLLIDING.value, kinds.UNSURE.value
+
+
 def kernel_name() -> str:
     """Return the instruction set that the kernel runs on, or "none"."""
     module = native()
-    return module.lane_kernels()[0] if module else "none"
+    return module.batch_kernels()[0] if module else "none"

@@ -11,7 +11,7 @@ from planning.domain.value import Value
 
 
 class ShapeKind(StrEnum):
-    """Kinds of shapes that the kernel represents exactly."""
+    """Kinds of shapes that the kernel has exactly: the members of its ShapeKind (kinds.hpp)."""
 
     BOX = "box"
     SPHERE = "sphere"
@@ -54,5 +54,5 @@ class ConvexShape(Value):
                 return np.zeros(3), float(size[0] + size[1])
             case ShapeKind.ELLIPSOID:
                 return np.zeros(3), float(size.max())
-            case _:
+            case ShapeKind.BOX | ShapeKind.SPHERE | ShapeKind.CYLINDER:
                 return np.zeros(3), math.hypot(*size.tolist())

@@ -11,7 +11,7 @@ from jaxtyping import Float64
 from planning.domain.arrays import Array
 from planning.kernel.gjk import GjkResult, separation
 from planning.kernel.shape import ConvexShape, ShapeKind
-from planning.kernel.support import farthest_point
+from planning.kernel.support import farthest_point, no_farthest_point
 
 
 def distance_bounds(
@@ -69,7 +69,13 @@ def slab_width(
 
 def _core_radius(shape: ConvexShape) -> float:
     """Return the radius of the ball around each point of the core [m]."""
-    return float(shape.size[0]) if shape.kind in {ShapeKind.SPHERE, ShapeKind.CAPSULE} else 0.0
+    match shape.kind:
+        case ShapeKind.SPHERE | ShapeKind.CAPSULE:
+            return float(shape.size[0])
+        case ShapeKind.BOX | ShapeKind.CYLINDER | ShapeKind.ELLIPSOID | ShapeKind.HULL:
+            return 0.0
+        case ShapeKind.HALF_SPACE:
+            raise no_farthest_point()
 
 
 def _core_support(shape: ConvexShape, n: Array) -> Array:
@@ -78,5 +84,7 @@ def _core_support(shape: ConvexShape, n: Array) -> Array:
             return np.zeros(3)
         case ShapeKind.CAPSULE:
             return np.array([0.0, 0.0, np.copysign(shape.size[1], n[2])])
-        case _:
+        case ShapeKind.BOX | ShapeKind.CYLINDER | ShapeKind.ELLIPSOID | ShapeKind.HULL:
             return farthest_point(shape, n)
+        case ShapeKind.HALF_SPACE:
+            raise no_farthest_point()

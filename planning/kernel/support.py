@@ -32,8 +32,13 @@ def farthest_point(shape: ConvexShape, n: Float64[np.ndarray, "3"]) -> Float64[n
         case ShapeKind.HULL:
             return shape.vertices[np.argmax(shape.vertices @ n)]
         case ShapeKind.HALF_SPACE:
-            message = "a half_space is unbounded and has no farthest point along a direction"
-            raise ModelInvalid(message, {"reason": message})
+            raise no_farthest_point()
+
+
+def no_farthest_point() -> ModelInvalid:
+    """Return the error of a half space where a bounded shape is needed."""
+    message = "a half_space is unbounded and has no farthest point along a direction"
+    return ModelInvalid(message, {"reason": message})
 
 
 def _unit(vector: Array) -> Array:

@@ -18,7 +18,7 @@ from planning.errors import ProblemInvalid
 from planning.goals import find_goals as goals_stage
 from planning.goals.goal_query import GoalQuery
 from planning.goals.lines.line_goal import follow_lines
-from planning.goals.start_validation import validate_start
+from planning.goals.start_validation import resolve_start, validate_start
 from planning.pipeline.constrained_search import compile_constraints, filter_goals
 from planning.pipeline.context import PlanContext
 from planning.pipeline.gcs_planner import validate_regions
@@ -31,7 +31,6 @@ from planning.roadmaps.roadmap_cache import RoadmapStore
 from planning.roadmaps.roadmap_context import RoadmapContext
 from planning.search.space_options import resolve_space
 from planning.world.collision.margins import PairMargins
-from planning.world.loading.positions import validate_positions
 from planning.world.world import Array, World
 
 # Share of the time that building a roadmap may take.
@@ -79,8 +78,7 @@ def resolve(
         InputError: It names what does not exist, or its numbers do not fit.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
-    requested_start = world.positions(group) if problem.start is None else problem.start
-    requested_start = validate_positions(group, requested_start, "start")
+    requested_start = resolve_start(world, group, problem.start)
     margins = world.margins(problem.margin)
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"

@@ -7,13 +7,13 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import DeadlineExceeded, ProblemInvalid
+from planning.goals.start_validation import resolve_start
 from planning.roadmaps.roadmap_cache import RoadmapStore
 from planning.roadmaps.roadmap_context import RoadmapContext
 from planning.search.roadmap.build import grow_roadmap
 from planning.search.space_options import resolve_space
 from planning.world.constraints.constraints_fingerprint import predicate_error
 from planning.world.constraints.path_constraints import PathConstraints
-from planning.world.loading.positions import validate_positions
 from planning.world.world import World
 
 
@@ -36,8 +36,7 @@ def build_roadmap(problem: PlanningProblem, world: World, *, deadline: Deadline)
         Canceled: Cancellation was requested.
     """
     group = resolve_space(world.group(problem.group), problem.search.spaces)
-    given = world.positions(group) if problem.start is None else problem.start
-    start = validate_positions(group, given, "start")
+    start = resolve_start(world, group, problem.start)
     constraints = problem.constraints
     path_constraints = (
         PathConstraints.compiled(world, group, constraints, start) if constraints else None

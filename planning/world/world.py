@@ -3,11 +3,10 @@
 from copy import copy
 from functools import cached_property
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.planning import RobotDiagram, SceneGraphCollisionChecker
+from pydrake.planning import SceneGraphCollisionChecker
 
 from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
@@ -15,26 +14,21 @@ from planning.domain.geometry.pose import Pose
 from planning.domain.robot.followers import Follower, combine_limits
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.scene.scene import Scene
-from planning.domain.scene.summary import GroupSummary, SceneSummary
 from planning.errors import UnknownName
 from planning.world.collision.collision_check import (
     DistanceProbe,
     DrakeCollisionOracle,
     make_collision_checker,
 )
-from planning.world.collision.collision_pairs import candidates_of
 from planning.world.collision.margins import PairMargins
 from planning.world.collision.near_static import NearStatic
-from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
-from planning.world.files.hull_warnings import hull_warnings
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.loading.builder import pose_of
 from planning.world.loading.initial_state import initial_state, named_configurations
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.loading.start_warnings import start_warnings
 from planning.world.models.groups import RobotGroups, group_limits, robot_groups
 from planning.world.models.mimic_limits import followers_of
 from planning.world.models.model_library import ModelLibrary
@@ -262,54 +256,9 @@ class World:
         return probe.violations(self.embed(group, q))
 
     @property
-    def summary(self) -> SceneSummary:
-        """Summary of the scene's groups, frames and bodies."""
-        groups = {
-            group.name: GroupSummary(
-                group,
-                self.limits(group),
-                {name: tuple(map(float, q)) for name, q in self.configurations(group).items()},
-                tuple(map(float, self.positions(group))),
-            )
-            for group in self.groups
-        }
-        frames, bodies = _sorted_names(self.drake)
-        return SceneSummary(
-            groups=groups,
-            frames=frames,
-            bodies=bodies,
-            num_pairs=len(candidates_of(self.drake).rows),
-            digest=self.digest,
-            unchecked=unchecked_pairs(self.drake),
-            warnings=(
-                *self.drake.warnings,
-                *(text for own in self._robot_groups for text in own.warnings),
-                *start_warnings(self),
-                *hull_warnings(self.drake),
-            ),
-            assumed=tuple(
-                f"{own.robot}::{joint}" for own in self._robot_groups for joint in own.assumed
-            ),
-        )
-
-    @property
     def robot_groups(self) -> list[RobotGroups]:
         """Groups of each robot, in order."""
         return self._robot_groups
-
-
-_sorted_names_cache: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tuple[str, ...]]] = (
-    WeakKeyDictionary()
-)
-
-
-def _sorted_names(model: DrakeModel) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the names of all frames and bodies; models that share an engine share them."""
-    found = _sorted_names_cache.get(model.diagram)
-    if found is None:
-        found = tuple(sorted(model.all_frames)), tuple(sorted(model.all_bodies))
-        _sorted_names_cache[model.diagram] = found
-    return found
 
 
 def _joint_key(group: JointGroup) -> tuple[str, ...]:

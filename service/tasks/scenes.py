@@ -6,7 +6,15 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
-from planning import ModelLibrary, Scene, World, edit_scene, load_world, scene_document
+from planning import (
+    ModelLibrary,
+    Scene,
+    World,
+    edit_scene,
+    load_world,
+    scene_document,
+    scene_summary,
+)
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_file import with_line
 from planning.world.files.trial_load import trial_load
@@ -90,7 +98,7 @@ def _before(payload: dict[str, Any], library: ModelLibrary) -> tuple[Scene, Scen
 def _loaded(world: World, library: ModelLibrary, text: SceneText) -> dict[str, Any]:
     keep(world, library)
     keep_text(world.digest, text)
-    summary = world.summary
+    summary = scene_summary(world)
     wire = scene_wire(summary, aliases_of(world)) | {"files": files_wire(world.scene)}
     told = {"name": world.scene.name, "digest": world.digest, "summary": wire}
     return {**told, "unchecked": unchecked_text(summary.unchecked), "document": text.whole}

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 import planning
+from planning import scene_summary
 from planning.errors import WayproofError
 from tests.adversary import meshes
 from tests.adversary.cases import PATIENCE, Document, Outcome
@@ -212,7 +213,7 @@ def _world(case: Document, file: Path) -> Any:
 
 def _judge(case: Document, folder: Path, world: Any, outcome: Outcome) -> None:
     if case.get("warned"):
-        if not world.summary.warnings:
+        if not scene_summary(world).warnings:
             outcome.blame(case["attack"], "no warning of the hull", 8)
         return
     if "twin" in case:

@@ -9,6 +9,7 @@ from collections.abc import Set as AbstractSet
 
 import numpy as np
 
+import planning
 from tests.adversary.cases import Claim, Document, Setting
 from tests.adversary.distances import Near, nearest
 from tests.adversary.kinematics import FileJoint
@@ -29,14 +30,9 @@ def adjacent(stage: Stage) -> set[Pair]:
 
 
 def declared(setting: Setting, stage: Stage) -> set[Pair]:
-    """Return the pairs that move and that the product says it does not look at.
-
-    Where it says nothing of such pairs they are those that a joint joins.
-    """
-    summary = setting.world.summary
-    if not hasattr(summary, "unchecked"):
-        return adjacent(stage)
-    pairs = {frozenset(entry.bodies) for entry in summary.unchecked}
+    """Return the pairs that move and that the product says it does not look at."""
+    unchecked = planning.scene_summary(setting.world).unchecked
+    pairs = {frozenset(entry.bodies) for entry in unchecked}
     return {pair for pair in pairs if pair <= set(stage.bodies) and not stage.is_rigid(pair)}
 
 

@@ -90,7 +90,7 @@ def test_the_kernels_bounds_hold_on_every_segment(seed: int, is_carried: bool) -
     heights, rng = Heights(robot), np.random.default_rng(seed + 2)
     order = {pair: row for row, pair in enumerate(scene.pairs)}
     rows = [order.get(pair, order.get(pair[::-1])) for pair in heights.pairs]
-    demands = scene.thresholds(NO_MARGIN)
+    demands = scene.pair_margins(NO_MARGIN)
     proof = prover(scene, robot.model, robot.request(motion, NO_MARGIN), demands)
     for depth in range(5):
         begin, end, time, found = proof.bounds(rng.integers(2, size=depth).tolist())

@@ -41,7 +41,7 @@ def test_the_page_shows_every_file() -> None:
 
 def test_the_robot_loads_with_its_card_and_nothing_is_odd(folder: Path) -> None:
     world = loaded(folder, "robot.yaml")
-    assert world.summary.warnings == world.summary.assumed == ()
+    assert planning.scene_summary(world).warnings == planning.scene_summary(world).assumed == ()
     arm = world.group("r")
     assert arm.tool_frames == ("r::tcp", "r::hand")
     assert set(world.configurations(arm)) == {"home", "folded"}
@@ -68,14 +68,14 @@ def test_its_goal_needs_the_tolerance_that_the_page_gives(folder: Path) -> None:
 
 def test_the_srdf_says_the_same_without_a_card(folder: Path) -> None:
     world = loaded(folder, "reacher.srdf")
-    assert world.summary.warnings == ()
+    assert planning.scene_summary(world).warnings == ()
     arm, fingers = world.group("r"), world.group("r::fingers")
     assert arm.name == world.group("r::arm").name
     assert arm.tool_frames == ("r::hand", "r::tcp")
     np.testing.assert_array_equal(world.positions(arm), [0, 0, 1.2, 0.8, 0])
     np.testing.assert_array_equal(world.configuration(fingers, "open"), [0.03])
     assert world.group("r::all").num_positions == 6
-    assert len(world.summary.assumed) == 6
+    assert len(planning.scene_summary(world).assumed) == 6
 
 
 def test_a_xacro_file_is_refused_with_the_command(folder: Path) -> None:

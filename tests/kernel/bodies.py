@@ -43,7 +43,9 @@ def inside(shape: ConvexShape, rng: np.random.Generator, count: int) -> np.ndarr
             return ball * a + cube * [0, 0, b]
         case Kind.ELLIPSOID:
             return ball * shape.size
-        case _:
+        case Kind.HALF_SPACE:
+            return cube - [0, 0, 1]
+        case Kind.HULL:
             # Few corners weigh much in most points, all of them in some.
             sharp = rng.dirichlet(np.full(len(shape.vertices), 0.05), count)
             return np.concatenate([sharp @ shape.vertices, shape.vertices])
@@ -71,7 +73,9 @@ def on_surface(shape: ConvexShape, rng: np.random.Generator, count: int) -> np.n
             return np.concatenate([n * a + np.sign(n) * [0, 0, b], wall])
         case Kind.ELLIPSOID:
             return _directions(rng, count) * shape.size
-        case _:
+        case Kind.HALF_SPACE:
+            return rng.uniform(-1, 1, (count, 3)) * [1, 1, 0]
+        case Kind.HULL:
             return _on_hull(shape, rng, count)
 
 
@@ -101,7 +105,9 @@ def depth(shape: ConvexShape, points: np.ndarray) -> np.ndarray:
             return np.array([np.linalg.norm(n - p, axis=1).min() for p in points])
         case Kind.HULL:
             return (shape.planes[:, 3] - points @ shape.planes[:, :3].T).min(axis=1)
-        case _:
+        case Kind.HALF_SPACE:
+            return -points[:, 2]
+        case Kind.CAPSULE | Kind.SPHERE:
             return a - _from_axis(points, b)
 
 
@@ -118,7 +124,9 @@ def distance(shape: ConvexShape, points: np.ndarray) -> np.ndarray:
             return _below(points, _directions(np.random.default_rng(7), 4000), shape)
         case Kind.HULL:
             return _below(points, _directions(np.random.default_rng(8), 4000), shape)
-        case _:
+        case Kind.HALF_SPACE:
+            return np.maximum(points[:, 2], 0)
+        case Kind.CAPSULE | Kind.SPHERE:
             return np.maximum(_from_axis(points, b) - a, 0)
 
 

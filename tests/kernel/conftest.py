@@ -23,14 +23,14 @@ def _only_with_kernel() -> None:
 
 
 @dataclass(frozen=True)
-class Judged:
+class ComparedRobot:
     """A robot in both."""
 
     robot: Robot
     scene: KernelScene
 
     @classmethod
-    def of(cls, robot: Robot) -> "Judged":
+    def of(cls, robot: Robot) -> "ComparedRobot":
         scene = kernel_scene(robot.model)
         assert scene is not None
         return cls(robot, scene)

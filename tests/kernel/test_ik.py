@@ -22,15 +22,17 @@ pytestmark = pytest.mark.skipif(native() is None, reason="the native kernel is n
 EXACT = np.zeros(3)
 
 
-def lane_kernels() -> list[str]:
+def batch_kernels() -> list[str]:
     module: Any = native()
-    return module.lane_kernels() if module else []
+    return module.batch_kernels() if module else []
 
 
 def tolerance(target: ToolTarget) -> Any:
     module: Any = native()
     rest = target.rotation_freedom
-    return module.IkTolerance(target.position_tolerance, rest.kind, rest.axis, rest.bound)
+    return module.IkTolerance(
+        target.position_tolerance, module.Freedom[rest.kind.name], rest.axis, rest.bound
+    )
 
 
 def flat(poses: np.ndarray) -> np.ndarray:
@@ -84,7 +86,7 @@ def test_reachable_poses_are_reached_within_64_seeds(scene: str) -> None:
 @pytest.mark.parametrize("scene", ["panda_shelf", "ur5e_pickup"])
 def test_every_instruction_set_gives_the_same_bits(scene: str) -> None:
     _, targets, solve = arm(scene, 10)
-    answers = [solve(30, tolerance(exact(targets[0])), name) for name in lane_kernels()]
+    answers = [solve(30, tolerance(exact(targets[0])), name) for name in batch_kernels()]
     for answer in answers[1:]:
         for one, other in zip(answers[0], answer, strict=True):
             np.testing.assert_array_equal(one, other)

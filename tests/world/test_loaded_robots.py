@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import planning
-from planning import scene_document
+from planning import scene_document, scene_summary
 from planning.domain.scene.scene import NamedConfiguration
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_file import parse_scene
@@ -52,7 +52,7 @@ def test_a_robot_that_starts_in_itself_is_told_with_an_edit_to_paste(
     urdf_world: Callable[..., World],
 ) -> None:
     world = urdf_world(CHAIN)
-    *told, offer = world.summary.warnings
+    *told, offer = scene_summary(world).warnings
     found = [re.search(r"(r::\w) and (r::\w) overlap by (\S+) m: no motion", t) for t in told]
     depths = {(hit[1], hit[2]): float(hit[3]) for hit in found if hit}
     assert depths == {("r::a", "r::c"): 0.18, ("r::a", "r::e"): 0.2, ("r::c", "r::e"): 0.18}
@@ -61,11 +61,11 @@ def test_a_robot_that_starts_in_itself_is_told_with_an_edit_to_paste(
     assert edit == {"operations": [{"op": "allow", "pair": ["r::a", "r::c"]}]}
     pairs = [operation["pair"] for operation in edit["operations"]]
     mended = urdf_world(CHAIN, allowed_collisions=pairs)
-    assert not [text for text in mended.summary.warnings if "r::a and r::c" in text]
+    assert not [text for text in scene_summary(mended).warnings if "r::a and r::c" in text]
     elsewhere = planning.edit_scene(
         mended.scene, [planning.SetPositions("r", (0.0, 0.0, 1.0, 1.0))]
     )
-    assert planning.load_world(elsewhere).summary.warnings == ()
+    assert scene_summary(planning.load_world(elsewhere)).warnings == ()
 
 
 def test_a_configuration_in_which_links_overlap_is_told(urdf_world: Callable[..., World]) -> None:
@@ -74,7 +74,7 @@ def test_a_configuration_in_which_links_overlap_is_told(urdf_world: Callable[...
     pair = [["r::a", "r::c"]]
     world = urdf_world(CHAIN, allowed_collisions=pair, configurations={**folded, **free})
     moved = planning.edit_scene(world.scene, [planning.SetPositions("r", "open")])
-    (warning,) = planning.load_world(moved).summary.warnings
+    (warning,) = scene_summary(planning.load_world(moved)).warnings
     assert warning == (
         "configuration 'folded' of r is in collision with itself: r::a and r::e overlap by 0.2 m"
     )
@@ -85,14 +85,14 @@ def test_what_starts_nearer_to_a_thing_than_its_margin_is_told(
 ) -> None:
     one = f'<robot name="m"><link name="a"/>{ball("b", 0.1)}{hinge("j", "a", "b", 0.0)}</robot>'
     near = {"name": "o", "shape": {"sphere": 0.1}, "pose": {"position": [0.21, 0, 0]}}
-    assert urdf_world(one, objects=[near]).summary.warnings == ()
-    (margin,) = urdf_world(one, objects=[near], margin=0.02).summary.warnings
+    assert scene_summary(urdf_world(one, objects=[near])).warnings == ()
+    (margin,) = scene_summary(urdf_world(one, objects=[near], margin=0.02)).warnings
     assert "o and r::b are 0.01 m apart, less than their margin of 0.02 m" in margin
     flush = {**near, "pose": {"position": [0.2, 0, 0]}}
-    (touch,) = urdf_world(one, objects=[flush], margin=1e-6).summary.warnings
+    (touch,) = scene_summary(urdf_world(one, objects=[flush], margin=1e-6)).warnings
     assert "o and r::b touch: no motion can start from there" in touch
     into = {**near, "pose": {"position": [0.15, 0, 0]}}
-    (overlap,) = urdf_world(one, objects=[into]).summary.warnings  # and no edit is offered
+    (overlap,) = scene_summary(urdf_world(one, objects=[into])).warnings  # and no edit is offered
     assert "o and r::b overlap by 0.05 m" in overlap
 
 
@@ -100,7 +100,7 @@ def test_many_overlaps_are_counted(urdf_world: Callable[..., World]) -> None:
     links = "".join(ball(f"l{i}", 0.1) + f'<link name="k{i}"/>' for i in range(7))
     joints = "".join(hinge(f"a{i}", "k0", f"k{i}", 0.0) for i in range(1, 7))
     joints += "".join(hinge(f"b{i}", f"k{i}", f"l{i}", 0.0) for i in range(7))
-    warnings = urdf_world(f'<robot name="m">{links}{joints}</robot>').summary.warnings
+    warnings = scene_summary(urdf_world(f'<robot name="m">{links}{joints}</robot>')).warnings
     assert len(warnings) == 12
     assert "11 more pairs" in warnings[10]
     assert len(json.loads(warnings[11][warnings[11].index("{") :])["operations"]) == 21
@@ -125,11 +125,11 @@ def test_of_many_robots_overlaps_are_told_and_like_configurations_once(
     scene = replace(
         one, robots=tuple(arms), allowed_collisions=pairs, configurations=named, files={}
     )
-    told = planning.load_world(scene).summary.warnings
+    told = scene_summary(planning.load_world(scene)).warnings
     assert all(text.startswith("at the scene's positions r0::") for text in told)
     assert "r0::a and r0::e overlap by 0.2 m" in told[0]
     apart = tuple(replace(arm, positions="open") for arm in arms)
-    (folded,) = planning.load_world(replace(scene, robots=apart)).summary.warnings
+    (folded,) = scene_summary(planning.load_world(replace(scene, robots=apart))).warnings
     assert folded.startswith("configuration 'folded' of r0 is in collision with itself")
 
 
@@ -149,15 +149,13 @@ def test_joints_without_an_end_are_told(
     world = urdf_world(text + hinge("j", "a", "b", 0.0, limit) + "</robot>")
     limits = world.limits(world.group("r"))
     assert np.isfinite([limits.lower[0], limits.upper[0]]).all() is np.bool_(not is_told)
-    told = (
-        "r::j has no `limit` with `lower` and `upper` and is treated as unlimited: add the limits"
-    )
+    told = "r::j has no `limit` with `lower` and `upper` and is treated as unlimited: add the limits"
     told += ", or make it `continuous`"
-    assert list(world.summary.warnings) == ([told] if is_told else [])
+    assert list(scene_summary(world).warnings) == ([told] if is_told else [])
     endless = (text + hinge("j", "a", "b", 0.0, limit) + "</robot>").replace(
         "revolute", "continuous"
     )
-    assert urdf_world(endless).summary.warnings == ()
+    assert scene_summary(urdf_world(endless)).warnings == ()
 
 
 SDF = """<sdf version="1.9"><model name="m">{}<link name="base"/><link name="a"/>
@@ -190,16 +188,16 @@ def test_a_base_that_floats_is_told_and_welded_on_request(
 ) -> None:
     world = load(name, text)
     assert world.group("r").num_positions == 8
-    (warning,) = world.summary.warnings
+    (warning,) = scene_summary(world).warnings
     assert warning.startswith("r: its base link 'base' has no parent joint")
     assert "`weld: true` of robot 'r'" in warning
     welded = load(name, text, weld=True, base=PLACE)
     assert welded.group("r").num_positions == 1
-    assert welded.summary.warnings == ()
+    assert scene_summary(welded).warnings == ()
     np.testing.assert_allclose(welded.frame_pose("r::base", welded.state).position, [1, 2, 3])
     floating = load(name, text, weld=False, base=PLACE)
     assert floating.group("r").num_positions == 8
-    assert floating.summary.warnings == ()
+    assert scene_summary(floating).warnings == ()
     np.testing.assert_allclose(floating.frame_pose("r::base", floating.state).position, [1, 2, 3])
     with pytest.raises(SceneInvalid, match=r"robots.0.base: .* set `weld: true`"):
         load(name, text, base=PLACE)
@@ -222,7 +220,7 @@ def test_what_the_description_settles_is_refused(load: Callable[..., World]) -> 
         with pytest.raises(SceneInvalid, match=f"robots.0.{next(iter(wish))}: .*already fixes it"):
             load("m.xml", fixed, **wish)
     two = SDF.format('<link name="other"/>')
-    assert len(load("m.sdf", two).summary.warnings) == 2
+    assert len(scene_summary(load("m.sdf", two)).warnings) == 2
     with pytest.raises(SceneInvalid, match=r"robots.0.weld: .*2 root links"):
         load("m.sdf", two, weld=True)
 

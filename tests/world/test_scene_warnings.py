@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 import planning
+from planning import scene_summary
 from planning.world.models.model_warnings import parser_warnings
 from planning.world.world import World
 
@@ -40,7 +41,7 @@ def test_a_concave_mesh_says_how_much_larger_its_hull_is(
     el(1.0).export(tmp_path / name)
     world = urdf_world(ROBOT.format(LINK.format(MESH.format(name, scale))))
     # Volume 3, hull 3.5.
-    assert world.summary.warnings == (
+    assert scene_summary(world).warnings == (
         f"r::a: its mesh '{name}' is checked as its convex hull, which is 17% larger",
     )
 
@@ -50,7 +51,7 @@ def test_a_convex_mesh_is_nothing_to_warn_of(
 ) -> None:
     trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.stl")
     world = urdf_world(ROBOT.format(LINK.format(MESH.format("box.stl", "1 1 1"))))
-    assert world.summary.warnings == ()
+    assert scene_summary(world).warnings == ()
 
 
 def test_a_mesh_that_is_inside_out_says_that_it_is_not_sure(
@@ -59,9 +60,8 @@ def test_a_mesh_that_is_inside_out_says_that_it_is_not_sure(
     box = trimesh.creation.box((1, 2, 3))
     inside_out = trimesh.Trimesh(box.vertices, box.faces[:, ::-1], process=False)
     inside_out.export(tmp_path / "m.obj")
-    (warning,) = urdf_world(
-        ROBOT.format(LINK.format(MESH.format("m.obj", "1 1 1")))
-    ).summary.warnings
+    world = urdf_world(ROBOT.format(LINK.format(MESH.format("m.obj", "1 1 1"))))
+    (warning,) = scene_summary(world).warnings
     assert "its volume is not well defined" in warning
 
 
@@ -69,7 +69,7 @@ def test_a_mesh_of_an_object_counts(urdf_world: Callable[..., World], tmp_path: 
     el(1.0).export(tmp_path / "el.obj")
     thing = {"name": "o", "shape": {"mesh": {"uri": str(tmp_path / "el.obj")}}}
     world = urdf_world(ROBOT.format(LINK.format("")), objects=[thing])
-    assert world.summary.warnings == (
+    assert scene_summary(world).warnings == (
         "o: its mesh 'el.obj' is checked as its convex hull, which is 17% larger",
     )
 
@@ -77,11 +77,11 @@ def test_a_mesh_of_an_object_counts(urdf_world: Callable[..., World], tmp_path: 
 def test_a_link_that_is_only_seen_is_told(urdf_world: Callable[..., World]) -> None:
     seen = '<visual><geometry><sphere radius="1"/></geometry></visual>'
     world = urdf_world(ROBOT.format(LINK.format(seen)))
-    assert world.summary.warnings == (
+    assert scene_summary(world).warnings == (
         "r::a is visible but has no collision shape: it collides with nothing",
     )
     both = seen + seen.replace("visual", "collision")
-    assert urdf_world(ROBOT.format(LINK.format(both))).summary.warnings == ()
+    assert scene_summary(urdf_world(ROBOT.format(LINK.format(both)))).warnings == ()
 
 
 def test_what_the_parser_leaves_out_is_told(tmp_path: Path) -> None:
@@ -93,7 +93,7 @@ def test_what_the_parser_leaves_out_is_told(tmp_path: Path) -> None:
     )
     robot = {"name": "r", "model": str(tmp_path / "m.sdf")}
     world = planning.load_world(planning.parse_scene({"name": "t", "robots": [robot]}))
-    (warning,) = world.summary.warnings
+    (warning,) = scene_summary(world).warnings
     assert warning.startswith("r: line 3: ")
     assert "axis2" in warning
 

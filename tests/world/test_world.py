@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning import scene_summary
 from planning.errors import AssetNotFound, ModelInvalid, SceneInvalid, UnknownName, WayproofError
 from planning.world.models.model_library import ModelLibrary
 from planning.world.world import World
@@ -199,7 +200,7 @@ def test_unstated_rates_are_assumed_and_said_to_be(tmp_path: Path) -> None:
     limits = world.limits(world.group("a"))
     assert limits.velocity == pytest.approx([1.0])
     assert limits.acceleration == pytest.approx([2.0])
-    assert world.summary.assumed == ("a::j",)
+    assert scene_summary(world).assumed == ("a::j",)
 
 
 def test_paths_can_be_forbidden() -> None:
@@ -224,7 +225,7 @@ def test_robots_of_other_makers_load_with_their_meshes(name: str) -> None:
     world = load(f"robots: [{{name: other, model: {_example_models()[name]}}}]")
     group = world.group("other")
     assert group.num_positions >= 5
-    assert world.summary.num_pairs > 0
+    assert scene_summary(world).num_pairs > 0
     assert world.frame_pose(group.tool_frames[0], world.state).position.shape == (3,)
 
 
@@ -277,8 +278,8 @@ def test_robots_that_cannot_move_are_what_others_may_not_hit(tmp_path: Path) -> 
     file.write_text(STILL)
     still = {"name": "s", "model": str(file), "base": {"position": [0.5, 0.0, 0.0]}}
     alone = planning.load_world(planning.parse_scene({"robots": [still]}))
-    assert alone.summary.groups == {}
-    assert "s::top" in alone.summary.bodies
+    assert scene_summary(alone).groups == {}
+    assert "s::top" in scene_summary(alone).bodies
     with pytest.raises(UnknownName, match="'s'"):
         planning.check_configurations(alone, "s", np.zeros((1, 0)))
     scene = {"robots": [still, {"name": "a", "model": "ur5e", "positions": "home"}]}

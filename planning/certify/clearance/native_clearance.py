@@ -25,8 +25,8 @@ from planning.kernel.native import native
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene
 
-# Outcome codes of the kernel (prover.hpp).
-_PROVEN, _TOO_NEAR, _UNPROVEN = 0, 1, 2
+# Outcomes that come with the closest approach of all pairs.
+_MEASURED = ("PROVEN", "TOO_NEAR")
 
 
 def native_clearance(
@@ -38,7 +38,7 @@ def native_clearance(
         DeadlineExceeded: Time ran out; nothing is proven.
         Canceled: The caller canceled.
     """
-    margins = scene.thresholds(request.margins)
+    margins = scene.pair_margins(request.margins)
     proof = prover(scene, model, request, margins).prove(partial(deadline.check, "certify"))
     return ClearanceResult(
         check=_check(scene, proof, margins),
@@ -46,7 +46,7 @@ def native_clearance(
         reported=_witness(scene, _worst(proof)),
         num_segments=proof.segments,
         num_queries=proof.looks,
-        is_decided=proof.outcome != _UNPROVEN,
+        is_decided=proof.outcome.name != "UNPROVEN",
     )
 
 
@@ -67,9 +67,9 @@ def prover(scene: KernelScene, model: DrakeModel, request: CertifyRequest, margi
 
 def _check(scene: KernelScene, proof: Any, margins: Any) -> Check:
     """Return the check of the pair with the smallest reserve, or of the unproven pair."""
-    worst, passed = _worst(proof), proof.outcome == _PROVEN
+    worst, passed = _worst(proof), proof.outcome.name == "PROVEN"
     pair = worst.pair
-    if proof.outcome in {_PROVEN, _TOO_NEAR}:
+    if proof.outcome.name in _MEASURED:
         resolution = max(0.0, proof.nearest.distance - proof.floor) if pair >= 0 and passed else 0.0
     else:
         resolution = proof.uncertainty
@@ -95,4 +95,4 @@ def _witness(scene: KernelScene, record: Any) -> WitnessPoint:
 
 def _worst(proof: Any) -> Any:
     """Return the record of the worst pair: the closest approach, or the proof itself."""
-    return proof.tightest if proof.outcome in {_PROVEN, _TOO_NEAR} else proof
+    return proof.tightest if proof.outcome.name in _MEASURED else proof

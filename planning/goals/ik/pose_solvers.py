@@ -10,7 +10,7 @@ from planning.domain.geometry import rotation
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup
 from planning.goals.ik.ik_program import IkProgram
-from planning.goals.targets.tool_target import FreedomKind, ToolTarget
+from planning.goals.targets.tool_target import ToolTarget
 from planning.kernel.native import native
 from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.world import World
@@ -135,9 +135,10 @@ def kernel_pose_solver(
     if chain is None:
         return None
     module: Any = native()
-    freedom = targets[0].rotation_freedom
+    rotation = targets[0].rotation_freedom
+    freedom = module.Freedom[rotation.kind.name]
     tolerance = module.IkTolerance(
-        targets[0].position_tolerance, freedom.kind, freedom.axis, freedom.bound
+        targets[0].position_tolerance, freedom, rotation.axis, rotation.bound
     )
     positions = np.stack([target.pose.position for target in targets])
     quaternions = np.stack([target.pose.quaternion for target in targets])
@@ -162,5 +163,5 @@ def exact_kernel_solver(
     if chain is None:
         return None
     module: Any = native()
-    tolerance = module.IkTolerance(np.zeros(3), FreedomKind.BALL, 0, 0.0)
+    tolerance = module.IkTolerance(np.zeros(3), module.Freedom.BALL, 0, 0.0)
     return KernelPoseSolver(world, group, chain, poses, tolerance)

@@ -181,9 +181,9 @@ class ApproachChecker:
             if trace_state.stop:
                 self.blocked_lines.append((name, int(target), trace_state))
         return {
-            int(i): LinearMove(course.line, np.array(course.fractions), np.stack(course.waypoints))
-            for i, course in zip(indices, trace_states, strict=True)
-            if not course.stop
+            int(i): LinearMove(state.line, np.array(state.fractions), np.stack(state.waypoints))
+            for i, state in zip(indices, trace_states, strict=True)
+            if not state.stop
         }
 
 

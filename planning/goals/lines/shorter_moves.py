@@ -98,5 +98,7 @@ def _longest_traces(
         if any(fractions.values()):
             candidates.append((target, q, fractions))
     lengths = {name: float(np.linalg.norm(vector)) for name, vector in requested.items()}
-    candidates.sort(key=lambda entry: -sum(lengths[leg] * share for leg, share in entry[2].items()))
+    candidates.sort(
+        key=lambda entry: -sum(lengths[move] * share for move, share in entry[2].items())
+    )
     return candidates

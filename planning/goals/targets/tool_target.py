@@ -1,7 +1,7 @@
 """ToolTarget: target pose of a tool frame in world, with position and rotation tolerances."""
 
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import StrEnum
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -19,12 +19,12 @@ from planning.world.world import World
 POSE_TOLERANCE = 1e-6
 
 
-class FreedomKind(IntEnum):
-    """Kind of a rotation tolerance; the numbers are the kernel's (ik.hpp)."""
+class FreedomKind(StrEnum):
+    """Kind of a rotation tolerance; each name is also one of the kernel's Freedom (kinds.hpp)."""
 
-    BALL = 0
-    CONE = 1
-    FREE = 2
+    BALL = "ball"
+    CONE = "cone"
+    FREE = "free"
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ def _travel(link: KernelLink, extents: Array) -> float:
             return float(np.linalg.norm(extents[link.position : link.position + 2]))
         case LinkKind.FLOATING:
             return float(np.linalg.norm(extents[link.position + 4 : link.position + 7]))
-        case _:
+        case LinkKind.REVOLUTE:
             return 0.0
 
 

@@ -27,19 +27,18 @@ class Solid:
             ModelInvalid: A half space is unbounded.
         """
         if shape.kind is ShapeKind.HALF_SPACE:
-            reason = f"a {shape.kind} is unbounded, so no finite set of spheres covers it"
-            raise ModelInvalid(reason, {"reason": reason})
+            raise _unbounded()
         return cls(shape)
 
     @cached_property
     def low(self) -> Float64[np.ndarray, " 3"]:
         """Least coordinates [m], shape (3,)."""
-        return self.shape.vertices.min(axis=0) if self._is_hull else -self._half_extents
+        return self._extents[0]
 
     @cached_property
     def high(self) -> Float64[np.ndarray, " 3"]:
         """Greatest coordinates [m], shape (3,)."""
-        return self.shape.vertices.max(axis=0) if self._is_hull else self._half_extents
+        return self._extents[1]
 
     @property
     def width(self) -> float:
@@ -65,8 +64,10 @@ class Solid:
             case ShapeKind.HULL:
                 planes = self.shape.planes
                 return (planes[:, 3] - _heights_along_normals(points, planes)).min(axis=1)
-            case _:
+            case ShapeKind.SPHERE | ShapeKind.CAPSULE:
                 return size[0] - np.linalg.norm(points - self._on_axis(points), axis=1)
+            case ShapeKind.HALF_SPACE:
+                raise _unbounded()
 
     def tangents(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 4"]:
         """Return a plane per point that has the whole shape below it, and a point outside above.
@@ -89,31 +90,40 @@ class Solid:
             case ShapeKind.CYLINDER:
                 normals = _unit(points * [1.0, 1.0, 0.0])
                 return np.column_stack([normals, np.full(len(points), size[0])])
-            case _:
+            case ShapeKind.SPHERE | ShapeKind.CAPSULE:
                 foot = self._on_axis(points)
                 normals = _unit(points - foot)
                 return np.column_stack([normals, (normals * foot).sum(axis=1) + size[0]])
+            case ShapeKind.HALF_SPACE:
+                raise _unbounded()
 
     @property
-    def _is_hull(self) -> bool:
-        return self.shape.kind is ShapeKind.HULL
-
-    @property
-    def _half_extents(self) -> Array:
+    def _extents(self) -> tuple[Array, Array]:
+        """Least and greatest coordinates."""
         a, b, c = self.shape.size
         match self.shape.kind:
+            case ShapeKind.HULL:
+                return self.shape.vertices.min(axis=0), self.shape.vertices.max(axis=0)
             case ShapeKind.BOX | ShapeKind.ELLIPSOID:
-                return np.array([a, b, c])
+                half = np.array([a, b, c])
             case ShapeKind.CYLINDER:
-                return np.array([a, a, b])
-            case _:
-                return np.array([a, a, a + b])
+                half = np.array([a, a, b])
+            case ShapeKind.SPHERE | ShapeKind.CAPSULE:
+                half = np.array([a, a, a + b])
+            case ShapeKind.HALF_SPACE:
+                raise _unbounded()
+        return -half, half
 
     def _on_axis(self, points: Array) -> Array:
         """Return the nearest points of a capsule's axis; a sphere's is its middle."""
         feet = np.zeros_like(points)
         feet[:, 2] = np.clip(points[:, 2], -self.shape.size[1], self.shape.size[1])
         return feet
+
+
+def _unbounded() -> ModelInvalid:
+    reason = "a half_space is unbounded, so no finite set of spheres covers it"
+    return ModelInvalid(reason, {"reason": reason})
 
 
 def _heights_along_normals(points: Array, planes: Array) -> Array:

@@ -113,9 +113,7 @@ class DriveTrustRegion:
                 evaluations.append(self._model.evaluate(projected))
         if self.is_over:
             return []
-        return [
-            evaluation.segments for evaluation in sorted(evaluations, key=lambda look: look.merit)
-        ]
+        return [each.segments for each in sorted(evaluations, key=lambda each: each.merit)]
 
     def _without_short_segments(self, current: DriveEvaluation) -> DriveEvaluation:
         """Return the path without segments that are too short to matter."""

@@ -56,7 +56,7 @@ class KernelDistanceQuery:
     ) -> None:
         """Prepare for a group; other joints are at `state`."""
         module: Any = native()
-        self._native = module.Nearness(
+        self._native = module.DistanceQuery(
             scene.native,
             model.position_indices(group).astype(np.int64),
             model.velocity_indices(group).astype(np.int64),

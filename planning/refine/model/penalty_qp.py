@@ -111,7 +111,7 @@ class PenaltyQp:
         module: Any = native() if use_kernel else None
         if module is None:
             return self._solve_with_clarabel(starts, entries, values, lower_bounds, penalties)
-        x, _, _ = module.solve_soft_rows(
+        x, _, _ = module.solve_penalty_qp(
             (self.c, self.q, self.lower, self.upper),
             (starts, entries.astype(np.int64), values),
             lower_bounds,

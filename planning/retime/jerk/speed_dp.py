@@ -103,7 +103,7 @@ def solve_speed_dp(cells: SpeedCells, deadline: Deadline = NO_DEADLINE) -> list[
         if not segments:
             return segments
         nodes = np.array([segment.begin for segment in segments] + [segments[-1].end])
-        chosen_speeds = np.array([hop.speeds[0] for hop in segments] + [0.0])
+        chosen_speeds = np.array([segment.speeds[0] for segment in segments] + [0.0])
         speeds = np.minimum(chosen_speeds[:, None] * _FINE_FACTORS, max_speeds[nodes, None])
         segments = _fastest_chain(cells, nodes, speeds, deadline)
     return segments

@@ -9,12 +9,10 @@ from jaxtyping import Bool, Float64
 from planning.domain.curves.motion_samples import sample_batches
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.kernel.native import native
+from planning.kernel.native import native, verdict_numbers
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.world import CollisionChecker, World
-
-_FREE, _COLLIDING, _UNDECIDED = 0, 1, 2
 
 
 class PairProximity:
@@ -36,7 +34,8 @@ class PairProximity:
         scene, module = kernel_scene_of(world.drake), native()
         self._checker: Any = None
         if scene is not None and module is not None:
-            thresholds = scene.thresholds(self._margins)
+            self._free, self._colliding, self._undecided = verdict_numbers(module)
+            thresholds = scene.pair_margins(self._margins)
             self._checker = module.Checker(
                 scene.native,
                 world.drake.position_indices(group).astype(np.int64),
@@ -49,9 +48,9 @@ class PairProximity:
         """Return whether a pair is near at each row; undefined for a row in collision."""
         if self._checker is None:
             return ~self._exact_checker.are_free(qs)
-        verdicts = self._checker.judge(np.ascontiguousarray(qs))
-        is_near = verdicts == _COLLIDING
-        undecided = verdicts == _UNDECIDED
+        verdicts = self._checker.check(np.ascontiguousarray(qs))
+        is_near = verdicts == self._colliding
+        undecided = verdicts == self._undecided
         if undecided.any():
             is_near[undecided] = ~self._exact_checker.are_free(qs[undecided])
         return is_near
@@ -66,9 +65,9 @@ class PairProximity:
         if self._checker is None:
             return self._exact_checker.is_motion_free(origin, displacement, resolution)
         if self._has_linear_motions:
-            verdict = self._checker.judge_motion(origin, displacement, resolution)
-            if verdict != _UNDECIDED:
-                return verdict == _FREE
+            verdict = self._checker.check_motion(origin, displacement, resolution)
+            if verdict != self._undecided:
+                return verdict == self._free
         batches = sample_batches(self._manifold, (origin, displacement), resolution)
         return not any(self.are_near(qs).any() for qs in batches)
 

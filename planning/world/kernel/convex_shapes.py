@@ -70,12 +70,18 @@ def _hull_of(shape: Any) -> ConvexShape:
 
 
 def _hull(mesh: Any) -> ConvexShape:
-    """Return a hull with every face once, moved outwards until it contains every vertex."""
+    """Return a hull with every face once, moved outwards until it contains every vertex.
+
+    Of a flat hull Drake has one face alone, whose other side is added: a point behind it is not
+    inside the hull.
+    """
     vertices = np.array([mesh.vertex(i) for i in range(mesh.num_vertices())])
     normals = np.array([mesh.face_normal(i) for i in range(mesh.num_faces())])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     _, first = np.unique(np.round(normals / _SAME_NORMAL), axis=0, return_index=True)
     faces = normals[np.sort(first)]
+    if len(faces) == 1:
+        faces = np.concatenate([faces, -faces])
     return ConvexShape(
         ShapeKind.HULL,
         np.zeros(3),

@@ -12,13 +12,11 @@ from planning.domain.arrays import Array
 from planning.domain.curves import motion_samples
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.kernel.native import native
+from planning.kernel.native import native, verdict_numbers
 from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_scene import KernelScene
-
-_FREE, _COLLIDING, _UNDECIDED = 0, 1, 2
 
 
 class KernelCollisionOracle:
@@ -47,6 +45,8 @@ class KernelCollisionOracle:
         self._drake_arguments = model, group, state, margins, make_checker
         self._manifold = Manifold.of(group.joints)
         module: Any = native()
+        # As numbers: comparisons of enum members would cost as much as a check.
+        self._free, self._colliding, self._undecided = verdict_numbers(module)
         self._checker = module.Checker(
             scene.native,
             model.position_indices(group).astype(np.int64),
@@ -58,25 +58,25 @@ class KernelCollisionOracle:
 
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether all pairs keep their margins with the group at q, shape (nq,)."""
-        verdict = self._checker.judge_one(q)
-        if verdict == _UNDECIDED:
+        verdict = self._checker.check_one(q)
+        if verdict == self._undecided:
             self.num_undecided += 1
             return self._drake_oracle.is_free(q)
-        return verdict == _FREE
+        return verdict == self._free
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row."""
         verdicts = self.verdicts(qs)
-        free = verdicts == _FREE
-        undecided = np.flatnonzero(verdicts == _UNDECIDED)
+        free = verdicts == self._free
+        undecided = np.flatnonzero(verdicts == self._undecided)
         if len(undecided):
             self.num_undecided += len(undecided)
             free[undecided] = self._drake_oracle.are_free(qs[undecided])
         return free
 
     def verdicts(self, qs: Float64[np.ndarray, "m nq"]) -> UInt8[np.ndarray, " m"]:
-        """Return the kernel's own verdicts: 0 free, 1 colliding, 2 undecided."""
-        return self._checker.judge(qs)
+        """Return the kernel's own verdicts, as numbers of its Verdict."""
+        return self._checker.check(qs)
 
     def is_motion_free(
         self,
@@ -86,9 +86,9 @@ class KernelCollisionOracle:
     ) -> bool:
         """Return whether every sample of a motion is free, as `motion_samples` defines them."""
         if self._has_linear_motions:
-            verdict = self._checker.judge_motion(origin, displacement, resolution)
-            if verdict != _UNDECIDED:
-                return verdict == _FREE
+            verdict = self._checker.check_motion(origin, displacement, resolution)
+            if verdict != self._undecided:
+                return verdict == self._free
         return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> tuple[bool, int]:
@@ -96,9 +96,9 @@ class KernelCollisionOracle:
 
         Both ends are checked. For joints that do not float.
         """
-        verdict, steps = self._checker.judge_edge(q0, q1, resolution)
-        if verdict != _UNDECIDED:
-            return verdict == _FREE, steps
+        verdict, steps = self._checker.check_edge(q0, q1, resolution)
+        if verdict != self._undecided:
+            return verdict == self._free, steps
         begin, end = np.array(q0), np.array(q1)
         return self.is_free(begin) and self.is_motion_free(begin, end - begin, resolution), steps
 
@@ -114,8 +114,8 @@ class KernelCollisionOracle:
             return motion_samples.are_motions_free(
                 self._manifold, self.are_free, motions, resolution
             )
-        verdicts, undecided = self._checker.judge_motions(origins, displacements, resolution)
-        free = verdicts != _COLLIDING
+        verdicts, undecided = self._checker.check_motions(origins, displacements, resolution)
+        free = verdicts != self._colliding
         for motion in np.unique(undecided[:, 0]):
             rows = undecided[undecided[:, 0] == motion]
             fractions = rows[:, 1] / rows[:, 2]
@@ -132,5 +132,5 @@ class KernelCollisionOracle:
 
 def pair_thresholds(scene: KernelScene, margins: PairMargins) -> Array:
     """Return margin and touching distance of every pair [m], shape (n, 2)."""
-    margin = scene.thresholds(margins)
+    margin = scene.pair_margins(margins)
     return np.column_stack([margin, margin])

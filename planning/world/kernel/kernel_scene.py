@@ -23,8 +23,6 @@ from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.kernel.kernel_tree import add_tree, flat_transform
 from planning.world.kernel.link_tree import WORLD, link_tree
 
-# The kernel's numbers for kinds of shapes (shape.hpp).
-_KINDS = tuple(ShapeKind)
 _EMPTY_COVERING = Covering(np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4), 0.0)
 
 
@@ -64,7 +62,7 @@ class KernelScene:
         a, b = self.candidates.rows[row]
         return self.candidates.names[a], self.candidates.names[b]
 
-    def thresholds(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
+    def pair_margins(self, margins: PairMargins) -> Float64[np.ndarray, " num_pairs"]:
         """Return the margin of every pair [m]; as `PairMargins.of`, but of all pairs at once."""
         return self.by_pair(margins.of, margins.by_pair)
 
@@ -163,6 +161,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
 
 
 def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
+    module: Any = native()
     # Static objects have their exact shape in the kernel.
     if link == WORLD or shape.kind is ShapeKind.HALF_SPACE:
         covering = _EMPTY_COVERING
@@ -171,7 +170,7 @@ def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShap
     scene.add_geometry(
         link,
         flat_transform(x_lg),
-        _KINDS.index(shape.kind),
+        module.ShapeKind[shape.kind.name],
         shape.size,
         shape.vertices,
         shape.planes,

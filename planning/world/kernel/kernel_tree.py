@@ -47,11 +47,12 @@ def kernel_chain(
 
 def add_tree(scene: Any, model: DrakeModel, tree: LinkTree) -> None:
     """Add the model's links, joints and couplings to the kernel's Scene."""
+    module: Any = native()
     for link in tree.links:
         scene.add_link(
             link.parent,
             flat_transform(link.X_PF),
-            link.kind,
+            module.JointKind[link.kind.name],
             link.axis,
             link.position,
             link.velocity,

@@ -1,7 +1,7 @@
 """LinkTree: kinematic tree of a Drake plant for the kernel, with welded bodies merged."""
 
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import StrEnum
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -24,13 +24,13 @@ from planning.world.drake_model import DrakeModel
 WORLD = -1
 
 
-class LinkKind(IntEnum):
-    """Kinds of joints; the numbers are the kernel's (tree.hpp)."""
+class LinkKind(StrEnum):
+    """Kinds of joints; each name is also one of the kernel's JointKind (kinds.hpp)."""
 
-    REVOLUTE = 1
-    PRISMATIC = 2
-    PLANAR = 3
-    FLOATING = 4
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+    PLANAR = "planar"
+    FLOATING = "floating"
 
 
 @dataclass(frozen=True)

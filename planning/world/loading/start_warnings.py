@@ -3,7 +3,6 @@
 import json
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -18,9 +17,7 @@ from planning.world.collision.near_static import NearStatic
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
-
-if TYPE_CHECKING:
-    from planning.world.world import World
+from planning.world.world import World
 
 # Slack beyond the margin at which every distance query agrees [m].
 _SLACK = 1e-3
@@ -64,7 +61,7 @@ _UNLIMITED_RANGE = {
 }
 
 
-def start_warnings(world: "World") -> tuple[str, ...]:
+def start_warnings(world: World) -> tuple[str, ...]:
     """Return the faults that make every plan from the scene's positions fail.
 
     Pairs of links of one robot that touch in all sampled configurations come with an edit that
@@ -98,7 +95,7 @@ def start_warnings(world: "World") -> tuple[str, ...]:
     return (*warnings, *configuration_warnings)
 
 
-def _is_still_free(world: "World", cached: _CachedWarnings | None, margins: PairMargins) -> bool:
+def _is_still_free(world: World, cached: _CachedWarnings | None, margins: PairMargins) -> bool:
     """Return whether all pairs certainly keep their margins, by the cache and what moved."""
     if cached is None or not cached.is_free:
         return False
@@ -107,7 +104,7 @@ def _is_still_free(world: "World", cached: _CachedWarnings | None, margins: Pair
     return near_static.are_farther_than(cached.moved_rows, margins.largest + _SLACK)
 
 
-def _is_free(world: "World", margins: PairMargins) -> bool:
+def _is_free(world: World, margins: PairMargins) -> bool:
     """Return whether all pairs keep their margins; False where only the probe can decide."""
     if len(world.groups) > _MAX_GROUPS:
         return False
@@ -118,7 +115,7 @@ def _is_free(world: "World", margins: PairMargins) -> bool:
     )
 
 
-def _pair_warning(world: "World", pair: BodyPair) -> str:
+def _pair_warning(world: World, pair: BodyPair) -> str:
     a, b = pair.bodies
     if abs(pair.distance) < _TOUCH_DISTANCE:
         relation = f"{a} and {b} touch"
@@ -132,7 +129,7 @@ def _pair_warning(world: "World", pair: BodyPair) -> str:
     return f"at the scene's positions {relation}: no motion can start from there"
 
 
-def _always_touching(world: "World", touching: tuple[BodyPair, ...]) -> list[tuple[str, str]]:
+def _always_touching(world: World, touching: tuple[BodyPair, ...]) -> list[tuple[str, str]]:
     """Return the pairs of links of one robot that overlap at all sampled joint positions."""
     pairs = {
         pair.bodies for pair in touching if pair.distance <= 0 and _are_of_one_robot(*pair.bodies)
@@ -155,7 +152,7 @@ def _always_touching(world: "World", touching: tuple[BodyPair, ...]) -> list[tup
     return sorted(pairs)
 
 
-def _random_configuration(world: "World", group: JointGroup, rng: np.random.Generator) -> Array:
+def _random_configuration(world: World, group: JointGroup, rng: np.random.Generator) -> Array:
     """Return a random configuration; planar and floating joints keep their positions."""
     limits, q = world.limits(group), np.array(world.positions(group))
     at = 0
@@ -182,7 +179,7 @@ def copy_start_warnings(before: DrakeModel, after: DrakeModel, rows: Collection[
         _cache[after.static_objects] = replace(cached, moved_rows=cached.moved_rows.union(rows))
 
 
-def _configuration_warnings(world: "World") -> tuple[str, ...]:
+def _configuration_warnings(world: World) -> tuple[str, ...]:
     """Return a warning for each named configuration that is invalid in any surroundings.
 
     Of several robots of one model, equal configurations are checked once.
@@ -199,11 +196,11 @@ def _configuration_warnings(world: "World") -> tuple[str, ...]:
     return tuple(found)
 
 
-def _configuration_fault(world: "World", group: JointGroup, q: Array) -> str:
+def _configuration_fault(world: World, group: JointGroup, q: Array) -> str:
     return _limit_fault(world, group, q) or _self_collision_fault(world, group, q)
 
 
-def _limit_fault(world: "World", group: JointGroup, q: Array) -> str:
+def _limit_fault(world: World, group: JointGroup, q: Array) -> str:
     limits = world.limits(group)
     excess = np.maximum(limits.lower - q, q - limits.upper)
     worst = int(np.argmax(excess))
@@ -215,7 +212,7 @@ def _limit_fault(world: "World", group: JointGroup, q: Array) -> str:
     )
 
 
-def _self_collision_fault(world: "World", group: JointGroup, q: Array) -> str:
+def _self_collision_fault(world: World, group: JointGroup, q: Array) -> str:
     margins = world.margins()
     if world.collision_oracle(group, margins).is_free(q):
         return ""

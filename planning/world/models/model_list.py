@@ -5,6 +5,7 @@ from planning.domain.scene.scene import Scene, SceneRobot
 from planning.domain.scene.summary import RobotSummary
 from planning.world.loading.load_world import load_world
 from planning.world.models.model_library import ModelLibrary
+from planning.world.scene_summary import scene_summary
 
 
 def list_models(library: ModelLibrary) -> tuple[str, ...]:
@@ -22,7 +23,7 @@ def describe_model(library: ModelLibrary, name: str) -> RobotSummary:
     source = library.find(name)
     robot = SceneRobot(name, name, Pose.identity(), None)
     world = load_world(Scene(name, (robot,)), library)
-    summary = world.summary
+    summary = scene_summary(world)
     own = world.robot_groups[0]
     card = source.card
     return RobotSummary(

@@ -96,7 +96,7 @@ def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int])
     """Hold what is proven on a segment against the distances at some instants in it."""
     request = robot.request(trajectory, PairMargins(0.0))
     scene, shapes = scene_of(robot), collision_shapes(robot.model)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     begin, end, middle, rows = judge.bounds(halvings)
     assert begin < middle < end
     at_middle = placed(robot, shapes, trajectory.positions(np.array([middle]))[0])
@@ -158,7 +158,7 @@ def test_a_lever_that_swings_over_a_face_is_bounded_to_second_order(turned: floa
     swing = quintic(robot.group, np.array([-turned]), np.array([turned]), 1.0)
     request = robot.request(swing, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     ((_, lower, along),) = judge.bounds([])[3]
     nearest = np.cos(turned) - 0.05 - 0.6
     assert nearest - turned**4 <= along <= nearest
@@ -173,7 +173,7 @@ def test_the_bounds_close_in_on_the_distance(seed: int) -> None:
     trajectory = random_trajectory(rng, robot.group, 2, 0.3)
     request = robot.request(trajectory, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     # The direct bound halves with the segment, the other one's slack is quartered.
     coarse, fine = (judge.bounds([0] + [1] * count)[3] for count in (9, 12))
     assert (fine[:, 0] <= coarse[:, 0] / 4 + 1e-9).all()
@@ -251,7 +251,7 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
     turned = np.array([np.cos(1.0), 0.0, 0.0, np.sin(1.0), 0.0, 0.0, 0.0])
     request = robot.request(quintic(robot.group, np.eye(7)[0], turned, 1.0), PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.thresholds(request.margins))
+    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     calls: list[int] = []
 
     def interrupt() -> None:
@@ -264,7 +264,7 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
         judge.prove(interrupt)
     assert len(calls) == 3
     # And the same prover goes on to prove it.
-    assert judge.prove(lambda: None).outcome == 0
+    assert judge.prove(lambda: None).outcome.name == "PROVEN"
 
 
 def test_margins_of_all_pairs_at_once_are_those_of_each() -> None:
@@ -273,7 +273,7 @@ def test_margins_of_all_pairs_at_once_are_those_of_each() -> None:
     assert scene is not None
     a, b = scene.bodies[-1]
     margins = PairMargins(0.03, {(min(a, b), max(a, b)): 0.07, ("no", "pair"): 1.0})
-    assert scene.thresholds(margins).tolist() == [margins.of(*pair) for pair in scene.bodies]
+    assert scene.pair_margins(margins).tolist() == [margins.of(*pair) for pair in scene.bodies]
 
 
 def test_a_scene_is_read_once() -> None:
@@ -284,7 +284,7 @@ def test_a_scene_is_read_once() -> None:
 def test_malformed_arrays_are_refused() -> None:
     robot, request = beside_a_wall(0.1)
     scene = scene_of(robot)
-    margins = scene.thresholds(request.margins)
+    margins = scene.pair_margins(request.margins)
     for changes in (
         {"breaks": np.array([0.0, 0.5, 1.0])},
         {"bases": np.zeros((1, 2))},

@@ -10,6 +10,7 @@ import pytest
 from pydrake.multibody.tree import BodyIndex
 
 import planning
+from planning import scene_summary
 from planning.kernel.shape_distance import distance_bounds
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.loading.adjacent_links import _AdjacentPairProbe
@@ -59,13 +60,13 @@ def pairs_of(world: World, *, checked: bool) -> set[frozenset[str]]:
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_checked_and_what_is_listed_are_all_pairs(name: str) -> None:
     world = bundled_world(name)
-    listed = {frozenset(pair.bodies) for pair in world.summary.unchecked}
+    listed = {frozenset(pair.bodies) for pair in scene_summary(world).unchecked}
     checked, every = pairs_of(world, checked=True), pairs_of(world, checked=False)
     assert listed.isdisjoint(checked)
     left = every - checked - listed
     # Objects that stand in the world, which no robot's body is among.
     assert all("::" not in body for pair in left for body in pair)
-    assert all(pair.evidence for pair in world.summary.unchecked)
+    assert all(pair.evidence for pair in scene_summary(world).unchecked)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -82,7 +83,7 @@ def test_contexts_look_at_the_same_pairs_as_the_model(name: str) -> None:
 def test_an_arm_that_swings_into_its_own_pedestal_is_refused(tmp_path: Path, kind: str) -> None:
     """The two are joined by a joint; the arm was "proven" 100 mm inside the pedestal."""
     world = robot(tmp_path, kind=kind)
-    assert world.summary.unchecked == ()
+    assert scene_summary(world).unchecked == ()
     times, rates = np.array([0.0, 10.0]), np.zeros((2, 1))
     joints = world.group("r").joints
     for goal, is_free in ((2.5, True), (3.14, False)):
@@ -106,7 +107,7 @@ def test_neighbours_whose_shapes_meet_about_their_joint_are_listed(
     tmp_path: Path, beside: float, reach: float
 ) -> None:
     world = robot(tmp_path, beside, reach)
-    (pair,) = world.summary.unchecked
+    (pair,) = scene_summary(world).unchecked
     assert (pair.bodies, pair.reason) == (("r::a", "r::base"), "adjacent")
     assert "joint j" in pair.evidence
     assert pairs_of(world, checked=True) == set()
@@ -120,7 +121,7 @@ def test_a_certificate_lists_what_it_does_not_look_at() -> None:
         group.joints, np.array([0.0, 1.0]), np.stack([home, home]), np.zeros((2, 6))
     )
     certificate, _ = planning.certify_trajectory(world, "arm", motion, deadline=no_hurry())
-    assert certificate.unchecked == world.summary.unchecked
+    assert certificate.unchecked == scene_summary(world).unchecked
     reasons = {pair.bodies: pair.reason for pair in certificate.unchecked}
     assert reasons["arm::base_link", "arm::link_1"] == "adjacent"
     assert reasons["arm::base_link", "arm::link_2"] == "allowed"
@@ -140,7 +141,7 @@ def test_what_is_held_may_touch_its_holder_and_says_so() -> None:
         ],
     })
     world = planning.load_world(scene)
-    held = [pair for pair in world.summary.unchecked if pair.reason == "held"]
+    held = [pair for pair in scene_summary(world).unchecked if pair.reason == "held"]
     assert held
     assert all("can" in pair.bodies for pair in held)
 
@@ -164,7 +165,7 @@ def least_shown(folder: Path, text: str) -> tuple[float, World]:
     file.write_text(text)
     scene = {"robots": [{"name": "r", "model": str(file)}]}
     world = planning.load_world(planning.parse_scene(scene))
-    (pair,) = world.summary.unchecked
+    (pair,) = scene_summary(world).unchecked
     said = re.match(r"at least ([^ ]+) m apart wherever joint j turns to", pair.evidence)
     assert said, pair.evidence
     return float(said[1]), world

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import planning
-from planning import AttachObject, MoveObject, Pose, SetPositions, edit_scene
+from planning import AttachObject, MoveObject, Pose, SetPositions, edit_scene, scene_summary
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.scene.scene import Attachment, Scene
 from planning.errors import SceneInvalid
@@ -162,5 +162,5 @@ def test_what_a_robot_without_a_card_holds_may_touch_nothing_that_it_carries(urd
     """Held by the first link, it was never held against the second and the third."""
     attached = {"name": "t", "shape": {"sphere": 0.05}, "attached": {"frame": "r::a"}}
     world = urdf_world(CHAIN, objects=[attached])
-    held = {pair.bodies for pair in world.summary.unchecked if pair.reason == "held"}
+    held = {pair.bodies for pair in scene_summary(world).unchecked if pair.reason == "held"}
     assert held == {("r::a", "t")}

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import planning
+from planning import scene_summary
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.documents.scene_file import parse_scene
 from planning.world.world import World
@@ -69,7 +70,7 @@ def test_group_states_are_configurations_to_start_from_and_to_go_to(
     np.testing.assert_array_equal(world.configuration(hand, "open"), [0.3])
     opened = load(CHAIN, HAND, HOME.format(SAID), folded, positions="open")
     np.testing.assert_array_equal(opened.positions(hand), [0.3])
-    assert world.summary.groups["r"].configurations == {"home": (0.5, -1.5)}
+    assert scene_summary(world).groups["r"].configurations == {"home": (0.5, -1.5)}
 
 
 @pytest.mark.parametrize("of", ["", ' parent_group="arm"'])
@@ -124,14 +125,14 @@ def test_a_group_state_that_cannot_be_read_is_told(
 ) -> None:
     world = load(CHAIN, state)
     assert world.configurations(world.group("r")) == {}
-    (warning,) = world.summary.warnings
+    (warning,) = scene_summary(world).warnings
     assert warning.startswith("r: group state 'home' of")
     assert word in warning
 
 
 def test_a_configuration_beyond_the_limits_is_told(load: Callable[..., World]) -> None:
     world = load(CHAIN, HOME.format(SAID.replace("0.5", "2.5")), positions=[0, 0])
-    (warning,) = world.summary.warnings
+    (warning,) = scene_summary(world).warnings
     assert warning == (
         "configuration 'home' of r lies outside its limits: r::j1 at 2.5, limits [-2, 2]"
     )
@@ -139,6 +140,6 @@ def test_a_configuration_beyond_the_limits_is_told(load: Callable[..., World]) -
 
 def test_a_virtual_joint_that_moves_is_told(load: Callable[..., World]) -> None:
     planar = '<virtual_joint name="v" type="planar" parent_frame="odom" child_link="base"/>'
-    (warning,) = load(CHAIN, planar).summary.warnings
+    (warning,) = scene_summary(load(CHAIN, planar)).warnings
     assert "virtual joint 'v'" in warning
-    assert load(CHAIN, planar.replace("planar", "fixed")).summary.warnings == ()
+    assert scene_summary(load(CHAIN, planar.replace("planar", "fixed"))).warnings == ()

@@ -6,6 +6,7 @@
 NB_MODULE(_native, m) {
   nanobind::set_leak_warnings(false);  // leak warnings about its globals at the end of a process are of no use
   m.doc() = "Native collision bounds and kinematics; see planning/kernel.";
+  wayproof::bind_kinds(m);
   wayproof::bind_scene(m);
   wayproof::bind_checker(m);
   wayproof::bind_ik(m);

@@ -3,47 +3,44 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <memory>
 #include <tuple>
+#include <utility>
 
-#include "math/bernstein.hpp"
+#include "bind/arguments.hpp"
 #include "bind/bind.hpp"
+#include "math/bernstein.hpp"
 #include "prover/prover.hpp"
 
 namespace wayproof {
 namespace {
 
-std::vector<int> integers(const Integers& from) { return {from.data(), from.data() + from.size()}; }
-
-std::vector<double> doubles(const Doubles& from) { return {from.data(), from.data() + from.size()}; }
-
-Group group(const Scene& scene, const Integers& positions, const Integers& velocities, const Doubles& state) {
-  require(state.size() == static_cast<std::size_t>(scene.tree.num_positions),
-          "the state has the wrong length");
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    require(positions.data()[i] >= 0 && positions.data()[i] < scene.tree.num_positions, "no such position");
-  return Group(scene.tree, integers(positions), integers(velocities), doubles(state));
-}
+std::vector<double> copy_of(std::span<const double> numbers) { return {numbers.begin(), numbers.end()}; }
 
 Motion motion(const Tree& tree, const Group& group, const Doubles& breaks, const Doubles& bases,
               const Doubles& coefficients) {
-  require(coefficients.ndim() == 3 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1,
-          "coefficients are [n][terms][nv]");
+  const std::size_t nq = group.positions.size(), nv = group.velocities.size();
+  if (!(coefficients.ndim() == 3 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1 &&
+        coefficients.shape(2) == nv))
+    refuse("coefficients are not of shape (pieces, terms, " + std::to_string(nv) + "), one or more of both");
   const std::size_t pieces = coefficients.shape(0), terms = coefficients.shape(1);
-  require(breaks.size() == pieces + 1, "there is one break more than there are pieces");
-  require(coefficients.shape(2) == group.velocities.size(), "coefficients are [n][terms][nv]");
-  require_shape(bases, pieces, group.positions.size(), "bases");
-  return Motion(tree, group, doubles(breaks), doubles(bases), doubles(coefficients), static_cast<int>(terms));
+  const auto times = finite(row(breaks, pieces + 1, "breaks"), "breaks");
+  require(std::is_sorted(times.begin(), times.end()), "breaks are not in increasing order");
+  const auto begins = finite(table(bases, pieces, nq, "bases").all(), "bases");
+  const auto powers = finite({coefficients.data(), coefficients.size()}, "coefficients");
+  return Motion(tree, group, copy_of(times), copy_of(begins), copy_of(powers), static_cast<int>(terms));
 }
 
-void make(Prover* self, std::shared_ptr<Scene> scene, const Integers& positions, const Integers& velocities,
+void make(Prover* self, const std::shared_ptr<Scene>& scene, const Integers& positions, const Integers& velocities,
           const Doubles& state, const std::tuple<Doubles, Doubles, Doubles>& curve, const Doubles& margins,
           double slack) {
-  require(margins.size() == scene->pairs.size(), "there is one margin per pair");
+  const auto required = ordered(row(margins, scene->pairs.size(), "margins"), "margins");
+  finite(slack, "slack");
   Group moving = group(*scene, positions, velocities, state);
   const auto& [breaks, bases, coefficients] = curve;
   Motion moves = motion(scene->tree, moving, breaks, bases, coefficients);
-  new (self) Prover(std::move(scene), std::move(moving), std::move(moves), doubles(margins), slack);
+  new (self) Prover(immutable(scene), std::move(moving), std::move(moves), copy_of(required), slack);
 }
 
 Proof prove(Prover& prover, const nb::callable& interrupt) {
@@ -58,7 +55,7 @@ Proof prove(Prover& prover, const nb::callable& interrupt) {
 // (approach, lower bound, lower bound along one direction) per pair.
 auto bounds(Prover& prover, const std::vector<int>& halvings) {
   Segment segment = prover.motion().whole();
-  for (int which : halvings) segment = prover.motion().half(segment, which);
+  for (const int which : halvings) segment = prover.motion().half(segment, index(which, 2, "halvings"));
   std::vector<double> rows;
   for (const PairBound& b : prover.bounds(segment)) rows.insert(rows.end(), {b.approach, b.lower, b.along});
   return nb::make_tuple(segment.begin, segment.end, segment.time, array_of(rows, rows.size() / 3, 3));
@@ -66,20 +63,20 @@ auto bounds(Prover& prover, const std::vector<int>& halvings) {
 
 std::tuple<double, std::size_t, double> peak_of(const Doubles& coefficients, double tolerance) {
   require(coefficients.ndim() == 2 && coefficients.shape(0) >= 1 && coefficients.shape(1) >= 1,
-          "coefficients are [n][terms]");
-  const Peak found = peak(coefficients.data(), coefficients.shape(0), coefficients.shape(1), tolerance);
+          "coefficients are not of shape (n, terms), one or more of both");
+  const Peak found = peak({coefficients.data(), coefficients.size()}, coefficients.shape(1), tolerance);
   return {found.bound, found.row, found.fraction};
 }
 
 }  // namespace
 
 void bind_prover(nb::module_& m) {
-  nb::class_<Sighting>(m, "Sighting", "The pair (by number, or -1) that had the least of something.")
-      .def_ro("pair", &Sighting::pair)
-      .def_ro("distance", &Sighting::distance)
-      .def_ro("time", &Sighting::time);
-  nb::class_<Proof>(m, "Proof", "Outcome: 0 proven, 1 too near, 2 unproven, 3 too near though nothing moves.")
-      .def_prop_ro("outcome", [](const Proof& p) { return static_cast<int>(p.outcome); })
+  nb::class_<ClosestApproach>(m, "ClosestApproach", "The pair (by number, or -1) that had the least of something.")
+      .def_ro("pair", &ClosestApproach::pair)
+      .def_ro("distance", &ClosestApproach::distance)
+      .def_ro("time", &ClosestApproach::time);
+  nb::class_<Proof>(m, "Proof", "Outcome of a clearance proof, and its evidence.")
+      .def_ro("outcome", &Proof::outcome)
       .def_ro("pair", &Proof::pair)
       .def_ro("distance", &Proof::distance)
       .def_ro("uncertainty", &Proof::uncertainty)

@@ -1,43 +1,59 @@
-// Nearness and SoftRows, on numpy arrays and without the interpreter's lock.
+// DistanceQuery and PenaltyQp, on numpy arrays and without the interpreter's lock.
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/tuple.h>
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 
+#include "bind/arguments.hpp"
 #include "bind/bind.hpp"
-#include "checker/nearness.hpp"
+#include "checker/distance_query.hpp"
 #include "qp/penalty_qp.hpp"
 
 namespace wayproof {
 namespace {
 
-std::vector<int> small(const Integers& from) { return {from.data(), from.data() + from.size()}; }
-std::vector<std::int64_t> integers(const Integers& from) { return {from.data(), from.data() + from.size()}; }
-std::vector<double> doubles(const Doubles& from) { return {from.data(), from.data() + from.size()}; }
-
-void make(Nearness* self, std::shared_ptr<Scene> scene, const Integers& positions, const Integers& velocities,
-          const Doubles& state) {
-  require(state.size() == static_cast<std::size_t>(scene->tree.num_positions), "the state has the wrong length");
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    require(positions.data()[i] >= 0 && positions.data()[i] < scene->tree.num_positions, "no such position");
-  for (std::size_t i = 0; i < velocities.size(); ++i)
-    require(velocities.data()[i] >= 0 && velocities.data()[i] < scene->tree.num_velocities, "no such velocity");
-  Group group(scene->tree, small(positions), small(velocities), doubles(state));
-  new (self) Nearness(std::move(scene), std::move(group));
+std::vector<double> copy_of(const Doubles& array, std::size_t count, const char* name) {
+  const auto numbers = finite(row(array, count, name), name);
+  return {numbers.begin(), numbers.end()};
 }
 
-auto within(const Nearness& nearness, const Doubles& qs, const Doubles& reach) {
-  require(qs.ndim() == 2, "qs has two dimensions");
-  require_shape(qs, qs.shape(0), nearness.num_positions(), "qs");
-  require(reach.size() == nearness.num_pairs(), "there is one reach per pair");
-  Near near;
+std::vector<std::int64_t> copy_of(const Integers& array, const char* name) {
+  const auto numbers = row(array, name);
+  return {numbers.begin(), numbers.end()};
+}
+
+void make(DistanceQuery* self, const std::shared_ptr<Scene>& scene, const Integers& positions,
+          const Integers& velocities, const Doubles& state) {
+  Group moving = group(*scene, positions, velocities, state);
+  new (self) DistanceQuery(immutable(scene), std::move(moving));
+}
+
+auto within(const DistanceQuery& query, const Doubles& qs, const Doubles& reach) {
+  const auto nv = static_cast<std::size_t>(query.num_velocities());
+  const Table rows = table(qs, static_cast<std::size_t>(query.num_positions()), "qs");
+  const auto reaches = ordered(row(reach, query.num_pairs(), "reach"), "reach");
+  finite(rows.all(), "qs");
+  DistanceRows found;
   {
     nb::gil_scoped_release released;
-    near = nearness.within(qs.data(), static_cast<std::int64_t>(qs.shape(0)), reach.data());
+    found = query.within(rows.all(), rows.rows, reaches);
   }
-  const std::size_t count = near.pair.size();
-  return nb::make_tuple(array_of(near.configuration, count), array_of(near.pair, count), array_of(near.distance, count),
-                        array_of(near.normal, count, 3), array_of(near.gradient, count, nearness.num_velocities()));
+  const std::size_t count = found.pair.size();
+  return nb::make_tuple(array_of(found.configuration, count), array_of(found.pair, count),
+                        array_of(found.distance, count), array_of(found.normal, count, 3),
+                        array_of(found.gradient, count, nv));
+}
+
+// Starts of compressed sparse rows: from 0 on, none before the one before it, to the number of entries.
+void require_starts(const std::vector<std::int64_t>& starts, std::size_t rows, std::size_t entries) {
+  if (starts.size() != rows + 1)
+    refuse("starts has " + std::to_string(starts.size()) + " numbers, not " + std::to_string(rows + 1) +
+           ": one more than there are rows");
+  if (!(starts.front() == 0 && starts.back() == static_cast<std::int64_t>(entries) &&
+        std::is_sorted(starts.begin(), starts.end())))
+    refuse("starts do not rise from 0 to the number of entries, " + std::to_string(entries));
 }
 
 auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
@@ -45,19 +61,24 @@ auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
                 double tolerance, int max_steps) {
   const auto& [c, q, lower, upper] = variables;
   const auto& [starts, columns, values] = rows;
-  SoftRows program{static_cast<int>(c.size()), doubles(c), doubles(q), doubles(lower), doubles(upper), integers(starts),
-                   integers(columns), doubles(values), doubles(least), doubles(price)};
-  const std::size_t count = program.c.size(), entries = program.columns.size();
-  require(program.q.size() == count && program.lower.size() == count && program.upper.size() == count,
-          "there is one cost, curvature and box per variable");
-  for (std::size_t i = 0; i < count; ++i) require(program.lower[i] < program.upper[i], "the box has an inside");
-  require(program.starts.size() == program.least.size() + 1 && program.price.size() == program.least.size() &&
-              program.values.size() == entries, "rows, bounds and prices fit");
-  require(program.starts.front() == 0 && program.starts.back() == static_cast<std::int64_t>(entries), "rows begin and end");
-  for (std::size_t k = 0; k + 1 < program.starts.size(); ++k)
-    require(program.starts[k] <= program.starts[k + 1], "rows follow one another");
-  for (auto column : program.columns) require(column >= 0 && column < static_cast<std::int64_t>(count), "no such variable");
-  SoftSolution found;
+  const std::size_t count = row(c, "c").size(), num_rows = row(least, "least").size();
+  const std::size_t entries = row(columns, "columns").size();
+  if (max_steps < 0) refuse("max_steps is " + std::to_string(max_steps) + ", not 0 or more");
+  const PenaltyQp program{static_cast<int>(count),
+                          copy_of(c, count, "c"),
+                          copy_of(q, count, "q"),
+                          copy_of(lower, count, "lower"),
+                          copy_of(upper, count, "upper"),
+                          copy_of(starts, "starts"),
+                          copy_of(columns, "columns"),
+                          copy_of(values, entries, "values"),
+                          copy_of(least, num_rows, "least"),
+                          copy_of(price, num_rows, "price")};
+  for (std::size_t i = 0; i < count; ++i)
+    if (!(program.lower[i] < program.upper[i])) refuse("lower is not below upper at " + std::to_string(i));
+  require_starts(program.starts, num_rows, entries);
+  indices(program.columns, count, "columns");
+  PenaltySolution found;
   {
     nb::gil_scoped_release released;
     found = solve(program, tolerance, max_steps);
@@ -68,10 +89,10 @@ auto solve_rows(const std::tuple<Doubles, Doubles, Doubles, Doubles>& variables,
 }  // namespace
 
 void bind_refine(nb::module_& m) {
-  nb::class_<Nearness>(m, "Nearness", "Signed distances of near pairs, and their gradients.")
+  nb::class_<DistanceQuery>(m, "DistanceQuery", "Signed distances of near pairs, and their gradients.")
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"))
       .def("within", &within, nb::arg("qs"), nb::arg("reach"));
-  m.def("solve_soft_rows", &solve_rows, nb::arg("variables"), nb::arg("rows"), nb::arg("least"), nb::arg("price"),
+  m.def("solve_penalty_qp", &solve_rows, nb::arg("variables"), nb::arg("rows"), nb::arg("least"), nb::arg("price"),
         nb::arg("tolerance"), nb::arg("max_steps"),
         "Minimise c x + q x^2 / 2 + price max(0, least - A x) in a box; x, steps, gap.");
 }

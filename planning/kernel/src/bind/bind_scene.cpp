@@ -1,75 +1,139 @@
 // Scene and Group, from arrays.
 #include <nanobind/stl/shared_ptr.h>
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 
+#include "bind/arguments.hpp"
 #include "bind/bind.hpp"
 #include "model/scene.hpp"
 
 namespace wayproof {
 namespace {
 
-std::vector<Sphere> spheres(const Doubles& rows) {
-  require(rows.ndim() == 2 && rows.shape(1) == 4, "spheres have four columns");
+void require_mutable(const Scene& scene) {
+  require(!scene.is_immutable, "the scene is in use by a Checker, Prover or DistanceQuery: nothing is added to it");
+}
+
+int coordinates(int count, const char* name) {
+  if (count < 0 || count > max_coordinates)
+    refuse(std::string(name) + " is " + std::to_string(count) + ", not from 0 to " + std::to_string(max_coordinates));
+  return count;
+}
+
+std::vector<Sphere> spheres(const Doubles& array, const char* name) {
+  const Table rows = table(array, 4, name);
+  finite(rows.all(), name);
   std::vector<Sphere> found;
-  for (std::size_t i = 0; i < rows.shape(0); ++i)
-    found.push_back({vec(rows.data() + 4 * i), rows.data()[4 * i + 3]});
+  for (std::size_t i = 0; i < rows.rows; ++i) {
+    const double* x = rows.row(i);
+    if (x[3] < 0) refuse(std::string(name) + " has a negative radius in row " + std::to_string(i));
+    found.push_back({{x[0], x[1], x[2]}, x[3]});
+  }
   return found;
 }
 
-void add_link(Scene& scene, int parent, const Doubles& X_PF, int kind, const Doubles& axis, int position, int velocity) {
-  require(parent < static_cast<int>(scene.tree.links.size()), "a link comes after its parent");
-  require(kind >= 0 && kind <= 4, "no such kind of joint");
-  require(X_PF.size() == 12 && axis.size() == 3, "X_PF has 12 numbers, an axis 3");
-  scene.tree.links.push_back({parent, transform(X_PF.data()), static_cast<JointKind>(kind), vec(axis.data()), position, velocity});
+// First index of a joint's coordinates, of which the scene has `total`.
+int first_of(std::int64_t first, int count, int total, const char* name) {
+  const int last = total - std::max(count, 1);
+  return count == 0 && total == 0 ? 0 : index(first, static_cast<std::size_t>(std::max(last + 1, 0)), name);
 }
 
-void add_follower(Scene& scene, std::array<int, 4> where, double multiplier, double offset) {
-  for (int i = 0; i < 2; ++i) require(where[i] >= 0 && where[i] < scene.tree.num_positions, "no such position");
-  scene.tree.followers.push_back({where[0], where[1], multiplier, offset, where[2], where[3]});
+void add_link(Scene& scene, std::int64_t parent, const Doubles& X_PF, JointKind kind, const Doubles& axis,
+              std::int64_t position, std::int64_t velocity) {
+  require_mutable(scene);
+  Tree& tree = scene.tree;
+  tree.links.push_back({link_or_world(parent, scene, "parent"), transform(X_PF, "X_PF"), kind, vec(axis, "axis"),
+                        first_of(position, num_positions(kind), tree.num_positions, "position"),
+                        first_of(velocity, num_velocities(kind), tree.num_velocities, "velocity")});
 }
 
-void add_geometry(Scene& scene, int link, const Doubles& X_LG, int kind, const Doubles& size, const Doubles& vertices,
-                  const Doubles& planes, const Doubles& outer, const Doubles& inner, const Doubles& bound) {
-  require(link < static_cast<int>(scene.tree.links.size()), "no such link");
-  require(kind >= 0 && kind <= 6, "no such kind of shape");
-  require(X_LG.size() == 12 && size.size() == 3 && bound.size() == 4, "X_LG has 12 numbers, a size 3, a bound 4");
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i + 2 < vertices.size(); i += 3) points.push_back(vec(vertices.data() + i));
-  require(kind != static_cast<int>(ShapeKind::hull) || points.size() >= 4, "a hull has four vertices or more");
-  std::vector<std::array<double, 4>> faces;
-  for (std::size_t i = 0; i + 3 < planes.size(); i += 4) {
-    const double* p = planes.data() + i;
-    faces.push_back({p[0], p[1], p[2], p[3]});
+void add_follower(Scene& scene, std::int64_t follower, std::int64_t leader, std::int64_t follower_velocity,
+                  std::int64_t leader_velocity, double multiplier, double offset) {
+  require_mutable(scene);
+  const auto nq = static_cast<std::size_t>(scene.tree.num_positions);
+  const auto nv = static_cast<std::size_t>(scene.tree.num_velocities);
+  scene.tree.followers.push_back({index(follower, nq, "follower"), index(leader, nq, "leader"),
+                                  finite(multiplier, "multiplier"), finite(offset, "offset"),
+                                  index(follower_velocity, nv, "follower_velocity"),
+                                  index(leader_velocity, nv, "leader_velocity")});
+}
+
+// Sizes that a kind uses are not negative, and those of an ellipsoid, by which it is stretched, are positive.
+Vec3 size_of(ShapeKind kind, const Doubles& array) {
+  const Vec3 size = vec(array, "size");
+  const double least = std::min({size.x, size.y, size.z});
+  require(kind == ShapeKind::ellipsoid ? least > 0 : least >= 0,
+          "size has a number that is too small: no length is negative, and no semi-axis of an ellipsoid zero");
+  return size;
+}
+
+Shape shape(ShapeKind kind, const Doubles& size, const Doubles& vertices, const Doubles& planes) {
+  const Table points = table(vertices, 3, "vertices"), faces = table(planes, 4, "planes");
+  finite(points.all(), "vertices"), finite(faces.all(), "planes");
+  if (kind == ShapeKind::hull && (points.rows < 3 || faces.rows < 2))
+    refuse("a hull has three vertices and two planes or more, not " + std::to_string(points.rows) + " and " +
+           std::to_string(faces.rows));
+  std::vector<Vec3> corners;
+  for (std::size_t i = 0; i < points.rows; ++i) {
+    const double* x = points.row(i);
+    corners.push_back({x[0], x[1], x[2]});
   }
-  scene.geometries.push_back({link, transform(X_LG.data()),
-                              Shape(static_cast<ShapeKind>(kind), vec(size.data()), points, std::move(faces)),
-                              spheres(outer), spheres(inner), {vec(bound.data()), bound.data()[3]}});
+  std::vector<std::array<double, 4>> halves;
+  for (std::size_t i = 0; i < faces.rows; ++i) {
+    const double* p = faces.row(i);
+    halves.push_back({p[0], p[1], p[2], p[3]});
+  }
+  return Shape(kind, size_of(kind, size), corners, std::move(halves));
 }
 
-void add_pair(Scene& scene, int a, int b) {
-  const int count = static_cast<int>(scene.geometries.size());
-  require(a >= 0 && b >= 0 && a < count && b < count, "no such geometry");
-  scene.pairs.push_back({a, b});
+Sphere bound_of(const Doubles& array) {
+  const auto x = finite(row(array, 4, "bound"), "bound");
+  require(x[3] >= 0, "bound has a negative radius");
+  return {{x[0], x[1], x[2]}, x[3]};
+}
+
+void add_geometry(Scene& scene, std::int64_t link, const Doubles& X_LG, ShapeKind kind, const Doubles& size,
+                  const Doubles& vertices, const Doubles& planes, const Doubles& outer, const Doubles& inner,
+                  const Doubles& bound) {
+  require_mutable(scene);
+  Geometry made{link_or_world(link, scene, "link"),
+                transform(X_LG, "X_LG"),
+                shape(kind, size, vertices, planes),
+                spheres(outer, "outer"),
+                spheres(inner, "inner"),
+                bound_of(bound)};
+  // What moves is in collision where one of its outer spheres is: without any it would be free everywhere.
+  require(made.link < 0 || kind == ShapeKind::half_space || !made.outer.empty(),
+          "outer has no rows: a geometry on a link is covered by spheres");
+  scene.geometries.push_back(std::move(made));
+}
+
+void add_pair(Scene& scene, std::int64_t a, std::int64_t b) {
+  require_mutable(scene);
+  const std::size_t count = scene.geometries.size();
+  scene.pairs.push_back({index(a, count, "a"), index(b, count, "b")});
 }
 
 // The same for many pairs, as rows a, b, one after the other.
 void add_pairs(Scene& scene, const Integers& rows) {
-  require(rows.size() % 2 == 0, "a pair has two geometries");
-  scene.pairs.reserve(scene.pairs.size() + rows.size() / 2);
-  for (std::size_t i = 0; i < rows.size(); i += 2)
-    add_pair(scene, static_cast<int>(rows.data()[i]), static_cast<int>(rows.data()[i + 1]));
+  require_mutable(scene);
+  const auto ends = indices(row(rows, "rows"), scene.geometries.size(), "rows");
+  if (ends.size() % 2 != 0) refuse("rows has " + std::to_string(ends.size()) + " numbers, not two for each pair");
+  scene.pairs.reserve(scene.pairs.size() + ends.size() / 2);
+  for (std::size_t i = 0; i < ends.size(); i += 2) scene.pairs.push_back({ends[i], ends[i + 1]});
 }
 
 // A copy in which some geometries are elsewhere on their links.
 std::shared_ptr<Scene> with_poses(const Scene& scene, const Integers& geometries, const Doubles& X_LG) {
-  require_shape(X_LG, geometries.size(), 12, "X_LG");
+  const auto which = indices(row(geometries, "geometries"), scene.geometries.size(), "geometries");
+  const Table poses = table(X_LG, which.size(), 12, "X_LG");
+  finite(poses.all(), "X_LG");
   auto moved = std::make_shared<Scene>(scene);
-  for (std::size_t i = 0; i < geometries.size(); ++i) {
-    const std::int64_t geometry = geometries.data()[i];
-    require(geometry >= 0 && geometry < static_cast<std::int64_t>(scene.geometries.size()), "no such geometry");
-    moved->geometries[geometry].X_LG = transform(X_LG.data() + 12 * i);
-  }
+  moved->is_immutable = false;
+  for (std::size_t i = 0; i < which.size(); ++i)
+    moved->geometries[static_cast<std::size_t>(which[i])].X_LG = transform({poses.row(i), 12});
   return moved;
 }
 
@@ -77,18 +141,22 @@ std::shared_ptr<Scene> with_poses(const Scene& scene, const Integers& geometries
 
 void bind_scene(nb::module_& m) {
   nb::class_<Scene>(m, "Scene", "What a loaded world is to the kernel.")
-      .def("__init__", [](Scene* self, int num_positions, int num_velocities) {
-        new (self) Scene();
-        self->tree.num_positions = num_positions;
-        self->tree.num_velocities = num_velocities;
-      }, nb::arg("num_positions"), nb::arg("num_velocities"))
-      .def("add_link", &add_link, nb::arg("parent"), nb::arg("X_PF"), nb::arg("kind"), nb::arg("axis"),
+      .def(
+          "__init__",
+          [](Scene* self, int num_positions, int num_velocities) {
+            coordinates(num_positions, "num_positions"), coordinates(num_velocities, "num_velocities");
+            new (self) Scene();
+            self->tree.num_positions = num_positions;
+            self->tree.num_velocities = num_velocities;
+          },
+          nb::arg("num_positions"), nb::arg("num_velocities"))
+      .def("add_link", &add_link, nb::arg("parent"), nb::arg("X_PF"), nb::arg("kind").noconvert(), nb::arg("axis"),
            nb::arg("position"), nb::arg("velocity"))
-      .def("add_follower", [](Scene& s, int a, int b, int va, int vb, double k, double c) { add_follower(s, {a, b, va, vb}, k, c); },
-           nb::arg("follower"), nb::arg("leader"), nb::arg("follower_velocity"), nb::arg("leader_velocity"),
-           nb::arg("multiplier"), nb::arg("offset"))
-      .def("add_geometry", &add_geometry, nb::arg("link"), nb::arg("X_LG"), nb::arg("kind"), nb::arg("size"),
-           nb::arg("vertices"), nb::arg("planes"), nb::arg("outer"), nb::arg("inner"), nb::arg("bound"))
+      .def("add_follower", &add_follower, nb::arg("follower"), nb::arg("leader"), nb::arg("follower_velocity"),
+           nb::arg("leader_velocity"), nb::arg("multiplier"), nb::arg("offset"))
+      .def("add_geometry", &add_geometry, nb::arg("link"), nb::arg("X_LG"), nb::arg("kind").noconvert(),
+           nb::arg("size"), nb::arg("vertices"), nb::arg("planes"), nb::arg("outer"), nb::arg("inner"),
+           nb::arg("bound"))
       .def("add_pair", &add_pair, nb::arg("a"), nb::arg("b"))
       .def("add_pairs", &add_pairs, nb::arg("rows"))
       .def("with_poses", &with_poses, nb::arg("geometries"), nb::arg("X_LG"));

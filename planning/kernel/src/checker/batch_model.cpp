@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "checker/checker.hpp"
 
@@ -15,6 +16,8 @@ constexpr double losses_per_link = 32;
 constexpr double endless = 1e15;
 // Largest number of checked faces of a hull; the others are left out, which only enlarges it.
 constexpr std::size_t max_planes = 32;
+// Fewer bound nothing: flat hulls have the two sides of their plane.
+constexpr std::size_t min_planes = 4;
 
 void write(const Transform& x, float* R, float* p) {
   for (int i = 0; i < 9; ++i) R[i] = static_cast<float>(x.R.m[i]);
@@ -22,11 +25,11 @@ void write(const Transform& x, float* R, float* p) {
 }
 
 // Enlarges the sphere by rounding errors if `grow`, else shrinks it.
-LaneSphere lane_sphere(const Transform& x, const Sphere& s, bool grow) {
+BatchSphere batch_sphere(const Transform& x, const Sphere& s, bool grow) {
   const Vec3 c = x * s.center;
-  const double dust = unit * (norm(c) + s.radius) * 4;
+  const double rounding = unit * (norm(c) + s.radius) * 4;
   return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z),
-          static_cast<float>(std::max(0.0, grow ? s.radius + dust : s.radius - dust))};
+          static_cast<float>(std::max(0.0, grow ? s.radius + rounding : s.radius - rounding))};
 }
 
 // Tangent planes of an ellipsoid along the directions of a refined cube.
@@ -61,27 +64,40 @@ std::vector<std::array<double, 4>> spread(const std::vector<std::array<double, 4
   return taken;
 }
 
+ObstacleKind obstacle_kind(ShapeKind kind) {
+  switch (kind) {
+    case ShapeKind::box: return ObstacleKind::box;
+    case ShapeKind::sphere: return ObstacleKind::sphere;
+    case ShapeKind::cylinder: return ObstacleKind::cylinder;
+    case ShapeKind::capsule: return ObstacleKind::capsule;
+    case ShapeKind::ellipsoid:
+    case ShapeKind::hull: return ObstacleKind::polyhedron;
+    case ShapeKind::half_space: return ObstacleKind::half_space;
+  }
+  throw std::logic_error("a shape of no known kind");
+}
+
 struct Builder {
   const Scene& scene;
   const Group& group;
   const std::vector<Transform>& X_WL;
-  LaneModelStorage& out;
-  std::vector<int> lane_link;
-  std::vector<double> depth, extent;  // of every lane link: joints before it, metres of chain
+  BatchModelStorage& out;
+  std::vector<int> batch_link;
+  std::vector<double> depth, extent;      // of every lane link: joints before it, metres of chain
   std::vector<int> body_of, obstacle_of;  // by geometry; -1 for no body or obstacle
 
   void add_links() {
-    lane_link.assign(scene.tree.links.size(), -1);
+    batch_link.assign(scene.tree.links.size(), -1);
     for (std::size_t i = 0; i < scene.tree.links.size(); ++i) {
       if (!group.moves[i]) continue;
       const Link& link = scene.tree.links[i];
-      const int parent = link.parent < 0 ? -1 : lane_link[link.parent];
+      const int parent = link.parent < 0 ? -1 : batch_link[link.parent];
       const Transform X = parent < 0 && link.parent >= 0 ? X_WL[link.parent] * link.X_PF : link.X_PF;
-      LaneLink made{parent, static_cast<int>(link.kind), static_cast<int>(out.coordinates.size()), {}, {}, {}};
+      BatchLink made{parent, link.kind, static_cast<int>(out.coordinates.size()), {}, {}, {}};
       write(X, made.R, made.p);
       for (int k = 0; k < 3; ++k) made.axis[k] = static_cast<float>(link.axis[k]);
       add_coordinates(link);
-      lane_link[i] = static_cast<int>(out.links.size());
+      batch_link[i] = static_cast<int>(out.links.size());
       depth.push_back(parent < 0 ? 1 : depth[parent] + 1);
       extent.push_back(norm(X.p) + (parent < 0 ? 0 : extent[parent]));
       out.links.push_back(made);
@@ -89,7 +105,7 @@ struct Builder {
   }
 
   void add_coordinates(const Link& link) {
-    using Kind = LaneCoordinate::Kind;
+    using Kind = BatchCoordinate::Kind;
     const auto add = [&](int offset, Kind kind) { out.coordinates.push_back({link.position + offset, kind}); };
     switch (link.kind) {
       case JointKind::revolute: add(0, Kind::angle); break;
@@ -100,17 +116,21 @@ struct Builder {
         for (int k = 1; k < 4; ++k) add(k, Kind::quaternion_xyz);
         for (int k = 4; k < 7; ++k) add(k, Kind::length);
         break;
-      default: break;
+      case JointKind::fixed: break;
     }
   }
 
   int body(int geometry) {
     if (body_of[geometry] >= 0) return body_of[geometry];
     const Geometry& g = scene.geometries[geometry];
-    LaneBody made{lane_link[g.link], static_cast<int>(out.outer.size()), 0, static_cast<int>(out.inner.size()), 0,
-                  lane_sphere(g.X_LG, g.bound, true)};
-    for (const Sphere& s : g.outer) out.outer.push_back(lane_sphere(g.X_LG, s, true));
-    for (const Sphere& s : g.inner) out.inner.push_back(lane_sphere(g.X_LG, s, false));
+    BatchBody made{batch_link[g.link],
+                   static_cast<int>(out.outer.size()),
+                   0,
+                   static_cast<int>(out.inner.size()),
+                   0,
+                   batch_sphere(g.X_LG, g.bound, true)};
+    for (const Sphere& s : g.outer) out.outer.push_back(batch_sphere(g.X_LG, s, true));
+    for (const Sphere& s : g.inner) out.inner.push_back(batch_sphere(g.X_LG, s, false));
     made.outer_end = static_cast<int>(out.outer.size());
     made.inner_end = static_cast<int>(out.inner.size());
     out.bodies.push_back(made);
@@ -121,22 +141,30 @@ struct Builder {
     if (obstacle_of[geometry] >= 0) return obstacle_of[geometry];
     const Geometry& g = scene.geometries[geometry];
     const Transform X_WO = scene.pose(geometry, X_WL.data());
-    LaneObstacle made{};
-    made.kind = static_cast<int>(g.shape.kind);
+    BatchObstacle made{};
+    made.kind = obstacle_kind(g.shape.kind);
     Transform X{transposed(X_WO.R), X_WO.p};
     write(X, made.R, made.p);
     for (int k = 0; k < 3; ++k) made.size[k] = static_cast<float>(g.shape.size[k]);
-    made.bound = lane_sphere(X_WO, {g.shape.center, std::min(g.shape.radius, endless)}, true);
-    if (g.shape.kind == ShapeKind::ellipsoid) add_planes(made, tangent_planes(g.shape.axes), X_WO, false);
-    if (g.shape.kind == ShapeKind::hull)
-      add_planes(made, spread(g.shape.planes), X_WO, g.shape.planes.size() <= max_planes);
+    made.bound = batch_sphere(X_WO, {g.shape.center, std::min(g.shape.radius, endless)}, true);
+    switch (g.shape.kind) {
+      case ShapeKind::ellipsoid: add_planes(made, tangent_planes(g.shape.axes), X_WO, false); break;
+      case ShapeKind::hull:
+        add_planes(made, spread(g.shape.planes), X_WO,
+                   g.shape.planes.size() >= min_planes && g.shape.planes.size() <= max_planes);
+        break;
+      case ShapeKind::box:
+      case ShapeKind::sphere:
+      case ShapeKind::cylinder:
+      case ShapeKind::capsule:
+      case ShapeKind::half_space: break;  // exactly by their sizes
+    }
     out.obstacles.push_back(made);
     return obstacle_of[geometry] = static_cast<int>(out.obstacles.size()) - 1;
   }
 
-  void add_planes(LaneObstacle& made, const std::vector<std::array<double, 4>>& planes, const Transform& X_WO,
+  void add_planes(BatchObstacle& made, const std::vector<std::array<double, 4>>& planes, const Transform& X_WO,
                   bool are_all) {
-    made.kind = static_cast<int>(ShapeKind::hull);
     made.planes_are_all = are_all;
     made.planes_begin = static_cast<int>(out.planes.size());
     for (const auto& p : planes) {
@@ -149,7 +177,7 @@ struct Builder {
 
   double rounding_of_body(int geometry) const {
     const Geometry& g = scene.geometries[geometry];
-    const int link = lane_link[g.link];
+    const int link = batch_link[g.link];
     const double reach = extent[link] + norm(g.X_LG.p) + g.shape.radius;
     return unit * losses_per_link * (depth[link] + 1) * reach;
   }
@@ -162,31 +190,34 @@ struct Builder {
     return unit * 12 * reach;
   }
 
-  void add_pair(int index, const Demand& demand) {
+  void add_pair(int index, const PairThreshold& threshold) {
     auto [a, b] = scene.pairs[index];
     const bool both = scene.is_moved(group, a) && scene.is_moved(group, b);
-    if (!scene.is_moved(group, a) || (both && lane_link[scene.geometries[a].link] > lane_link[scene.geometries[b].link]))
+    if (!scene.is_moved(group, a) ||
+        (both && batch_link[scene.geometries[a].link] > batch_link[scene.geometries[b].link]))
       std::swap(a, b);
     const double slack = exact_slack + rounding_of_body(a) + (both ? rounding_of_body(b) : rounding_of_obstacle(b));
     const int first = body(a), other = both ? body(b) : obstacle(b);
-    const LanePair pair{first, other, static_cast<float>(demand.margin + slack), static_cast<float>(demand.touching - slack)};
-    (both ? among_bodies : with_obstacles).push_back({lane_link[scene.geometries[a].link],
-                                                      both ? lane_link[scene.geometries[b].link] : other, pair, index});
+    const BatchPair pair{first, other, static_cast<float>(std::max(threshold.margin, 0.0) + slack),
+                         static_cast<float>(threshold.touching - slack)};
+    (both ? among_bodies : with_obstacles)
+        .push_back(
+            {batch_link[scene.geometries[a].link], both ? batch_link[scene.geometries[b].link] : other, pair, index});
   }
 
-  struct Made {
+  struct BuiltPair {
     int link, other;
-    LanePair pair;
+    BatchPair pair;
     int index;
   };
-  std::vector<Made> with_obstacles, among_bodies;
+  std::vector<BuiltPair> with_obstacles, among_bodies;
 
   // Sorts pairs by link and obstacle or other link, and records the range of each such group.
-  void group_pairs(std::vector<Made>& made, std::vector<LanePair>& pairs, std::vector<LaneGroup>& groups) {
-    std::stable_sort(made.begin(), made.end(), [](const Made& x, const Made& y) {
+  void group_pairs(std::vector<BuiltPair>& made, std::vector<BatchPair>& pairs, std::vector<BatchGroup>& groups) {
+    std::stable_sort(made.begin(), made.end(), [](const BuiltPair& x, const BuiltPair& y) {
       return x.link != y.link ? x.link < y.link : x.other < y.other;
     });
-    for (const Made& m : made) {
+    for (const BuiltPair& m : made) {
       const int at = static_cast<int>(pairs.size());
       if (groups.empty() || groups.back().link != m.link || groups.back().other != m.other)
         groups.push_back({m.link, m.other, at, at, m.pair.free_above});
@@ -202,21 +233,21 @@ struct Builder {
     for (std::size_t link = 0; link < out.links.size(); ++link) {
       Vec3 sum;
       double count = 0, radius = 0;
-      for (const LaneBody& b : out.bodies)
+      for (const BatchBody& b : out.bodies)
         if (b.link == static_cast<int>(link)) sum = sum + Vec3{b.bound.x, b.bound.y, b.bound.z}, ++count;
       const Vec3 center = count ? (1 / count) * sum : sum;
-      for (const LaneBody& b : out.bodies)
+      for (const BatchBody& b : out.bodies)
         if (b.link == static_cast<int>(link))
           radius = std::max(radius, norm(Vec3{b.bound.x, b.bound.y, b.bound.z} - center) + b.bound.r);
-      out.link_bounds.push_back(lane_sphere({}, {center, radius}, true));
+      out.link_bounds.push_back(batch_sphere({}, {center, radius}, true));
     }
   }
 };
 
 }  // namespace
 
-LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const std::vector<Demand>& demands,
-                                   const std::vector<Transform>& X_WL) {
+BatchModelStorage::BatchModelStorage(const Scene& scene, const Group& group,
+                                     const std::vector<PairThreshold>& thresholds, const std::vector<Transform>& X_WL) {
   const std::vector<int> none(scene.geometries.size(), -1);
   Builder builder{scene, group, X_WL, *this, {}, {}, {}, none, none, {}, {}};
   builder.add_links();
@@ -224,7 +255,7 @@ LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const
     const auto [a, b] = scene.pairs[i];
     const bool moved = scene.is_moved(group, a) || scene.is_moved(group, b);
     if (moved && !scene.moves_half_space(group, {a, b}) && scene.geometries[a].link != scene.geometries[b].link)
-      builder.add_pair(static_cast<int>(i), demands[i]);
+      builder.add_pair(static_cast<int>(i), thresholds[i]);
   }
   builder.group_pairs(builder.with_obstacles, obstacle_pairs, obstacle_groups);
   builder.group_pairs(builder.among_bodies, body_pairs, link_groups);
@@ -234,13 +265,27 @@ LaneModelStorage::LaneModelStorage(const Scene& scene, const Group& group, const
   slack_per_metre = unit * losses_per_link * (deepest + 1) * 2;
 }
 
-LaneModel LaneModelStorage::view() const {
-  return {links.data(), static_cast<int>(links.size()), bodies.data(), static_cast<int>(bodies.size()),
-          outer.data(), static_cast<int>(outer.size()), inner.data(), static_cast<int>(inner.size()),
-          obstacles.data(), planes.data(), obstacle_pairs.data(), static_cast<int>(obstacle_pairs.size()),
-          body_pairs.data(), static_cast<int>(body_pairs.size()), link_bounds.data(),
-          obstacle_groups.data(), static_cast<int>(obstacle_groups.size()), link_groups.data(),
-          static_cast<int>(link_groups.size()), static_cast<int>(coordinates.size())};
+BatchModel BatchModelStorage::view() const {
+  return {links.data(),
+          static_cast<int>(links.size()),
+          bodies.data(),
+          static_cast<int>(bodies.size()),
+          outer.data(),
+          static_cast<int>(outer.size()),
+          inner.data(),
+          static_cast<int>(inner.size()),
+          obstacles.data(),
+          planes.data(),
+          obstacle_pairs.data(),
+          static_cast<int>(obstacle_pairs.size()),
+          body_pairs.data(),
+          static_cast<int>(body_pairs.size()),
+          link_bounds.data(),
+          obstacle_groups.data(),
+          static_cast<int>(obstacle_groups.size()),
+          link_groups.data(),
+          static_cast<int>(link_groups.size()),
+          static_cast<int>(coordinates.size())};
 }
 
 }  // namespace wayproof

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <new>
 #include <stdexcept>
 #include <utility>
 
 #include "checker/sample_order.hpp"
+#include "math/aligned.hpp"
 #include "model/gjk.hpp"
 
 namespace wayproof {
@@ -16,31 +16,26 @@ namespace {
 constexpr double turn = 6.283185307179586;
 // Largest position [rad or m] of which single precision gives a verdict; for NaN it gives none.
 constexpr double far_off = 1e6;
+// More samples would take years, and their number is to fit into an integer.
+constexpr double most_samples = 1e15;
 
 // The same number as planning/domain/curves/motion_samples.py has, operation by operation.
 std::int64_t num_samples(const double* displacement, int nq, double resolution) {
   double square = 0;
   for (int i = 0; i < nq; ++i) square += displacement[i] * displacement[i];
   if (!(square < far_off * far_off)) throw std::invalid_argument("a motion is finite and not too long");
-  return static_cast<std::int64_t>(std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0));
+  const double count = std::max(std::ceil(std::sqrt(square) / resolution - 1e-9), 1.0);
+  if (!(count < most_samples)) throw std::invalid_argument("the resolution is too fine for so long a motion");
+  return static_cast<std::int64_t>(count);
 }
-
-struct Aligned {
-  float* data;
-  explicit Aligned(std::size_t floats)
-      : data(static_cast<float*>(::operator new[](std::max<std::size_t>(floats, 1) * sizeof(float), std::align_val_t{64}))) {}
-  ~Aligned() { ::operator delete[](data, std::align_val_t{64}); }
-  Aligned(const Aligned&) = delete;
-  Aligned& operator=(const Aligned&) = delete;
-};
 
 }  // namespace
 
 // Mutable buffers of one thread's check.
 struct Checker::Workspace {
-  LaneModel model;
+  BatchModel model;
   int width;
-  Aligned coordinates, scratch;
+  Aligned<float> coordinates, scratch;
   std::vector<int> pairs;
   std::vector<unsigned> lanes;
   std::vector<double> full;
@@ -51,12 +46,12 @@ struct Checker::Workspace {
   std::vector<Verdict> found;
 
   explicit Workspace(const Checker& c)
-      : model(c.lanes_.view()),
+      : model(c.batch_.view()),
         width(c.kernel_.width),
         coordinates(static_cast<std::size_t>(width) * model.num_coordinates),
         scratch(scratch_floats(model, width)),
-        pairs(c.lanes_.pair_of.size() + 1),
-        lanes(c.lanes_.pair_of.size() + 1),
+        pairs(c.batch_.pair_of.size() + 1),
+        lanes(c.batch_.pair_of.size() + 1),
         full(c.group_.state),
         X_WL(c.X_WL_),
         directions(c.scene_->pairs.size()),
@@ -70,16 +65,16 @@ struct Checker::Workspace {
     c.group_.embed(c.scene_->tree, q, full.data());
     double reach = 0;
     bool is_near = true;
-    using Kind = LaneCoordinate::Kind;
-    for (std::size_t i = 0; i < c.lanes_.coordinates.size(); ++i) {
-      const auto [position, kind] = c.lanes_.coordinates[i];
+    using Kind = BatchCoordinate::Kind;
+    for (std::size_t i = 0; i < c.batch_.coordinates.size(); ++i) {
+      const auto [position, kind] = c.batch_.coordinates[i];
       double x = full[position];
       is_near &= std::abs(x) < far_off;
       if (kind == Kind::angle) x -= turn * std::nearbyint(x / turn);
       if (kind == Kind::length) reach = std::max(reach, std::abs(x));
       if (kind == Kind::quaternion_w) scale = quaternion_scale(&full[position]);
       if (kind == Kind::quaternion_w || kind == Kind::quaternion_xyz) x *= scale;
-      coordinates.data[i * width + lane] = is_near ? static_cast<float>(x) : 0.0f;
+      coordinates.data()[i * width + lane] = is_near ? static_cast<float>(x) : 0.0f;
     }
     return is_near ? reach : std::numeric_limits<double>::infinity();
   }
@@ -114,57 +109,62 @@ struct Checker::Lease {
 
 Checker::~Checker() = default;
 
-Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<Demand> demands, LaneKernel kernel)
-    : scene_(std::move(scene)), group_(std::move(group)), demands_(std::move(demands)), kernel_(kernel),
+Checker::Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<PairThreshold> thresholds,
+                 BatchKernel kernel)
+    : scene_(std::move(scene)),
+      group_(std::move(group)),
+      thresholds_(std::move(thresholds)),
+      kernel_(kernel),
       X_WL_(scene_->tree.links.size()) {
   scene_->tree.place(group_.state.data(), X_WL_.data());
-  lanes_ = LaneModelStorage(*scene_, group_, demands_, X_WL_);
-  std::vector<char> judged(scene_->pairs.size(), 0);
-  for (int pair : lanes_.pair_of) judged[pair] = 1;
-  for (std::size_t i = 0; i < judged.size(); ++i) {
-    if (judged[i]) continue;
+  batch_ = BatchModelStorage(*scene_, group_, thresholds_, X_WL_);
+  std::vector<char> is_checked(scene_->pairs.size(), 0);
+  for (int pair : batch_.pair_of) is_checked[pair] = 1;
+  for (std::size_t i = 0; i < is_checked.size(); ++i) {
+    if (is_checked[i]) continue;
     const int pair = static_cast<int>(i);
     Vec3 direction;
     if (scene_->moves_half_space(group_, scene_->pairs[i]))
       exact_.push_back(pair);
-    else if (judge_pair(pair, X_WL_.data(), direction) != Verdict::free)
-      doubtful_.push_back(pair);
+    else if (check_pair(pair, X_WL_.data(), direction) != Verdict::free)
+      undecided_static_.push_back(pair);
   }
 }
 
-Verdict Checker::judge_pair(int index, const Transform* X_WL, Vec3& direction) const {
+Verdict Checker::check_pair(int index, const Transform* X_WL, Vec3& direction) const {
   const Pair pair = scene_->pairs[index];
-  const Demand demand = demands_[index];
+  const PairThreshold threshold = thresholds_[index];
   const Geometry &a = scene_->geometries[pair.a], &b = scene_->geometries[pair.b];
   const Transform X_WA = scene_->pose(pair.a, X_WL), X_WB = scene_->pose(pair.b, X_WL);
   // Neighbours are always near, and nearly always the same plane separates them.
-  if (dot(direction, direction) > 0 && slab(a.shape, X_WA, b.shape, X_WB, X_WA.R * direction) >= demand.margin + exact_slack)
+  if (dot(direction, direction) > 0 &&
+      slab(a.shape, X_WA, b.shape, X_WB, X_WA.R * direction) >= threshold.margin + exact_slack)
     return Verdict::free;
-  const Separation found = separation(a.shape, X_WA, b.shape, X_WB, demand.margin + exact_slack,
-                                      demand.touching - exact_slack, {});
+  const Separation found =
+      separation(a.shape, X_WA, b.shape, X_WB, threshold.margin + exact_slack, threshold.touching - exact_slack, {});
   if (found.lower > 0) direction = transposed_times(X_WA.R, found.direction);
-  if (found.lower >= demand.margin + exact_slack) return Verdict::free;
-  return found.upper <= demand.touching - exact_slack ? Verdict::colliding : Verdict::unsure;
+  if (found.lower >= threshold.margin + exact_slack) return Verdict::free;
+  return found.upper <= threshold.touching - exact_slack ? Verdict::colliding : Verdict::unsure;
 }
 
 // Decides one lane by exact distances of its undecided pairs, and of those that the lanes do not check.
-Verdict Checker::judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const {
+Verdict Checker::check_exactly(const double* q, unsigned lane, const BatchVerdict& v, Workspace& w) const {
   group_.embed(scene_->tree, q, w.full.data());
   group_.place(scene_->tree, w.full.data(), w.X_WL.data());
   Verdict all = Verdict::free;
   const auto collides = [&](int pair) {
-    const Verdict one = judge_pair(pair, w.X_WL.data(), w.directions[pair]);
+    const Verdict one = check_pair(pair, w.X_WL.data(), w.directions[pair]);
     if (one != Verdict::free) all = one;
     return one == Verdict::colliding;
   };
   for (int k = 0; k < v.num_unsure; ++k)
-    if ((v.lanes[k] & lane) && collides(lanes_.pair_of[v.pairs[k]])) return all;
+    if ((v.lanes[k] & lane) && collides(batch_.pair_of[v.pairs[k]])) return all;
   for (int pair : exact_)
     if (collides(pair)) return all;
   return all;
 }
 
-bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const {
+bool Checker::check_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const {
   const int nq = num_positions();
   double reach = 0;
   unsigned active = 0;
@@ -174,31 +174,34 @@ bool Checker::judge_block(const double* qs, int count, Verdict* verdicts, Worksp
     reach = std::max(reach, far);
     if (lane < count) active |= 1u << lane;
   }
-  LaneVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
-  kernel_.judge(w.model, w.coordinates.data, active, static_cast<float>(lanes_.slack_per_metre * reach), w.scratch.data, v);
+  BatchVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
+  kernel_.check(w.model, w.coordinates.data(), active, static_cast<float>(batch_.slack_per_metre * reach),
+                w.scratch.data(), v);
   if (any_hit_decides && v.hit) return true;
   unsigned unsure = 0;
   for (int k = 0; k < v.num_unsure; ++k) unsure |= v.lanes[k];
   for (int lane = 0; lane < count; ++lane) {
     const unsigned bit = 1u << lane;
-    verdicts[lane] = !(active & bit)  ? Verdict::unsure
-                     : v.hit & bit    ? Verdict::colliding
-                     : (unsure & bit) || !exact_.empty() ? judge_exactly(qs + nq * lane, bit, v, w)
-                                      : Verdict::free;
+    verdicts[lane] = !(active & bit)                     ? Verdict::unsure
+                     : v.hit & bit                       ? Verdict::colliding
+                     : (unsure & bit) || !exact_.empty() ? check_exactly(qs + nq * lane, bit, v, w)
+                                                         : Verdict::free;
     if (any_hit_decides && verdicts[lane] == Verdict::colliding) return true;
-    if (verdicts[lane] == Verdict::free && !doubtful_.empty()) verdicts[lane] = Verdict::unsure;
+    if (verdicts[lane] == Verdict::free && !undecided_static_.empty()) verdicts[lane] = Verdict::unsure;
   }
   return false;
 }
 
-void Checker::judge(const double* qs, std::int64_t count, Verdict* verdicts) const {
+void Checker::check(std::span<const double> qs, std::span<Verdict> verdicts) const {
   const Lease lease(*this);
   Workspace& w = *lease.workspace;
-  for (std::int64_t i = 0; i < count; i += w.width)
-    judge_block(qs + num_positions() * i, static_cast<int>(std::min<std::int64_t>(w.width, count - i)), verdicts + i, w, false);
+  const auto nq = static_cast<std::size_t>(num_positions()), width = static_cast<std::size_t>(w.width);
+  for (std::size_t i = 0; i < verdicts.size(); i += width)
+    check_block(qs.data() + nq * i, static_cast<int>(std::min(width, verdicts.size() - i)), &verdicts[i], w, false);
 }
 
-Verdict Checker::judge_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const {
+Verdict Checker::check_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure,
+                              Workspace& w) const {
   const int nq = num_positions();
   const std::size_t before = unsure.size();
   SampleOrder order(motion.n);
@@ -214,7 +217,7 @@ Verdict Checker::judge_motion(const Motion& motion, std::int64_t number, std::ve
       const double fraction = static_cast<double>(w.numbers[k]) / static_cast<double>(motion.n);
       for (int i = 0; i < nq; ++i) w.samples[k * nq + i] = motion.origin[i] + fraction * motion.displacement[i];
     }
-    if (judge_block(w.samples.data(), size, w.found.data(), w, true)) {
+    if (check_block(w.samples.data(), size, w.found.data(), w, true)) {
       unsure.resize(before);
       return Verdict::colliding;
     }
@@ -224,25 +227,27 @@ Verdict Checker::judge_motion(const Motion& motion, std::int64_t number, std::ve
   return unsure.size() > before ? Verdict::unsure : Verdict::free;
 }
 
-void Checker::judge_motions(const double* origins, const double* displacements, double resolution, std::int64_t count,
-                            Verdict* verdicts, std::vector<Unsure>& unsure) const {
+void Checker::check_motions(std::span<const double> origins, std::span<const double> displacements, double resolution,
+                            std::span<Verdict> verdicts, std::vector<Unsure>& unsure) const {
   const Lease lease(*this);
   const int nq = num_positions();
-  for (std::int64_t j = 0; j < count; ++j) {
-    const double* displacement = displacements + j * nq;
-    const Motion motion{origins + j * nq, displacement, num_samples(displacement, nq, resolution), false};
-    verdicts[j] = judge_motion(motion, j, unsure, *lease.workspace);
+  for (std::size_t j = 0; j < verdicts.size(); ++j) {
+    const std::size_t at = j * static_cast<std::size_t>(nq);
+    const double* displacement = displacements.data() + at;
+    const Motion motion{origins.data() + at, displacement, num_samples(displacement, nq, resolution), false};
+    verdicts[j] = check_motion(motion, static_cast<std::int64_t>(j), unsure, *lease.workspace);
   }
 }
 
-Verdict Checker::judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const {
+Verdict Checker::check_edge(std::span<const double> from, std::span<const double> to, double resolution,
+                            std::int64_t& n) const {
   const Lease lease(*this);
   const int nq = num_positions();
   std::vector<double> displacement(nq);
   for (int i = 0; i < nq; ++i) displacement[i] = to[i] - from[i];
   n = num_samples(displacement.data(), nq, resolution);
   std::vector<Unsure> unsure;
-  return judge_motion({from, displacement.data(), n, true}, 0, unsure, *lease.workspace);
+  return check_motion({from.data(), displacement.data(), n, true}, 0, unsure, *lease.workspace);
 }
 
 }  // namespace wayproof

@@ -4,19 +4,19 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "checker/batch_model.hpp"
 #include "checker/simd_checker.hpp"
+#include "model/kinds.hpp"
 #include "model/scene.hpp"
 
 namespace wayproof {
 
-enum class Verdict : std::uint8_t { free = 0, colliding = 1, unsure = 2 };
-
 // Distance thresholds of a pair: its distance must be at least `margin`. A pair is certainly in collision if it is
 // nearer than `touching`, which is the margin, or 0 where the exact checker is known to overstate positive distances.
-struct Demand {
+struct PairThreshold {
   double margin, touching;
 };
 
@@ -30,29 +30,29 @@ struct Unsure {
 
 class Checker {
  public:
-  Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<Demand> demands,
-          LaneKernel kernel);
+  Checker(std::shared_ptr<const Scene> scene, Group group, std::vector<PairThreshold> thresholds, BatchKernel kernel);
   ~Checker();
 
   int num_positions() const { return static_cast<int>(group_.positions.size()); }
 
-  // Checks configurations, [count][nq].
-  void judge(const double* qs, std::int64_t count, Verdict* verdicts) const;
+  // Checks configurations, [count][nq], a verdict for each.
+  void check(std::span<const double> qs, std::span<Verdict> verdicts) const;
 
   // Checks motions origin + (i / n) displacement, i = 1 .. n, n the least number whose steps are at most `resolution`
   // long: free or colliding; unsure if only some samples are, which are then appended to `unsure`. [count][nq] each.
   // For joints whose q and v are the same.
-  void judge_motions(const double* origins, const double* displacements, double resolution,
-                     std::int64_t count, Verdict* verdicts, std::vector<Unsure>& unsure) const;
+  void check_motions(std::span<const double> origins, std::span<const double> displacements, double resolution,
+                     std::span<Verdict> verdicts, std::vector<Unsure>& unsure) const;
 
   // Checks one motion between two configurations, both ends included; sets its number of samples.
-  Verdict judge_edge(const double* from, const double* to, double resolution, std::int64_t& n) const;
+  Verdict check_edge(std::span<const double> from, std::span<const double> to, double resolution,
+                     std::int64_t& n) const;
 
   // Static pairs, checked once since the group does not move them, that are not certainly free: with any of them no
   // configuration is called free.
-  const std::vector<int>& doubtful_fixed_pairs() const { return doubtful_; }
+  const std::vector<int>& undecided_static_pairs() const { return undecided_static_; }
 
-  const LaneKernel& kernel() const { return kernel_; }
+  const BatchKernel& kernel() const { return kernel_; }
 
  private:
   struct Workspace;
@@ -64,22 +64,22 @@ class Checker {
   };
 
   // Appends undecided samples as those of motion `number`.
-  Verdict judge_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const;
+  Verdict check_motion(const Motion& motion, std::int64_t number, std::vector<Unsure>& unsure, Workspace& w) const;
 
   // Checks at most as many configurations as there are lanes. Returns early, with verdicts missing, if one of them
   // collides and that decides.
-  bool judge_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const;
-  Verdict judge_exactly(const double* q, unsigned lane, const LaneVerdict& v, Workspace& w) const;
+  bool check_block(const double* qs, int count, Verdict* verdicts, Workspace& w, bool any_hit_decides) const;
+  Verdict check_exactly(const double* q, unsigned lane, const BatchVerdict& v, Workspace& w) const;
   // `direction` is a guess of the separating direction, then the one found.
-  Verdict judge_pair(int pair, const Transform* X_WL, Vec3& direction) const;
+  Verdict check_pair(int pair, const Transform* X_WL, Vec3& direction) const;
 
   std::shared_ptr<const Scene> scene_;
   Group group_;
-  std::vector<Demand> demands_;
-  LaneKernel kernel_;
-  LaneModelStorage lanes_;
+  std::vector<PairThreshold> thresholds_;
+  BatchKernel kernel_;
+  BatchModelStorage batch_;
   std::vector<Transform> X_WL_;  // at the group's state
-  std::vector<int> doubtful_;
+  std::vector<int> undecided_static_;
   std::vector<int> exact_;  // with half spaces that the group moves: the lanes have half spaces only as obstacles
   mutable std::mutex idle_mutex_;
   mutable std::unique_ptr<Workspace> idle_;  // of the last call, for the next one

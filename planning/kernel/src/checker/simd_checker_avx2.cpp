@@ -1,3 +1,3 @@
 #define WIDTH 8
-#define NAMESPACE lanes_avx2
+#define NAMESPACE batch_avx2
 #include "checker/simd_checker.inc"

@@ -1,3 +1,3 @@
 #define WIDTH 16
-#define NAMESPACE lanes_avx512
+#define NAMESPACE batch_avx512
 #include "checker/simd_checker.inc"

@@ -1,3 +1,3 @@
 #define WIDTH 4
-#define NAMESPACE lanes_base
+#define NAMESPACE batch_base
 #include "checker/simd_checker.inc"

@@ -4,9 +4,9 @@
 
 namespace wayproof {
 
-#define WAYPROOF_DECLARE(name)                 \
-  namespace name {                             \
-  int64_t solve(const IkTask&, double*);       \
+#define WAYPROOF_DECLARE(name)           \
+  namespace name {                       \
+  int64_t solve(const IkTask&, double*); \
   }
 WAYPROOF_DECLARE(ik_base)
 #if defined(__x86_64__)
@@ -23,17 +23,17 @@ void write(const Transform& X, double* R, double* p) {
 
 }  // namespace
 
-IkStorage::IkStorage(const Chain& chain, const double* lower, const double* upper) : model{} {
+IkStorage::IkStorage(const Chain& chain, std::span<const double> lower, std::span<const double> upper) : model{} {
   for (const ChainJoint& from : chain.joints) {
     IkJoint to{};
-    to.kind = static_cast<int>(from.kind);
+    to.kind = from.kind;
     write(from.X_BF, to.R, to.p);
-    for (int k = 0; k < 7; ++k) {
+    for (int k = 0; k < max_joint_positions; ++k) {
       to.source[k] = from.coordinates[k].source;
       to.multiplier[k] = from.coordinates[k].multiplier;
       to.offset[k] = from.coordinates[k].offset;
     }
-    for (int k = 0; k < 6; ++k) {
+    for (int k = 0; k < max_joint_velocities; ++k) {
       to.column[k] = from.rates[k].column;
       to.factor[k] = from.rates[k].factor;
     }

@@ -6,10 +6,9 @@
 
 #include <stdint.h>
 
-namespace wayproof {
+#include "model/kinds.hpp"
 
-// Tolerance of R_GT: an angle up to a bound, the angle of one axis up to a bound, or any rotation.
-enum class Freedom { ball = 0, cone = 1, free = 2 };
+namespace wayproof {
 
 struct IkTolerance {
   double box[3] = {0, 0, 0};  // half-widths about G, in G's axes [m]
@@ -18,14 +17,14 @@ struct IkTolerance {
   double bound = 0;  // [rad]
 };
 
-// A ChainJoint without anything that the linker could share; `kind` as JointKind counts.
+// A ChainJoint without anything that the linker could share.
 struct IkJoint {
-  int kind;
+  JointKind kind;
   double R[9], p[3];
-  int source[7];
-  double multiplier[7], offset[7];
-  int column[6];
-  double factor[6];
+  int source[max_joint_positions];
+  double multiplier[max_joint_positions], offset[max_joint_positions];
+  int column[max_joint_velocities];
+  double factor[max_joint_velocities];
 };
 
 // Element of q that simply adds its element of v; infinite where it has no limit.
@@ -57,12 +56,12 @@ struct IkTask {
   int64_t count;
   int64_t enough;
   int max_iterations;
-  const double* seeds;        // [count][num_positions]
-  const double* targets;      // X_WG, [num_targets][12]: R by rows, then p
-  const int64_t* target_of;   // [count]
-  double* q;                  // [count][num_positions]
-  uint8_t* converged;         // [count]
-  int64_t* iterations;        // [count]
+  const double* seeds;       // [count][num_positions]
+  const double* targets;     // X_WG, [num_targets][12]: R by rows, then p
+  const int64_t* target_of;  // [count]
+  double* q;                 // [count][num_positions]
+  uint8_t* converged;        // [count]
+  int64_t* iterations;       // [count]
 };
 
 // Returns the number of seeds tried: a prefix, regardless of what the lanes have done beyond. `scratch` is 64-aligned.
@@ -76,8 +75,11 @@ struct IkKernel {
 
 int ik_kernels(IkKernel* found, int most);
 
+// Numbers per lane of a pose.
+inline constexpr int doubles_per_pose = 12;
+
 inline int64_t ik_scratch_doubles(const IkModel& m, int width) {
-  return static_cast<int64_t>(width) * (8 * m.num_velocities + m.num_positions + 12 * (m.num_joints + 1));
+  return static_cast<int64_t>(width) * (8 * m.num_velocities + m.num_positions + doubles_per_pose * (m.num_joints + 1));
 }
 
 }  // namespace wayproof

@@ -1,6 +1,7 @@
 // IkModel: the solver's tables of a chain and its limits.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "ik/ik.hpp"
@@ -15,7 +16,7 @@ struct IkStorage {
   IkModel model;
 
   // Limits per position, infinite where there are none.
-  IkStorage(const Chain& chain, const double* lower, const double* upper);
+  IkStorage(const Chain& chain, std::span<const double> lower, std::span<const double> upper);
 
   IkModel view() const {
     IkModel m = model;

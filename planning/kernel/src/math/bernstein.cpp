@@ -38,18 +38,19 @@ Node half(const Node& node, bool right) {
 
 }  // namespace
 
-Peak peak(const double* coefficients, std::size_t rows, std::size_t terms, double tolerance) {
+Peak peak(std::span<const double> coefficients, std::size_t terms, double tolerance) {
+  const std::size_t rows = coefficients.size() / terms;
   std::vector<double> uppers(rows);
   double taken = -inf;
   for (std::size_t i = 0; i < rows; ++i) {
-    const double* c = coefficients + i * terms;
+    const double* c = coefficients.data() + i * terms;
     uppers[i] = *std::max_element(c, c + terms);
     taken = std::max({taken, c[0], c[terms - 1]});
   }
   std::vector<Node> heap;
   Node dropped{-inf, 0, 0, 1, 0, {0, 0}};
   for (std::size_t i = 0; i < rows; ++i) {
-    const double* c = coefficients + i * terms;
+    const double* c = coefficients.data() + i * terms;
     if (uppers[i] > taken + tolerance)
       heap.push_back({uppers[i], i, 0, 1, 0, {c, c + terms}});
     else if (uppers[i] > dropped.upper)

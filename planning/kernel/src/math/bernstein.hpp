@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 namespace wayproof {
 
@@ -11,7 +12,8 @@ struct Peak {
   double fraction;  // and its position on the interval
 };
 
-// Halves intervals (de Casteljau) until the bound is within `tolerance` of an attained value.
-Peak peak(const double* coefficients, std::size_t rows, std::size_t terms, double tolerance);
+// Halves intervals (de Casteljau) until the bound is within `tolerance` of an attained value. Coefficients:
+// [rows][terms].
+Peak peak(std::span<const double> coefficients, std::size_t terms, double tolerance);
 
 }  // namespace wayproof

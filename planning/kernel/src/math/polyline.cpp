@@ -13,16 +13,15 @@ constexpr double fine = 0.02;
 
 double distance_from_chord(const double* x, const double* a, const double* b, int size, double* away) {
   double along = 0, square = 0, total = 0;
-  for (int v = 0; v < size; ++v)
-    along += (x[v] - a[v]) * (b[v] - a[v]), square += (b[v] - a[v]) * (b[v] - a[v]);
+  for (int v = 0; v < size; ++v) along += (x[v] - a[v]) * (b[v] - a[v]), square += (b[v] - a[v]) * (b[v] - a[v]);
   const double s = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0;
   for (int v = 0; v < size; ++v) away[v] = x[v] - (a[v] + s * (b[v] - a[v])), total += away[v] * away[v];
   return total;
 }
 
 // Ramer-Douglas-Peucker: the farthest point becomes a row.
-void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows,
-              double* residual, int most_rows) {
+void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows, double* residual,
+              int most_rows) {
   const auto point = [&](int i) { return &points[static_cast<std::size_t>(i) * size]; };
   struct Chord {
     int first, last, worst;

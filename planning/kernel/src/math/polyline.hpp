@@ -10,7 +10,7 @@ double distance_from_chord(const double* x, const double* a, const double* b, in
 
 // Simplifies a polyline, [count][size], to few rows, such that every point of it is within a residual per coordinate of
 // their polyline; the residual is added to the given one.
-void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows,
-              double* residual, int most_rows = 6);
+void simplify(const std::vector<double>& points, int count, int size, std::vector<double>& rows, double* residual,
+              int most_rows = 6);
 
 }  // namespace wayproof

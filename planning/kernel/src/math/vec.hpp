@@ -17,9 +17,7 @@ inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}
 inline Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
 inline Vec3 operator*(double s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
 inline double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec3 cross(Vec3 a, Vec3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
 
 // Row-major.
@@ -29,9 +27,7 @@ struct Mat3 {
   Vec3 row(int i) const { return {m[3 * i], m[3 * i + 1], m[3 * i + 2]}; }
 };
 
-inline Vec3 operator*(const Mat3& r, Vec3 v) {
-  return {dot(r.row(0), v), dot(r.row(1), v), dot(r.row(2), v)};
-}
+inline Vec3 operator*(const Mat3& r, Vec3 v) { return {dot(r.row(0), v), dot(r.row(1), v), dot(r.row(2), v)}; }
 
 inline Mat3 operator*(const Mat3& a, const Mat3& b) {
   Mat3 c;
@@ -63,17 +59,17 @@ struct Transform {
 // Rodrigues' formula for a unit axis.
 inline Mat3 rotation_about(Vec3 a, double angle) {
   const double s = std::sin(angle), c = std::cos(angle), t = 1 - c;
-  return {{t * a.x * a.x + c, t * a.x * a.y - s * a.z, t * a.x * a.z + s * a.y,
-           t * a.x * a.y + s * a.z, t * a.y * a.y + c, t * a.y * a.z - s * a.x,
-           t * a.x * a.z - s * a.y, t * a.y * a.z + s * a.x, t * a.z * a.z + c}};
+  return {{t * a.x * a.x + c, t * a.x * a.y - s * a.z, t * a.x * a.z + s * a.y, t * a.x * a.y + s * a.z,
+           t * a.y * a.y + c, t * a.y * a.z - s * a.x, t * a.x * a.z - s * a.y, t * a.y * a.z + s * a.x,
+           t * a.z * a.z + c}};
 }
 
 // Of a quaternion [w, x, y, z] of any length but zero.
 inline Mat3 rotation_of_quaternion(double w, double x, double y, double z) {
   const double n = 2 / (w * w + x * x + y * y + z * z);
-  return {{1 - n * (y * y + z * z), n * (x * y - w * z), n * (x * z + w * y),
-           n * (x * y + w * z), 1 - n * (x * x + z * z), n * (y * z - w * x),
-           n * (x * z - w * y), n * (y * z + w * x), 1 - n * (x * x + y * y)}};
+  return {{1 - n * (y * y + z * z), n * (x * y - w * z), n * (x * z + w * y), n * (x * y + w * z),
+           1 - n * (x * x + z * z), n * (y * z - w * x), n * (x * z - w * y), n * (y * z + w * x),
+           1 - n * (x * x + y * y)}};
 }
 
 }  // namespace wayproof

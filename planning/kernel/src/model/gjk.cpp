@@ -82,12 +82,11 @@ Vec3 nearest(Simplex& s, double& depth) {
 
 // The point of all a - b, cores only, that lies farthest along n, in W.
 Vec3 support(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, Vec3 n) {
-  return X_WA * a.core_support(transposed_times(X_WA.R, n)) -
-         X_WB * b.core_support(transposed_times(X_WB.R, -n));
+  return X_WA * a.core_support(transposed_times(X_WA.R, n)) - X_WB * b.core_support(transposed_times(X_WB.R, -n));
 }
 
 // Support points of a search, from which the points of A and B behind the last simplex are computed.
-struct Trail {
+struct SupportHistory {
   Vec3 w[max_steps], a[max_steps];
   int size = 0;
 
@@ -99,22 +98,22 @@ struct Trail {
 };
 
 // The point of A for the simplex point nearest to the origin: the same convex combination of A's points.
-Vec3 behind(const Simplex& s, Vec3 v, const Trail& trail) {
-  const Vec3 a = trail.point_of(s.w[0]);
+Vec3 behind(const Simplex& s, Vec3 v, const SupportHistory& history) {
+  const Vec3 a = history.point_of(s.w[0]);
   if (s.size == 1) return a;
-  const Vec3 e = s.w[1] - s.w[0], r = v - s.w[0], da = trail.point_of(s.w[1]) - a;
+  const Vec3 e = s.w[1] - s.w[0], r = v - s.w[0], da = history.point_of(s.w[1]) - a;
   if (s.size == 2) return a + (dot(r, e) / dot(e, e)) * da;
   const Vec3 f = s.w[2] - s.w[0];
   const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), re = dot(r, e), rf = dot(r, f);
   const double det = ee * ff - ef * ef;
   if (!(det > 0)) return a;
-  return a + ((re * ff - rf * ef) / det) * da + ((rf * ee - re * ef) / det) * (trail.point_of(s.w[2]) - a);
+  return a + ((re * ff - rf * ef) / det) * da + ((rf * ee - re * ef) / det) * (history.point_of(s.w[2]) - a);
 }
 
-// `trail`, if there is one, receives the support points, and `simplex` the last simplex.
-template <bool keeps_trail>
+// `history`, if there is one, receives the support points, and `simplex` the last simplex.
+template <bool keeps_history>
 Separation search(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough,
-                  double few, Vec3 guess, double close, Simplex& simplex, Vec3& v, Trail* trail) {
+                  double few, Vec3 guess, double close, Simplex& simplex, Vec3& v, SupportHistory* history) {
   const double balls = a.ball + b.ball;
   v = guess;
   if (norm(v) <= tolerance) v = X_WA * a.center - X_WB * b.center;
@@ -124,10 +123,10 @@ Separation search(const Shape& a, const Transform& X_WA, const Shape& b, const T
     const double length = norm(v);
     const Vec3 n = (1 / length) * v;
     Vec3 w;
-    if constexpr (keeps_trail) {
+    if constexpr (keeps_history) {
       const Vec3 on_a = X_WA * a.core_support(transposed_times(X_WA.R, -n));
       w = on_a - X_WB * b.core_support(transposed_times(X_WB.R, n));
-      trail->w[trail->size] = w, trail->a[trail->size++] = on_a;
+      history->w[history->size] = w, history->a[history->size++] = on_a;
     } else {
       w = support(a, X_WA, b, X_WB, -n);
     }
@@ -169,8 +168,8 @@ double slab(const Shape& a, const Transform& X_WA, const Shape& b, const Transfo
   return dot(n, support(a, X_WA, b, X_WB, -n)) - a.ball - b.ball;
 }
 
-Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
-                      double enough, double few, Vec3 guess, double close) {
+Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough,
+                      double few, Vec3 guess, double close) {
   if (b.kind == ShapeKind::half_space) return above(a, X_WA, X_WB, false);
   if (a.kind == ShapeKind::half_space) return above(b, X_WB, X_WA, true);
   Simplex simplex;
@@ -178,15 +177,16 @@ Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, con
   return search<false>(a, X_WA, b, X_WB, enough, few, guess, close, simplex, v, nullptr);
 }
 
-Meeting meeting(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough, Vec3 guess) {
+ClosestPoints closest_points(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
+                             double enough, Vec3 guess) {
   if (b.kind == ShapeKind::half_space) return {above(a, X_WA, X_WB, false), lowest(a, X_WA, X_WB)};
   if (a.kind == ShapeKind::half_space) return {above(b, X_WB, X_WA, true), lowest(b, X_WB, X_WA)};
   Simplex simplex;
   Vec3 v;
-  Trail trail;
-  const Separation found = search<true>(a, X_WA, b, X_WB, enough, -inf, guess, 1e-10, simplex, v, &trail);
-  if (found.lower >= enough || simplex.size == 0 || simplex.size > 3) return {found, trail.a[0]};
-  return {found, behind(simplex, v, trail)};
+  SupportHistory history;
+  const Separation found = search<true>(a, X_WA, b, X_WB, enough, -inf, guess, 1e-10, simplex, v, &history);
+  if (found.lower >= enough || simplex.size == 0 || simplex.size > 3) return {found, history.a[0]};
+  return {found, behind(simplex, v, history)};
 }
 
 }  // namespace wayproof

@@ -20,10 +20,10 @@ struct Separation {
 
 // Bounds the distance of A and B until the lower bound reaches `enough`, the upper one falls below `few`, or both agree
 // within `close`. `guess` points from B to A, or is zero.
-Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
-                      double enough, double few, Vec3 guess, double close = 1e-10);
+Separation separation(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough,
+                      double few, Vec3 guess, double close = 1e-10);
 
-struct Meeting {
+struct ClosestPoints {
   Separation separation;
   // A point on the line through the nearest points of A and B, balls aside; undefined if the shapes overlap, or if the
   // search ended early.
@@ -31,7 +31,8 @@ struct Meeting {
 };
 
 // The same up to a distance of `enough`, with the nearest points.
-Meeting meeting(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, double enough, Vec3 guess);
+ClosestPoints closest_points(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB,
+                             double enough, Vec3 guess);
 
 // The slab between A and B across a unit vector n, from B to A: a lower bound on their distance.
 double slab(const Shape& a, const Transform& X_WA, const Shape& b, const Transform& X_WB, Vec3 n);

@@ -1,6 +1,7 @@
 #include "model/kinematics.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace wayproof {
 namespace {
@@ -33,8 +34,16 @@ ChainRate resolve_rate(const Tree& tree, const Group& group, int velocity, int b
   return {find(group.velocities, velocity), 1};
 }
 
-int num_velocities(JointKind kind) {
-  return kind == JointKind::floating ? 6 : kind == JointKind::planar ? 3 : kind == JointKind::fixed ? 0 : 1;
+// Whether a coordinate of a joint is an angle about an axis that does not move with the joint.
+bool is_angle(JointKind kind, int coordinate) {
+  switch (kind) {
+    case JointKind::revolute: return true;
+    case JointKind::planar: return coordinate == 2;
+    case JointKind::fixed:
+    case JointKind::prismatic:
+    case JointKind::floating: return false;
+  }
+  throw std::logic_error("a joint of no known kind");
 }
 
 // A rotation that takes z to a unit axis.
@@ -45,8 +54,8 @@ Mat3 to_axis(Vec3 a) {
   return {{x.x, y.x, a.x, x.y, y.y, a.y, x.z, y.z, a.z}};
 }
 
-Transform moved(const ChainJoint& joint, const double* q) {
-  double x[7];
+Transform moved(const ChainJoint& joint, std::span<const double> q) {
+  double x[max_joint_positions];
   for (int k = 0; k < num_positions(joint.kind); ++k) {
     const ChainCoordinate& c = joint.coordinates[k];
     x[k] = c.source < 0 ? c.offset : c.multiplier * q[c.source] + c.offset;
@@ -66,15 +75,15 @@ void add_coordinates(Chain& chain, const Tree& tree, const Group& group, const L
   if (floats) chain.quaternions.push_back({q, v});
   const int first_q = floats ? 4 : 0, first_v = floats ? 3 : 0;
   for (int k = 0; first_q + k < num_positions(link.kind); ++k) {
-    bool turns = link.kind == JointKind::revolute || (link.kind == JointKind::planar && k == 2);
+    bool turns = is_angle(link.kind, k);
     for (const Follower& f : tree.followers) turns &= f.leader != link.position + k;
     chain.flat.push_back({q + first_q + k, v + first_v + k, turns});
   }
 }
 
-void put(double* J, int nv, const ChainRate& rate, Vec3 w, Vec3 v) {
+void put(std::span<double> J, int nv, const ChainRate& rate, Vec3 w, Vec3 v) {
   if (rate.column < 0) return;
-  double* column = J + rate.column;
+  double* column = J.data() + rate.column;
   const double entries[6] = {w.x, w.y, w.z, v.x, v.y, v.z};
   for (int i = 0; i < 6; ++i) column[i * nv] += rate.factor * entries[i];
 }
@@ -117,14 +126,14 @@ Chain::Chain(const Tree& tree, const Group& group, int link, const Transform& X_
   for (const Link& at : tree.links) add_coordinates(*this, tree, group, at);
 }
 
-Transform Chain::pose(const double* q) const {
+Transform Chain::pose(std::span<const double> q) const {
   Transform X_WM;
   for (const ChainJoint& joint : joints) X_WM = X_WM * joint.X_BF * moved(joint, q);
   return X_WM * X_MT;
 }
 
-void Chain::jacobian(const double* q, double* J) const {
-  std::fill(J, J + 6 * num_velocities, 0.0);
+void Chain::jacobian(std::span<const double> q, std::span<double> J) const {
+  std::fill(J.begin(), J.end(), 0.0);
   const Vec3 p_WT = pose(q).p;
   Transform X_WM;
   for (const ChainJoint& joint : joints) {
@@ -134,9 +143,7 @@ void Chain::jacobian(const double* q, double* J) const {
     const auto turning = [&](int rate, int i) {
       put(J, num_velocities, joint.rates[rate], axis_of(X_WF.R, i), cross(axis_of(X_WF.R, i), arm));
     };
-    const auto sliding = [&](int rate, int i) {
-      put(J, num_velocities, joint.rates[rate], {}, axis_of(X_WF.R, i));
-    };
+    const auto sliding = [&](int rate, int i) { put(J, num_velocities, joint.rates[rate], {}, axis_of(X_WF.R, i)); };
     switch (joint.kind) {
       case JointKind::revolute: turning(0, 2); break;
       case JointKind::prismatic: sliding(0, 2); break;
@@ -151,7 +158,7 @@ void Chain::jacobian(const double* q, double* J) const {
           sliding(3 + i, i);
         }
         break;
-      default: break;
+      case JointKind::fixed: break;
     }
   }
 }

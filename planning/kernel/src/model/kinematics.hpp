@@ -1,6 +1,7 @@
 // Chain: kinematics of a frame T on a link by a group's q: its pose and its Jacobian.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "model/tree.hpp"
@@ -23,8 +24,8 @@ struct ChainRate {
 struct ChainJoint {
   JointKind kind;
   Transform X_BF;  // B: the moving frame of the previous joint, or the world
-  ChainCoordinate coordinates[7];
-  ChainRate rates[6];
+  ChainCoordinate coordinates[max_joint_positions];
+  ChainRate rates[max_joint_velocities];
 };
 
 // Element of the group's q that simply adds its element of v.
@@ -47,10 +48,10 @@ struct Chain {
 
   Chain(const Tree& tree, const Group& group, int link, const Transform& X_LT);
 
-  Transform pose(const double* q) const;
+  Transform pose(std::span<const double> q) const;
 
   // Geometric Jacobian J, [6][num_velocities]: [w_WT; v_WT] = J v, all in W.
-  void jacobian(const double* q, double* J) const;
+  void jacobian(std::span<const double> q, std::span<double> J) const;
 };
 
 }  // namespace wayproof

@@ -1,4 +1,4 @@
-// Scene: a loaded world in the kernel; immutable after it is built.
+// Scene: a loaded world in the kernel; immutable once it is in use.
 #pragma once
 
 #include <vector>
@@ -31,6 +31,7 @@ struct Scene {
   Tree tree;
   std::vector<Geometry> geometries;
   std::vector<Pair> pairs;
+  bool is_immutable = false;  // in use by objects that have sized their tables by it
 
   // Whether a group moves a geometry.
   bool is_moved(const Group& group, int geometry) const {

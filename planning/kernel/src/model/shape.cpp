@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "math/multiversion.hpp"
@@ -14,20 +15,47 @@ constexpr std::size_t pad = 8;
 // Polytopes of more vertices than few_vertices, but of at most most_boxes boxes, have boxes.
 constexpr std::size_t few_vertices = 40, most_boxes = 1024;
 
-std::vector<Vec3> polytope(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices) {
+// A shape as the sum of a polytope, an ellipsoid and a ball.
+struct Parts {
+  std::vector<Vec3> corners;
+  Vec3 axes;
+  double ball = 0;
+};
+
+std::vector<Vec3> box_corners(Vec3 size) {
+  std::vector<Vec3> corners;
+  for (double x : {-size.x, size.x})
+    for (double y : {-size.y, size.y})
+      for (double z : {-size.z, size.z}) corners.push_back({x, y, z});
+  return corners;
+}
+
+Parts parts_of(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices) {
+  const std::vector<Vec3> point{{0, 0, 0}}, segment{{0, 0, -size.y}, {0, 0, size.y}};
   switch (kind) {
-    case ShapeKind::box: {
-      std::vector<Vec3> corners;
-      for (double x : {-size.x, size.x})
-        for (double y : {-size.y, size.y})
-          for (double z : {-size.z, size.z}) corners.push_back({x, y, z});
-      return corners;
-    }
-    case ShapeKind::cylinder:
-    case ShapeKind::capsule: return {{0, 0, -size.y}, {0, 0, size.y}};
-    case ShapeKind::hull: return vertices;
-    default: return {{0, 0, 0}};
+    case ShapeKind::box: return {box_corners(size), {}, 0};
+    case ShapeKind::sphere: return {point, {}, size.x};
+    case ShapeKind::cylinder: return {segment, {size.x, size.x, 0}, 0};
+    case ShapeKind::capsule: return {segment, {}, size.x};
+    case ShapeKind::ellipsoid: return {point, size, 0};
+    case ShapeKind::hull: return {vertices, {}, 0};
+    case ShapeKind::half_space: return {point, {}, 0};
   }
+  throw std::logic_error("a shape of no known kind");
+}
+
+// Radius of a sphere about the middle of the corners that contains the shape; the corners' own is given.
+double radius_of(ShapeKind kind, double corners, Vec3 axes, double ball) {
+  switch (kind) {
+    case ShapeKind::cylinder: return std::hypot(corners, axes.x);
+    case ShapeKind::half_space: return std::numeric_limits<double>::infinity();
+    case ShapeKind::box:
+    case ShapeKind::sphere:
+    case ShapeKind::capsule:
+    case ShapeKind::ellipsoid:
+    case ShapeKind::hull: return corners + std::max({axes.x, axes.y, axes.z}) + ball;
+  }
+  throw std::logic_error("a shape of no known kind");
 }
 
 // The index of the vertex farthest along n; of equals, the first one, for any vector width.
@@ -102,10 +130,12 @@ void cluster(Vec3* points, std::size_t count) {
 
 }  // namespace
 
-Shape::Shape(ShapeKind kind_, Vec3 size_, const std::vector<Vec3>& vertices,
-             std::vector<std::array<double, 4>> planes_)
+Shape::Shape(ShapeKind kind_, Vec3 size_, const std::vector<Vec3>& vertices, std::vector<std::array<double, 4>> planes_)
     : kind(kind_), size(size_), planes(std::move(planes_)) {
-  auto corners = polytope(kind, size, vertices);
+  Parts parts = parts_of(kind, size, vertices);
+  auto& corners = parts.corners;
+  axes = parts.axes, ball = parts.ball;
+  has_few_corners_ = corners.size() <= 2;
   const bool large = corners.size() > few_vertices && corners.size() <= most_boxes * pad;
   if (large) cluster(corners.data(), corners.size());
   Vec3 low = corners[0], high = corners[0];
@@ -116,14 +146,9 @@ Shape::Shape(ShapeKind kind_, Vec3 size_, const std::vector<Vec3>& vertices,
   }
   while (vx.size() % pad) vx.push_back(vx.back()), vy.push_back(vy.back()), vz.push_back(vz.back());
   if (large) make_boxes();
-  if (kind == ShapeKind::cylinder) axes = {size.x, size.x, 0};
-  if (kind == ShapeKind::ellipsoid) axes = size;
-  if (kind == ShapeKind::sphere || kind == ShapeKind::capsule) ball = size.x;
   center = 0.5 * (low + high);
   for (Vec3 v : corners) radius = std::max(radius, norm(v - center));
-  radius = kind == ShapeKind::cylinder ? std::hypot(radius, size.x)
-                                       : radius + std::max({axes.x, axes.y, axes.z}) + ball;
-  if (kind == ShapeKind::half_space) radius = std::numeric_limits<double>::infinity();
+  radius = radius_of(kind, radius, axes, ball);
 }
 
 void Shape::make_boxes() {
@@ -140,10 +165,9 @@ void Shape::make_boxes() {
 Vec3 Shape::core_support(Vec3 n) const {
   if (kind == ShapeKind::box)
     return {n.x > 0 ? size.x : -size.x, n.y > 0 ? size.y : -size.y, n.z > 0 ? size.z : -size.z};
-  const std::size_t i = vx.size() == pad && kind != ShapeKind::hull
-                            ? (n.z * vz[1] > n.z * vz[0] ? 1 : 0)
-                            : boxes[0].empty() ? farthest(vx.data(), vy.data(), vz.data(), vx.size(), n)
-                                              : farthest_in_boxes(*this, n);
+  const std::size_t i = has_few_corners_   ? (n.z * vz[1] > n.z * vz[0] ? 1 : 0)
+                        : boxes[0].empty() ? farthest(vx.data(), vy.data(), vz.data(), vx.size(), n)
+                                           : farthest_in_boxes(*this, n);
   const Vec3 vertex{vx[i], vy[i], vz[i]};
   const Vec3 stretched{axes.x * n.x, axes.y * n.y, axes.z * n.z};
   const double length = norm(stretched);

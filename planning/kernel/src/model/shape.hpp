@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "math/vec.hpp"
+#include "model/kinds.hpp"
 
 namespace wayproof {
-
-enum class ShapeKind { box, sphere, cylinder, capsule, ellipsoid, hull, half_space };
 
 struct Shape {
   ShapeKind kind = ShapeKind::sphere;
@@ -19,14 +18,13 @@ struct Shape {
   // eight have a bounding box: its centre and half sizes, padded to a multiple of 8 boxes.
   std::vector<double> vx, vy, vz;
   std::array<std::vector<double>, 6> boxes;
-  Vec3 axes;                       // the ellipsoid's semi-axes in G
+  Vec3 axes;  // the ellipsoid's semi-axes in G
   double ball = 0;
   std::vector<std::array<double, 4>> planes;  // of hulls: n . x <= d
-  Vec3 center;                     // of a bounding sphere, in G
-  double radius = 0;               // of that sphere
+  Vec3 center;                                // of a bounding sphere, in G
+  double radius = 0;                          // of that sphere
 
-  Shape(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices,
-        std::vector<std::array<double, 4>> planes);
+  Shape(ShapeKind kind, Vec3 size, const std::vector<Vec3>& vertices, std::vector<std::array<double, 4>> planes);
 
   // Radius of a sphere around the core: rotating a ball moves no point of it, so neither does a ball about a core.
   double core_radius() const { return radius - ball; }
@@ -35,6 +33,8 @@ struct Shape {
 
  private:
   void make_boxes();
+
+  bool has_few_corners_ = false;  // one or two, on the z axis
 };
 
 }  // namespace wayproof

@@ -1,5 +1,6 @@
 #include "model/tree.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 namespace wayproof {
@@ -7,10 +8,23 @@ namespace wayproof {
 int num_positions(JointKind kind) {
   switch (kind) {
     case JointKind::fixed: return 0;
+    case JointKind::revolute:
+    case JointKind::prismatic: return 1;
     case JointKind::planar: return 3;
-    case JointKind::floating: return 7;
-    default: return 1;
+    case JointKind::floating: return max_joint_positions;
   }
+  throw std::logic_error("a joint of no known kind");
+}
+
+int num_velocities(JointKind kind) {
+  switch (kind) {
+    case JointKind::fixed: return 0;
+    case JointKind::revolute:
+    case JointKind::prismatic: return 1;
+    case JointKind::planar: return 3;
+    case JointKind::floating: return max_joint_velocities;
+  }
+  throw std::logic_error("a joint of no known kind");
 }
 
 Transform joint_transform(const Link& link, const double* full) {
@@ -19,14 +33,13 @@ Transform joint_transform(const Link& link, const double* full) {
     case JointKind::revolute: return {rotation_about(link.axis, q[0]), {}};
     case JointKind::prismatic: return {Mat3{}, q[0] * link.axis};
     case JointKind::planar: return {rotation_about({0, 0, 1}, q[2]), {q[0], q[1], 0}};
-    case JointKind::floating:
-      return {rotation_of_quaternion(q[0], q[1], q[2], q[3]), {q[4], q[5], q[6]}};
-    default: return {};
+    case JointKind::floating: return {rotation_of_quaternion(q[0], q[1], q[2], q[3]), {q[4], q[5], q[6]}};
+    case JointKind::fixed: return {};
   }
+  throw std::logic_error("a joint of no known kind");
 }
 
-Group::Group(const Tree& tree, std::vector<int> positions_, std::vector<int> velocities_,
-             std::vector<double> state_)
+Group::Group(const Tree& tree, std::vector<int> positions_, std::vector<int> velocities_, std::vector<double> state_)
     : positions(std::move(positions_)), velocities(std::move(velocities_)), state(std::move(state_)) {
   std::vector<char> coordinate(tree.num_positions, 0);
   for (int i : positions) coordinate[i] = 1;

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "math/vec.hpp"
+#include "model/kinds.hpp"
 
 namespace wayproof {
-
-enum class JointKind { fixed = 0, revolute = 1, prismatic = 2, planar = 3, floating = 4 };
 
 // Link L with its parent joint. The frame of L is the joint's moving frame M, so that X_WL = X_WP X_PF X_FM(q). Planar:
 // q = (x, y, angle about z). Floating: q = (quaternion [w, x, y, z], p_FM).
@@ -28,7 +27,9 @@ struct Follower {
   int follower_velocity, leader_velocity;
 };
 
+// Number of coordinates of a joint in q, and in v.
 int num_positions(JointKind kind);
+int num_velocities(JointKind kind);
 Transform joint_transform(const Link& link, const double* q);
 
 // Kinematic tree of all links, the world excluded. A link comes after its parent.
@@ -57,14 +58,13 @@ struct Tree {
 
 // Joint group: some coordinates of the tree move, all others stay.
 struct Group {
-  std::vector<int> positions;    // of the group's q in the full q
-  std::vector<int> velocities;   // of the group's v in the full v
-  std::vector<double> state;     // the full q, followers following
-  std::vector<char> moves;       // whether each link's pose depends on the group's q
-  std::vector<char> follows;     // whether each follower does
+  std::vector<int> positions;   // of the group's q in the full q
+  std::vector<int> velocities;  // of the group's v in the full v
+  std::vector<double> state;    // the full q, followers following
+  std::vector<char> moves;      // whether each link's pose depends on the group's q
+  std::vector<char> follows;    // whether each follower does
 
-  Group(const Tree& tree, std::vector<int> positions, std::vector<int> velocities,
-        std::vector<double> state);
+  Group(const Tree& tree, std::vector<int> positions, std::vector<int> velocities, std::vector<double> state);
 
   // Writes the group's q into a full q that already holds the state.
   void embed(const Tree& tree, const double* q, double* full) const {

@@ -28,7 +28,7 @@ void split(const double* whole, int terms, int nv, double* left, double* right) 
 
 // Differences below this count as zero [rad or m]: the prover's margin for rounding [m] is larger than that times any
 // lever arm.
-constexpr double dust = 1e-12;
+constexpr double negligible = 1e-12;
 
 // Rounding error of Bernstein coefficients and values of a polynomial: derived in
 // planning/certify/intervals/rounding.py. `size` is the sum of |c_k| w^k, `largest` the largest coefficient.
@@ -59,21 +59,10 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
     for (const Link& l : tree.links)
       if (l.kind != JointKind::fixed && l.position == group.positions[q]) link = &l;
     if (!link) throw std::invalid_argument("a group has whole joints");
-    const int size = link->kind == JointKind::planar ? 3 : link->kind == JointKind::floating ? 6 : 1;
-    if (v + size > nv_ || q + size > nq_)
+    if (v + wayproof::num_velocities(link->kind) > nv_ || q + num_positions(link->kind) > nq_)
       throw std::invalid_argument("a group's positions and velocities differ");
-    if (link->kind == JointKind::floating) {
-      balls_.push_back({q, v});
-      for (int i = 0; i < 3; ++i) plain_.push_back({q + 4 + i, v + 3 + i});
-      blocks_.push_back({v, 3, true});
-      blocks_.push_back({v + 3, 3, false});
-      ++q;
-    } else {
-      for (int i = 0; i < size; ++i) plain_.push_back({q + i, v + i});
-      if (size == 3) blocks_.push_back({v, 2, false});
-      blocks_.push_back({v + size - 1, 1, false});
-    }
-    q += size, v += size;
+    add_coordinates(link->kind, q, v);
+    q += num_positions(link->kind), v += wayproof::num_velocities(link->kind);
   }
   if (v != nv_) throw std::invalid_argument("a group's positions and velocities differ");
   block_of_.assign(nv_, 0);
@@ -102,18 +91,44 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
     std::copy(right.begin(), right.begin() + nv_, middle);
     plus(&bases_[static_cast<std::size_t>(p) * nq_], middle, &centers_[static_cast<std::size_t>(p) * nq_]);
     for (const Ball& ball : balls_) {
-      double stray = 0;
+      double deviation = 0;
       for (int i = 0; i < terms_; ++i) {
         const double* c = b + i * nv_ + ball.column;
         const double away[3] = {c[0] - middle[ball.column], c[1] - middle[ball.column + 1],
                                 c[2] - middle[ball.column + 2]};
-        stray = std::max(stray, norm_of(away, 3));
+        deviation = std::max(deviation, norm_of(away, 3));
       }
-      ball_strays_.push_back(stray);
+      ball_deviations_.push_back(deviation);
     }
   }
   bound_loose();
   bound_chords();
+}
+
+// Of a joint whose coordinates begin at q and v of the group's.
+void Motion::add_coordinates(JointKind kind, int q, int v) {
+  const auto add_plain = [&](int from_q, int from_v, int count) {
+    for (int i = 0; i < count; ++i) plain_.push_back({q + from_q + i, v + from_v + i});
+  };
+  switch (kind) {
+    case JointKind::fixed: break;
+    case JointKind::revolute:
+    case JointKind::prismatic:
+      add_plain(0, 0, 1);
+      blocks_.push_back({v, 1, false});
+      break;
+    case JointKind::planar:
+      add_plain(0, 0, 3);
+      blocks_.push_back({v, 2, false});
+      blocks_.push_back({v + 2, 1, false});
+      break;
+    case JointKind::floating:
+      balls_.push_back({q, v});
+      add_plain(4, 3, 3);
+      blocks_.push_back({v, 3, true});
+      blocks_.push_back({v + 3, 3, false});
+      break;
+  }
 }
 
 void Motion::bound_loose() {
@@ -139,9 +154,9 @@ void Motion::bound_loose() {
       for (const Ball& ball : balls_) loose[ball.column] += angle(ball, begin.data(), end.data());
     }
     for (int v = 0; v < nv_; ++v)
-      if (loose[v] < dust) loose[v] = 0;
+      if (loose[v] < negligible) loose[v] = 0;
     for (std::size_t k = 0; k < balls_.size(); ++k)
-      ball_strays_[p * balls_.size() + k] += norm_of(loose + balls_[k].column, 3);
+      ball_deviations_[p * balls_.size() + k] += norm_of(loose + balls_[k].column, 3);
   }
 }
 
@@ -213,7 +228,7 @@ Segment Motion::half(const Segment& segment, int which) const {
   return s;
 }
 
-void Motion::enter(const Segment& segment, Strays& out) const {
+void Motion::enter(const Segment& segment, JointDeviation& out) const {
   out.q.resize(nq_);
   const double* loose = &loose_[static_cast<std::size_t>(segment.first) * nv_];
   out.residual.assign(nv_, 0);
@@ -223,7 +238,7 @@ void Motion::enter(const Segment& segment, Strays& out) const {
   out.num_rows = static_cast<int>(out.rows.size()) / nv_;
 }
 
-void Motion::enter_part(const Segment& segment, Strays& out) const {
+void Motion::enter_part(const Segment& segment, JointDeviation& out) const {
   const int size = terms_ * nv_;
   std::vector<double> left(size), middle(size);
   split(segment.control.data(), terms_, nv_, left.data(), middle.data());
@@ -236,7 +251,7 @@ void Motion::enter_part(const Segment& segment, Strays& out) const {
   simplify(left, terms_, nv_, out.rows, out.residual.data());
 }
 
-void Motion::enter_range(const Segment& segment, Strays& out) const {
+void Motion::enter_range(const Segment& segment, JointDeviation& out) const {
   const int first = segment.first, count = segment.last - segment.first;
   const int middle = (segment.first + segment.last) / 2;
   const double* center = &centers_[static_cast<std::size_t>(middle) * nq_];
@@ -254,13 +269,13 @@ void Motion::enter_range(const Segment& segment, Strays& out) const {
   // A floating joint turns by no more than its tangent moves: exp is 1-Lipschitz from R^3 to SO(3).
   for (std::size_t k = 0; k < balls_.size(); ++k)
     for (int p = first; p < segment.last; ++p) {
-      double& stray = out.block[block_of_[balls_[k].column]];
-      stray = std::max(stray, angle(balls_[k], &centers_[static_cast<std::size_t>(p) * nq_], center) +
-                                  ball_strays_[p * balls_.size() + k]);
+      double& deviation = out.block[block_of_[balls_[k].column]];
+      deviation = std::max(deviation, angle(balls_[k], &centers_[static_cast<std::size_t>(p) * nq_], center) +
+                                          ball_deviations_[p * balls_.size() + k]);
     }
 }
 
-void Motion::bound_blocks(const double* point, const double* residual, Strays& out) const {
+void Motion::bound_blocks(const double* point, const double* residual, JointDeviation& out) const {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const auto [column, size, ball] = blocks_[b];
     const double bound = size == 1 ? std::abs(point[column]) + residual[column]

@@ -32,7 +32,7 @@ struct Segment {
 };
 
 // Joint deviation: a segment's centre, and bounds on the displacement of the coordinates from it.
-struct Strays {
+struct JointDeviation {
   std::vector<double> q;         // the group's q at the centre
   std::vector<double> rows;      // [num_rows][nv] displacements; zero in a ball's columns
   std::vector<double> residual;  // of each coordinate
@@ -56,7 +56,7 @@ class Motion {
 
   Segment whole() const { return range(0, num_pieces()); }
   Segment half(const Segment& segment, int which) const;
-  void enter(const Segment& segment, Strays& strays) const;
+  void enter(const Segment& segment, JointDeviation& deviation) const;
   void positions(double time, double* q) const;
 
  private:
@@ -64,22 +64,23 @@ class Motion {
     int position, column;
   };
 
+  void add_coordinates(JointKind kind, int q, int v);
   void bound_loose();
   void bound_chords();
   Segment range(int first, int last) const;
   void plus(const double* base, const double* delta, double* q) const;
-  void enter_part(const Segment& segment, Strays& strays) const;
-  void enter_range(const Segment& segment, Strays& strays) const;
-  void bound_blocks(const double* point, const double* residual, Strays& strays) const;
+  void enter_part(const Segment& segment, JointDeviation& deviation) const;
+  void enter_range(const Segment& segment, JointDeviation& deviation) const;
+  void bound_blocks(const double* point, const double* residual, JointDeviation& deviation) const;
   double angle(const Ball& ball, const double* q1, const double* q0) const;
 
   int nq_, nv_, terms_;
   std::vector<double> breaks_, bases_, coefficients_, bernstein_;
   std::vector<double> middles_, centers_;  // of each piece: delta and q at its middle
-  std::vector<double> points_;       // beginning of each piece, in v's coordinates; and the end of the last
-  std::vector<double> residuals_;    // of each piece's chord, from its first point to the next piece's
-  std::vector<double> loose_;        // error of each piece: by rounding, and the gap to the beginning of the next
-  std::vector<double> ball_strays_;  // of each piece and ball
+  std::vector<double> points_;             // beginning of each piece, in v's coordinates; and the end of the last
+  std::vector<double> residuals_;          // of each piece's chord, from its first point to the next piece's
+  std::vector<double> loose_;              // error of each piece: by rounding, and the gap to the beginning of the next
+  std::vector<double> ball_deviations_;    // of each piece and ball
   std::vector<std::pair<int, int>> plain_;
   std::vector<Ball> balls_;
   std::vector<Block> blocks_;

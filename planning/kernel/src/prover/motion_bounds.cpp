@@ -7,7 +7,7 @@
 namespace wayproof {
 namespace {
 
-constexpr int for_ever = -1;
+constexpr int always = -1;
 constexpr double pi = 3.141592653589793;
 
 // Relation of a coordinate of the full q to the group.
@@ -27,10 +27,8 @@ std::vector<Source> sources(const Tree& tree, const Group& group, const Motion& 
     for (std::size_t k = 0; k < tree.followers.size(); ++k) {
       const Follower& f = tree.followers[k];
       if (!group.follows[k]) continue;
-      if (quaternion[f.leader] || quaternion[f.follower])
-        throw std::invalid_argument("a quaternion leads or follows");
-      if (const Source& s = found[f.leader]; s.column >= 0)
-        found[f.follower] = {s.column, s.scale * f.multiplier};
+      if (quaternion[f.leader] || quaternion[f.follower]) throw std::invalid_argument("a quaternion leads or follows");
+      if (const Source& s = found[f.leader]; s.column >= 0) found[f.follower] = {s.column, s.scale * f.multiplier};
     }
   return found;
 }
@@ -64,14 +62,9 @@ MotionBounds::MotionBounds(const Scene& scene, const Group& group, const Motion&
       for (int k = 0; k < count; ++k) plain(false, k, position + k, together && k > 0);
     };
     switch (link.kind) {
-      case JointKind::fixed:
-        break;
-      case JointKind::revolute:
-        plain(true, -1, link.position);
-        break;
-      case JointKind::prismatic:
-        plain(false, -1, link.position);
-        break;
+      case JointKind::fixed: break;
+      case JointKind::revolute: plain(true, -1, link.position); break;
+      case JointKind::prismatic: plain(false, -1, link.position); break;
       case JointKind::planar:
         shifts(link.position, 2);
         plain(true, 2, link.position + 2);
@@ -108,13 +101,13 @@ MotionBounds::Relative MotionBounds::relative(const Pair& pair) const {
 void MotionBounds::place(const double* q) {
   group_.embed(scene_.tree, q, full_.data());
   group_.place(scene_.tree, full_.data(), X_WL_.data());
-  strays_ = nullptr;
+  deviation_ = nullptr;
   ++stamp_;
 }
 
-void MotionBounds::enter(const Strays& strays) {
-  place(strays.q.data());
-  strays_ = &strays;
+void MotionBounds::enter(const JointDeviation& deviation) {
+  place(deviation.q.data());
+  deviation_ = &deviation;
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     const Axis& axis = axes_[k];
     const Link& link = scene_.tree.links[axis.link];
@@ -130,15 +123,15 @@ void MotionBounds::enter(const Strays& strays) {
       const Vec3 in_parent = link.X_PF.R * unit;
       directions_[k] = link.parent < 0 ? in_parent : X_WL_[link.parent].R * in_parent;
     }
-    sigmas_[k] = axis.block < 0 ? 0 : std::abs(axis.scale) * strays.block[axis.block];
+    sigmas_[k] = axis.block < 0 ? 0 : std::abs(axis.scale) * deviation.block[axis.block];
     chords_[k] = axis.turns ? 2 * std::sin(std::min(sigmas_[k], pi) / 2) : sigmas_[k];
   }
 }
 
 const Transform& MotionBounds::pose(int geometry) {
   Placed& placed = placed_[geometry];
-  if (placed.pose_stamp != stamp_ && placed.pose_stamp != for_ever) {
-    placed.pose_stamp = chain(geometry).empty() ? for_ever : stamp_;
+  if (placed.pose_stamp != stamp_ && placed.pose_stamp != always) {
+    placed.pose_stamp = chain(geometry).empty() ? always : stamp_;
     placed.X_WG = scene_.pose(geometry, X_WL_.data());
     placed.center = placed.X_WG * scene_.geometries[geometry].shape.center;
   }

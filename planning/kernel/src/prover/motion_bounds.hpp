@@ -5,7 +5,7 @@
 // configuration): let joint k turn by at most s_k and y be a point of a shape, in the joint's child frame
 // within m_{k+1} of where it was. Then R(t) y(t) - R y = R(t) (y(t) - y) + (R(t) - R) y, so in the parent
 // frame it is within m_k = m_{k+1} + 2 sin(s_k / 2) rho_k, rho_k being the largest distance of the shape's
-// points from the axis. A joint that slides adds its stray. Summing from the tip to the common ancestor
+// points from the axis. A joint that slides adds its deviation. Summing from the tip to the common ancestor
 // bounds the approach. In the frame of a half space that turns, the other shape alone moves, by the same joints
 // run backwards, so that its lever arms count and not those of the half space, which have no end. Of a shape that
 // is a core with a ball about every point of it, the core's points are
@@ -22,8 +22,8 @@
 
 #include <vector>
 
-#include "prover/motion.hpp"
 #include "model/scene.hpp"
+#include "prover/motion.hpp"
 
 namespace wayproof {
 
@@ -52,7 +52,7 @@ class MotionBounds {
 
   // Sets the group's q; bounds need the deviations too.
   void place(const double* q);
-  void enter(const Strays& strays);
+  void enter(const JointDeviation& deviation);
 
   const Transform& pose(int geometry);
   Vec3 center(int geometry);
@@ -81,8 +81,7 @@ class MotionBounds {
   double remainder(int geometry, int from);
   double lowest(int geometry, Vec3 n);
   double residual(int geometry, int from, const std::vector<Linear>& linear) const;
-  double lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n, const double* d,
-                   double sign);
+  double lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n, const double* d, double sign);
   void linearise(const std::vector<int>& chain, int from, Vec3 n, std::vector<Linear>& out) const;
 
   const Scene& scene_;
@@ -95,7 +94,7 @@ class MotionBounds {
   std::vector<Transform> X_WL_;
   int width_ = 1;  // axes of the longest chain, and one
   int stamp_ = 0;
-  const Strays* strays_ = nullptr;
+  const JointDeviation* deviation_ = nullptr;
   std::vector<Vec3> directions_, origins_;  // of axes, in W
   std::vector<double> sigmas_, chords_;
   std::vector<Placed> placed_;

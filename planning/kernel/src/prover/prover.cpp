@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
-#include "model/overlap.hpp"
 #include "model/gjk.hpp"
+#include "model/overlap.hpp"
 
 namespace wayproof {
 namespace {
@@ -44,22 +45,36 @@ Prover::Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, s
   hints_.resize(scene_->pairs.size());
 }
 
+// The one call that uses the prover.
+class Prover::Turn {
+ public:
+  explicit Turn(std::atomic<bool>& is_busy) : is_busy_(is_busy) {
+    if (is_busy_.exchange(true)) throw std::logic_error("the prover is in use by another call");
+  }
+  ~Turn() { is_busy_ = false; }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  std::atomic<bool>& is_busy_;
+};
+
 Proof Prover::prove(const std::function<void()>& interrupt) {
+  const Turn turn(is_busy_);
   proof_ = {};
   leaves_.clear();
   number_ = work_ = 0;
   interrupt_ = &interrupt;
-  if (!find_fixed_violation() && !moved_.empty()) {
+  if (!find_static_violation() && !moved_.empty()) {
     look(0);
     look(motion_.duration());
     std::vector<Node> heap;
     Node root{-inf, 0, motion_.whole(), {}};
-    for (int pair : moved_)
-      root.open.push_back({pair, dot(hints_[pair], hints_[pair]) > 0, hints_[pair], -inf});
+    for (int pair : moved_) root.open.push_back({pair, dot(hints_[pair], hints_[pair]) > 0, hints_[pair], -inf});
     heap.push_back(std::move(root));
     bool proven = true;
     while (proven && !heap.empty()) proven = prove_node(pop(heap), heap);
-    if (proven) tighten();
+    if (proven) refine_minimum();
     if (proof_.outcome == Outcome::too_near)
       for (int i = 0; i < instants; ++i) look(motion_.duration() * i / (instants - 1));
   }
@@ -69,7 +84,7 @@ Proof Prover::prove(const std::function<void()>& interrupt) {
 }
 
 // Pairs without relative motion are checked once; contact is permitted to them if they have no margin.
-bool Prover::find_fixed_violation() {
+bool Prover::find_static_violation() {
   std::vector<double> q(group_.positions.size());
   motion_.positions(0, q.data());
   bounds_.place(q.data());
@@ -79,15 +94,14 @@ bool Prover::find_fixed_violation() {
     const Pair& pair = scene_->pairs[i];
     const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
     const double required = margins_[i] - slack_;
-    const Separation found =
-        separation(a, bounds_.pose(pair.a), b, bounds_.pose(pair.b), required, -inf, {});
+    const Separation found = separation(a, bounds_.pose(pair.a), b, bounds_.pose(pair.b), required, -inf, {});
     if (found.lower - required < worst) {
       worst = found.lower - required;
       // Of two half spaces both are minus infinity, and their difference is no number.
-      refuse(Outcome::fixed, static_cast<int>(i), found.upper, std::max(0.0, found.upper - found.lower), 0);
+      refuse(Outcome::static_pair, static_cast<int>(i), found.upper, std::max(0.0, found.upper - found.lower), 0);
     }
   }
-  return proof_.outcome == Outcome::fixed;
+  return proof_.outcome == Outcome::static_pair;
 }
 
 void Prover::refuse(Outcome outcome, int pair, double distance, double uncertainty, double time) {
@@ -118,8 +132,8 @@ bool Prover::is_short(const Segment& segment) const {
 }
 
 void Prover::enter(const Segment& segment) {
-  motion_.enter(segment, strays_);
-  bounds_.enter(strays_);
+  motion_.enter(segment, deviation_);
+  bounds_.enter(deviation_);
   ++proof_.looks;
 }
 
@@ -128,13 +142,14 @@ void Prover::count_work() {
 }
 
 void Prover::see(int pair, double distance, double time) {
-  const auto note = [&](Sighting& sighting, double what) {
+  const auto note = [&](ClosestApproach& sighting, double what) {
     if (what < sighting.least) sighting = {what, pair, distance, time};
   };
   if (distance <= rounding) {
     const Pair& both = scene_->pairs[pair];
     const double depth = overlap(scene_->geometries[both.a].shape, bounds_.pose(both.a),
-                                 scene_->geometries[both.b].shape, bounds_.pose(both.b)).width;
+                                 scene_->geometries[both.b].shape, bounds_.pose(both.b))
+                             .width;
     distance = std::min(distance, depth);
   }
   note(proof_.nearest, distance);
@@ -143,7 +158,7 @@ void Prover::see(int pair, double distance, double time) {
 
 // Bounds a pair's distance on the entered segment until the bound is above `required`, or as good as possible. A
 // distance of `few` or less is not refined further.
-Prover::Judged Prover::judge(Open& open, double required, double few, bool last_resort, double time) {
+Prover::PairCheck Prover::check_pair(Open& open, double required, double few, bool last_resort, double time) {
   count_work();
   const Pair& pair = scene_->pairs[open.pair];
   const auto& relative = relatives_[open.pair];
@@ -192,10 +207,10 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   std::vector<Open> rest, kept;
   double floor = inf, kept_floor = inf, least = inf;
   int worst = -1;
-  Judged worst_found{};
+  PairCheck worst_found{};
   for (Open& open : node.open) {
     const double required = required_[open.pair];
-    const Judged found = judge(open, required, required, exhausted, node.segment.time);
+    const PairCheck found = check_pair(open, required, required, exhausted, node.segment.time);
     // So near that rounding decides: no segment is short enough for a proof.
     if (found.distance <= required + rounding) {
       refuse(Outcome::too_near, open.pair, found.distance, 0, node.segment.time);
@@ -217,8 +232,7 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
   if (!kept.empty()) leaves_.push_back({kept_floor, node.number, node.segment, std::move(kept)});
   if (rest.empty()) return true;
   if (exhausted || worst_found.unbounded) {
-    refuse(Outcome::unproven, worst, worst_found.distance, worst_found.distance - worst_found.bound,
-           node.segment.time);
+    refuse(Outcome::unproven, worst, worst_found.distance, worst_found.distance - worst_found.bound, node.segment.time);
     return false;
   }
   split(node, std::max(floor, node.floor), rest, heap);
@@ -226,23 +240,21 @@ bool Prover::prove_node(Node node, std::vector<Node>& heap) {
 }
 
 void Prover::split(const Node& node, double floor, const std::vector<Open>& rest, std::vector<Node>& heap) {
-  for (int which = 0; which < 2; ++which)
-    push(heap, {floor, ++number_, motion_.half(node.segment, which), rest});
+  for (int which = 0; which < 2; ++which) push(heap, {floor, ++number_, motion_.half(node.segment, which), rest});
 }
 
 std::vector<PairBound> Prover::bounds(const Segment& segment) {
+  const Turn turn(is_busy_);
   enter(segment);
   std::vector<PairBound> found;
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
     const Pair& pair = scene_->pairs[i];
     const double approach = bounds_.approach(pair, relatives_[i]);
-    const Separation exact =
-        separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a), scene_->geometries[pair.b].shape,
-                   bounds_.pose(pair.b), inf, -inf, {});
+    const Separation exact = separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a),
+                                        scene_->geometries[pair.b].shape, bounds_.pose(pair.b), inf, -inf, {});
     double along = -inf;
     for (int k = 0; k <= 16 && along == -inf; ++k)
-      along =
-          bounds_.along(pair, relatives_[i], exact.direction, exact.lower, exact.lower - approach * k / 8);
+      along = bounds_.along(pair, relatives_[i], exact.direction, exact.lower, exact.lower - approach * k / 8);
     found.push_back({approach, exact.lower - approach, along});
   }
   return found;

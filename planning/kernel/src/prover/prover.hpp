@@ -7,21 +7,21 @@
 // by points of both shapes, so every result is supported by both bounds.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
 
+#include "model/kinds.hpp"
+#include "model/scene.hpp"
 #include "prover/motion.hpp"
 #include "prover/motion_bounds.hpp"
-#include "model/scene.hpp"
 
 namespace wayproof {
 
-enum class Outcome { proven = 0, too_near = 1, unproven = 2, fixed = 3 };
-
 // The pair with the least value of some quantity.
-struct Sighting {
+struct ClosestApproach {
   double least = std::numeric_limits<double>::infinity();
   int pair = -1;
   double distance = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ struct Proof {
   // The pair at which the proof stopped: too near, not proven far enough, or static.
   int pair = -1;
   double distance = 0, uncertainty = 0, time = 0;
-  Sighting nearest, tightest;  // smallest distance measured, and smallest over the pair's margin
+  ClosestApproach nearest, tightest;  // smallest distance measured, and smallest over the pair's margin
   double floor = std::numeric_limits<double>::infinity();  // no distance is smaller, if proven
   int segments = 0, looks = 0;
 };
@@ -46,11 +46,10 @@ struct PairBound {
 class Prover {
  public:
   // margins: required distance of each pair; `slack` less suffices.
-  Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins,
-         double slack);
+  Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, std::vector<double> margins, double slack);
   Prover(const Prover&) = delete;
 
-  // `interrupt` is called now and then and may throw.
+  // `interrupt` is called now and then and may throw. A prover is used by one call at a time.
   Proof prove(const std::function<void()>& interrupt);
 
   // Bounds of every pair on one segment; prove() uses the same.
@@ -71,7 +70,8 @@ class Prover {
     Segment segment;
     std::vector<Open> open;
   };
-  struct Judged {
+  class Turn;
+  struct PairCheck {
     bool decided;
     bool unbounded;   // no segment is short enough
     double bound;     // on the segment, if decided or measured
@@ -83,14 +83,14 @@ class Prover {
   Node pop(std::vector<Node>& heap) const;
   bool is_short(const Segment& segment) const;
   void enter(const Segment& segment);
-  Judged judge(Open& open, double required, double few, bool last_resort, double time);
+  PairCheck check_pair(Open& open, double required, double few, bool last_resort, double time);
   void count_work();
   void see(int pair, double distance, double time);
   void look(double time);
-  bool find_fixed_violation();
+  bool find_static_violation();
   bool prove_node(Node node, std::vector<Node>& heap);
   void refuse(Outcome outcome, int pair, double distance, double uncertainty, double time);
-  void tighten();
+  void refine_minimum();
   double target() const;
   void split(const Node& node, double floor, const std::vector<Open>& rest, std::vector<Node>& heap);
 
@@ -104,12 +104,13 @@ class Prover {
   std::vector<double> required_;
   std::vector<int> moved_;
   std::vector<Vec3> hints_;  // last slab of every pair
-  Strays strays_;
+  JointDeviation deviation_;
   std::vector<Node> leaves_;  // segments that are proven, but whose distances are not yet accurate
   Proof proof_;
   int number_ = 0;
   int work_ = 0;
   const std::function<void()>* interrupt_ = nullptr;
+  std::atomic<bool> is_busy_ = false;
 };
 
 }  // namespace wayproof

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "prover/prover.hpp"
 #include "model/gjk.hpp"
+#include "prover/prover.hpp"
 
 namespace wayproof {
 namespace {
@@ -13,7 +13,7 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 // Accuracy of the smallest distance [m], the larger of these, and the limit of its cost.
 constexpr double resolution = 1e-3;
 constexpr double relative_resolution = 0.01;
-constexpr int tightening_looks = 2000;
+constexpr int refinement_looks = 2000;
 
 }  // namespace
 
@@ -24,10 +24,9 @@ double Prover::target() const {
 }
 
 // Halves the segments that may contain a smaller distance than the smallest one measured.
-void Prover::tighten() {
-  std::make_heap(leaves_.begin(), leaves_.end(),
-                 [this](const Node& a, const Node& b) { return later(a, b); });
-  const int last = proof_.looks + tightening_looks;
+void Prover::refine_minimum() {
+  std::make_heap(leaves_.begin(), leaves_.end(), [this](const Node& a, const Node& b) { return later(a, b); });
+  const int last = proof_.looks + refinement_looks;
   while (!leaves_.empty()) {
     const double well = target();
     if (leaves_.front().floor >= well || is_short(leaves_.front().segment) || proof_.looks > last) break;
@@ -37,7 +36,7 @@ void Prover::tighten() {
     double floor = inf;
     for (Open& open : node.open) {
       if (open.bound < well) {
-        const Judged found = judge(open, well, -inf, false, node.segment.time);
+        const PairCheck found = check_pair(open, well, -inf, false, node.segment.time);
         open.bound = std::max(open.bound, found.bound);
         if (!found.decided) {
           rest.push_back(open);
@@ -63,7 +62,8 @@ void Prover::look(double time) {
   for (int i : moved_) {
     const Pair& pair = scene_->pairs[i];
     const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
-    order.emplace_back(norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius, i);
+    const double gap = norm(bounds_.center(pair.a) - bounds_.center(pair.b)) - a.radius - b.radius;
+    order.emplace_back(std::isnan(gap) ? -inf : gap, i);  // sorting needs numbers
   }
   std::sort(order.begin(), order.end());
   for (const auto& [gap, i] : order) {
@@ -71,9 +71,8 @@ void Prover::look(double time) {
     if (gap >= known) continue;
     count_work();
     const Pair& pair = scene_->pairs[i];
-    const Separation found =
-        separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a), scene_->geometries[pair.b].shape,
-                   bounds_.pose(pair.b), known, -inf, hints_[i]);
+    const Separation found = separation(scene_->geometries[pair.a].shape, bounds_.pose(pair.a),
+                                        scene_->geometries[pair.b].shape, bounds_.pose(pair.b), known, -inf, hints_[i]);
     hints_[i] = found.direction;
     if (found.lower < known) see(i, found.upper, time);
   }

@@ -36,8 +36,7 @@ double MotionBounds::lowest(int geometry, Vec3 n) {
   return dot(n, X_WG * shape.core_support(transposed_times(X_WG.R, -n)));
 }
 
-void MotionBounds::linearise(const std::vector<int>& chain, int from, Vec3 n,
-                             std::vector<Linear>& out) const {
+void MotionBounds::linearise(const std::vector<int>& chain, int from, Vec3 n, std::vector<Linear>& out) const {
   out.clear();
   for (std::size_t i = from; i < chain.size(); ++i) {
     const int k = chain[i];
@@ -60,8 +59,8 @@ double MotionBounds::along(const Pair& pair, const Relative& relative, Vec3 n, d
   if (!(width - blur - rest >= enough)) return -inf;
   const double balls = scene_.geometries[pair.a].shape.ball + scene_.geometries[pair.b].shape.ball;
   double least = width;
-  for (int row = 0; row < strays_->num_rows; ++row) {
-    const double* d = &strays_->rows[static_cast<std::size_t>(row) * motion_.num_velocities()];
+  for (int row = 0; row < deviation_->num_rows; ++row) {
+    const double* d = &deviation_->rows[static_cast<std::size_t>(row) * motion_.num_velocities()];
     const double above = lowest_at(pair.a, relative.a, linear_a_, n, d, 1);
     const double below = lowest_at(pair.b, relative.b, linear_b_, n, d, -1);
     least = std::min(least, above + below - balls);
@@ -76,22 +75,22 @@ double MotionBounds::residual(int geometry, int from, const std::vector<Linear>&
   const double radius = scene_.geometries[geometry].shape.core_radius();
   double total = 0;
   for (std::size_t i = 0; i < linear.size(); ++i) {
-    const double stray = strays_->residual[axes_[axes[from + i]].column], turn = norm(linear[i].turn);
-    if (stray == 0) continue;
-    total += stray * std::abs(linear[i].rate + dot(linear[i].turn, placed_[geometry].center));
-    if (turn > 0) total += stray * turn * radius;
+    const double deviation = deviation_->residual[axes_[axes[from + i]].column], turn = norm(linear[i].turn);
+    if (deviation == 0) continue;
+    total += deviation * std::abs(linear[i].rate + dot(linear[i].turn, placed_[geometry].center));
+    if (turn > 0) total += deviation * turn * radius;
   }
   return total;
 }
 
 // min over the points x of a core of sign (n . x + sum_k d_k n . J_k(x)).
-double MotionBounds::lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n,
-                               const double* d, double sign) {
+double MotionBounds::lowest_at(int geometry, int from, const std::vector<Linear>& linear, Vec3 n, const double* d,
+                               double sign) {
   const auto& axes = chain(geometry);
   double rate = 0;
   for (std::size_t i = 0; i < linear.size(); ++i) {
-    const double stray = d[axes_[axes[from + i]].column];
-    n = n + stray * linear[i].turn, rate += stray * linear[i].rate;
+    const double deviation = d[axes_[axes[from + i]].column];
+    n = n + deviation * linear[i].turn, rate += deviation * linear[i].rate;
   }
   return lowest(geometry, sign * n) + sign * rate;
 }

@@ -13,10 +13,10 @@ namespace {
 constexpr double to_the_wall = 0.99;
 
 // Slacks s > 0 with their multipliers z > 0 (complementary pairs), and a step of both.
-struct Cone {
+struct ComplementaryPairs {
   std::vector<double> s, z, ds, dz;
 
-  Cone(std::size_t count, double slack, double multiplier)
+  ComplementaryPairs(std::size_t count, double slack, double multiplier)
       : s(count, slack), z(count, multiplier), ds(count), dz(count) {}
 
   double product() const {
@@ -43,11 +43,23 @@ struct Cone {
 // Rows a . x + e - w = least; w has the multiplier y, the shortfall e has price - y.
 class Search {
  public:
-  explicit Search(const SoftRows& program)
-      : p(program), n(p.num_variables), m(p.least.size()), blocks(p), matrix(blocks.normal_matrix()), x(n), rx(n), ry(m), dx(n),
-        low(n, 0, 1), high(n, 0, 1), over(m, 0, 0), under(m, 0, 0) {
+  explicit Search(const PenaltyQp& program)
+      : p(program),
+        n(p.num_variables),
+        m(p.least.size()),
+        blocks(p),
+        matrix(blocks.normal_matrix()),
+        x(n),
+        rx(n),
+        ry(m),
+        dx(n),
+        low(n, 0, 1),
+        high(n, 0, 1),
+        over(m, 0, 0),
+        under(m, 0, 0) {
     for (int i = 0; i < n; ++i) {
-      x[i] = std::clamp(0.0, p.lower[i] + 0.05 * (p.upper[i] - p.lower[i]), p.upper[i] - 0.05 * (p.upper[i] - p.lower[i]));
+      x[i] =
+          std::clamp(0.0, p.lower[i] + 0.05 * (p.upper[i] - p.lower[i]), p.upper[i] - 0.05 * (p.upper[i] - p.lower[i]));
       low.s[i] = x[i] - p.lower[i], high.s[i] = p.upper[i] - x[i];
       low.z[i] = start / low.s[i], high.z[i] = start / high.s[i];
     }
@@ -60,7 +72,7 @@ class Search {
     }
   }
 
-  SoftSolution run(double tolerance, int max_steps) {
+  PenaltySolution run(double tolerance, int max_steps) {
     const double count = 2.0 * (n + m);
     int step = 0;
     double gap = 0;
@@ -72,12 +84,14 @@ class Search {
       aim(0, false);
       const double primal = std::min(1.0, reach(true)), dual = std::min(1.0, reach(false));
       const double after = (low.product_after(primal, dual) + high.product_after(primal, dual) +
-                            over.product_after(primal, dual) + under.product_after(primal, dual)) / count;
+                            over.product_after(primal, dual) + under.product_after(primal, dual)) /
+                           count;
       const double ratio = after / gap;
       aim(gap * std::max(ratio * ratio * ratio, 1e-6), true);
-      const double p_step = std::min(1.0, to_the_wall * reach(true)), d_step = std::min(1.0, to_the_wall * reach(false));
+      const double p_step = std::min(1.0, to_the_wall * reach(true)),
+                   d_step = std::min(1.0, to_the_wall * reach(false));
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
-      for (Cone* cone : {&low, &high, &over, &under}) cone->move(p_step, d_step);
+      for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
     }
     return {x, step, gap};
   }
@@ -109,8 +123,8 @@ class Search {
   }
 
   // Target of s dz + z ds.
-  static double wanted(const Cone& cone, std::size_t i, double mu, bool corrects) {
-    return mu - cone.s[i] * cone.z[i] - (corrects ? cone.ds[i] * cone.dz[i] : 0);
+  static double wanted(const ComplementaryPairs& pair, std::size_t i, double mu, bool corrects) {
+    return mu - pair.s[i] * pair.z[i] - (corrects ? pair.ds[i] * pair.dz[i] : 0);
   }
 
   // The step towards complementarity products of mu.
@@ -145,23 +159,24 @@ class Search {
 
   double reach(bool primal) const {
     double step = 1e300;
-    for (const Cone* cone : {&low, &high, &over, &under})
-      step = std::min(step, primal ? Cone::longest(cone->s, cone->ds) : Cone::longest(cone->z, cone->dz));
+    for (const ComplementaryPairs* pair : {&low, &high, &over, &under})
+      step = std::min(step, primal ? ComplementaryPairs::longest(pair->s, pair->ds)
+                                   : ComplementaryPairs::longest(pair->z, pair->dz));
     return step;
   }
 
-  const SoftRows& p;
+  const PenaltyQp& p;
   int n;
   std::size_t m;
   RowBlocks blocks;
   Skyline matrix;
   std::vector<double> x, rx, ry, dx, along, weight, need, pull, t_low, t_high, t_over, t_under;
-  Cone low, high, over, under;
+  ComplementaryPairs low, high, over, under;
 };
 
 }  // namespace
 
-SoftSolution solve(const SoftRows& program, double tolerance, int max_steps) {
+PenaltySolution solve(const PenaltyQp& program, double tolerance, int max_steps) {
   return Search(program).run(tolerance, max_steps);
 }
 

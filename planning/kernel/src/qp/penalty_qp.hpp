@@ -1,4 +1,4 @@
-// Penalty QP (SoftRows): convex quadratic programs in a box, whose rows may be violated at a linear price.
+// PenaltyQp: convex quadratic programs in a box, whose rows may be violated at a linear price.
 //
 //   minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x),  lower <= x <= upper
 //
@@ -12,20 +12,20 @@
 
 namespace wayproof {
 
-struct SoftRows {
+struct PenaltyQp {
   int num_variables = 0;
   std::vector<double> c, q, lower, upper;
   std::vector<std::int64_t> starts, columns;  // of the rows' entries, as in compressed sparse rows
   std::vector<double> values, least, price;
 };
 
-struct SoftSolution {
+struct PenaltySolution {
   std::vector<double> x;
   int steps = 0;
   double gap = 0;  // the mean product of a slack and its multiplier where it stopped
 };
 
 // Stops once residuals and gap are below `tolerance`, relative to the cost, or after `max_steps`.
-SoftSolution solve(const SoftRows& program, double tolerance, int max_steps);
+PenaltySolution solve(const PenaltyQp& program, double tolerance, int max_steps);
 
 }  // namespace wayproof

@@ -38,7 +38,7 @@ void add_rows(const double* values, int rows, int width, const double* weight, d
 
 }  // namespace
 
-RowBlocks::RowBlocks(const SoftRows& program) : p_(program) {
+RowBlocks::RowBlocks(const PenaltyQp& program) : p_(program) {
   for (std::size_t k = 0; k < p_.least.size(); ++k) {
     if (blocks_.empty() || !same(blocks_.back().begin, k))
       blocks_.push_back({k, 0, static_cast<int>(p_.starts[k + 1] - p_.starts[k])});

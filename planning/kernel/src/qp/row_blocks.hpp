@@ -5,15 +5,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "qp/skyline.hpp"
 #include "qp/penalty_qp.hpp"
+#include "qp/skyline.hpp"
 
 namespace wayproof {
 
 class RowBlocks {
  public:
   // Of the program's rows A; it must outlive this.
-  explicit RowBlocks(const SoftRows& program);
+  explicit RowBlocks(const PenaltyQp& program);
 
   // A zero matrix with the skyline of A' A.
   Skyline normal_matrix() const;
@@ -35,7 +35,7 @@ class RowBlocks {
   const double* values_of(const Block& b) const { return p_.values.data() + p_.starts[b.begin]; }
   bool same(std::size_t a, std::size_t b) const;
 
-  const SoftRows& p_;
+  const PenaltyQp& p_;
   std::vector<Block> blocks_;
   int widest_ = 0;
   std::vector<double> local_, square_;

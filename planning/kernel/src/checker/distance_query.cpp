@@ -1,10 +1,10 @@
-#include "checker/nearness.hpp"
+#include "checker/distance_query.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "model/overlap.hpp"
 #include "model/gjk.hpp"
+#include "model/overlap.hpp"
 
 namespace wayproof {
 namespace {
@@ -33,7 +33,7 @@ Vec3 unit(int i) { return {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 
 }  // namespace
 
 // Buffers of one configuration.
-struct Nearness::Workspace {
+struct DistanceQuery::Workspace {
   std::vector<double> full;
   std::vector<Transform> X_WL, X_WG;
   std::vector<Vec3> centers;
@@ -41,7 +41,7 @@ struct Nearness::Workspace {
   std::vector<Vec3> directions;  // last separating direction of each moved pair
 };
 
-Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
+DistanceQuery::DistanceQuery(std::shared_ptr<const Scene> scene, Group group)
     : scene_(std::move(scene)), group_(std::move(group)), X_WL_(scene_->tree.links.size()) {
   const Tree& tree = scene_->tree;
   tree.place(group_.state.data(), X_WL_.data());
@@ -62,7 +62,7 @@ Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
       case JointKind::floating:
         for (int k = 0; k < 3; ++k) add(k, true, true, unit(k)), add(3 + k, false, true, unit(k));
         break;
-      default: break;
+      case JointKind::fixed: break;
     }
   }
   for (std::size_t i = 0; i < scene_->pairs.size(); ++i) {
@@ -78,7 +78,7 @@ Nearness::Nearness(std::shared_ptr<const Scene> scene, Group group)
 }
 
 // Indices of the rates that move a link, in increasing order.
-std::vector<int> Nearness::rates_of(int link) const {
+std::vector<int> DistanceQuery::rates_of(int link) const {
   std::vector<int> found;
   for (int i = link; i >= 0; i = scene_->tree.links[i].parent)
     for (std::size_t k = 0; k < rates_.size(); ++k)
@@ -87,7 +87,8 @@ std::vector<int> Nearness::rates_of(int link) const {
   return found;
 }
 
-void Nearness::slope(const MovedPair& moved, const Workspace& w, Vec3 n, Vec3 p_A, Vec3 p_B, double* gradient) const {
+void DistanceQuery::slope(const MovedPair& moved, const Workspace& w, Vec3 n, Vec3 p_A, Vec3 p_B,
+                          double* gradient) const {
   const auto add = [&](const std::vector<int>& rates, Vec3 p, double sign) {
     for (int k : rates) {
       const Screw& screw = w.screws[k];
@@ -99,7 +100,8 @@ void Nearness::slope(const MovedPair& moved, const Workspace& w, Vec3 n, Vec3 p_
   add(moved.of_b, p_B, -1);
 }
 
-void Nearness::look(const MovedPair& moved, double reach, Workspace& w, std::int64_t configuration, Near& near) const {
+void DistanceQuery::look(const MovedPair& moved, double reach, Workspace& w, std::int64_t configuration,
+                         DistanceRows& rows) const {
   const Pair pair = scene_->pairs[moved.pair];
   const Vec3 between = w.centers[pair.a] - w.centers[pair.b];
   const double far = reach + moved.bound;
@@ -107,7 +109,7 @@ void Nearness::look(const MovedPair& moved, double reach, Workspace& w, std::int
   const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
   const Transform &X_WA = w.X_WG[pair.a], &X_WB = w.X_WG[pair.b];
   Vec3& direction = w.directions[&moved - moved_.data()];
-  Meeting met = meeting(a, X_WA, b, X_WB, reach, direction);
+  ClosestPoints met = closest_points(a, X_WA, b, X_WB, reach, direction);
   direction = met.separation.direction;
   double distance = met.separation.lower;
   if (distance >= reach) return;
@@ -119,23 +121,23 @@ void Nearness::look(const MovedPair& moved, double reach, Workspace& w, std::int
     distance = over.width, n = over.n, shift = (apart - distance) * n;
     Transform X_WC = X_WA;
     X_WC.p = X_WA.p + shift;
-    met = meeting(a, X_WC, b, X_WB, 1e9, n);
+    met = closest_points(a, X_WC, b, X_WB, 1e9, n);
   }
-  near.configuration.push_back(configuration);
-  near.pair.push_back(moved.pair);
-  near.distance.push_back(distance);
-  near.normal.insert(near.normal.end(), {n.x, n.y, n.z});
-  near.gradient.resize(near.gradient.size() + num_velocities(), 0.0);
-  slope(moved, w, n, met.p_W - shift, met.p_W, near.gradient.data() + near.gradient.size() - num_velocities());
+  rows.configuration.push_back(configuration);
+  rows.pair.push_back(moved.pair);
+  rows.distance.push_back(distance);
+  rows.normal.insert(rows.normal.end(), {n.x, n.y, n.z});
+  rows.gradient.resize(rows.gradient.size() + num_velocities(), 0.0);
+  slope(moved, w, n, met.p_W - shift, met.p_W, rows.gradient.data() + rows.gradient.size() - num_velocities());
 }
 
-Near Nearness::within(const double* qs, std::int64_t count, const double* reach) const {
+DistanceRows DistanceQuery::within(std::span<const double> qs, std::size_t count, std::span<const double> reach) const {
   const Tree& tree = scene_->tree;
   Workspace w{group_.state, X_WL_, {}, {}, {}, std::vector<Vec3>(moved_.size())};
   w.X_WG.resize(scene_->geometries.size()), w.centers.resize(scene_->geometries.size()), w.screws.resize(rates_.size());
-  Near near;
-  for (std::int64_t i = 0; i < count; ++i) {
-    group_.embed(tree, qs + i * num_positions(), w.full.data());
+  DistanceRows rows;
+  for (std::size_t i = 0; i < count; ++i) {
+    group_.embed(tree, qs.data() + i * static_cast<std::size_t>(num_positions()), w.full.data());
     group_.place(tree, w.full.data(), w.X_WL.data());
     for (std::size_t g = 0; g < scene_->geometries.size(); ++g) {
       if (i && !scene_->is_moved(group_, static_cast<int>(g))) continue;
@@ -148,9 +150,9 @@ Near Nearness::within(const double* qs, std::int64_t count, const double* reach)
       const Mat3 R = rates_[k].in_parent ? R_WP * link.X_PF.R : w.X_WL[rates_[k].link].R;
       w.screws[k] = {R * rates_[k].axis, w.X_WL[rates_[k].link].p};
     }
-    for (const MovedPair& moved : moved_) look(moved, reach[moved.pair], w, i, near);
+    for (const MovedPair& moved : moved_) look(moved, reach[moved.pair], w, static_cast<std::int64_t>(i), rows);
   }
-  return near;
+  return rows;
 }
 
 }  // namespace wayproof

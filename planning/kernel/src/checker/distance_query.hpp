@@ -1,8 +1,9 @@
-// Nearness: signed distances of the pairs that a group moves, and their gradients by its v.
+// DistanceQuery: signed distances of the pairs that a group moves, and their gradients by its v.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "model/scene.hpp"
@@ -10,17 +11,17 @@
 namespace wayproof {
 
 // Near pairs, one after another.
-struct Near {
+struct DistanceRows {
   std::vector<std::int64_t> configuration, pair;
   std::vector<double> distance;  // signed
   std::vector<double> normal;    // [count][3], unit, in W, from the second shape to the first
   std::vector<double> gradient;  // [count][nv], of the distance with respect to the group's v
 };
 
-class Nearness {
+class DistanceQuery {
  public:
   // Pairs whose distance does not depend on the group are left out.
-  Nearness(std::shared_ptr<const Scene> scene, Group group);
+  DistanceQuery(std::shared_ptr<const Scene> scene, Group group);
 
   int num_positions() const { return static_cast<int>(group_.positions.size()); }
   int num_velocities() const { return static_cast<int>(group_.velocities.size()); }
@@ -28,7 +29,7 @@ class Nearness {
 
   // Returns every pair that is nearer than its reach in one of [count][nq] configurations, in order of configurations,
   // then of pairs.
-  Near within(const double* qs, std::int64_t count, const double* reach) const;
+  DistanceRows within(std::span<const double> qs, std::size_t count, std::span<const double> reach) const;
 
  private:
   // Motion of a link by a coordinate of the group's v: about or along an axis.
@@ -50,7 +51,7 @@ class Nearness {
   struct Workspace;
 
   std::vector<int> rates_of(int link) const;
-  void look(const MovedPair& moved, double reach, Workspace& w, std::int64_t configuration, Near& near) const;
+  void look(const MovedPair& moved, double reach, Workspace& w, std::int64_t configuration, DistanceRows& rows) const;
   void slope(const MovedPair& moved, const Workspace& w, Vec3 n, Vec3 p_A, Vec3 p_B, double* gradient) const;
 
   std::shared_ptr<const Scene> scene_;

@@ -1,0 +1,57 @@
+"""scene_summary(): groups, frames, bodies, unchecked pairs and warnings of a loaded scene."""
+
+from weakref import WeakKeyDictionary
+
+from pydrake.planning import RobotDiagram
+
+from planning.domain.scene.summary import GroupSummary, SceneSummary
+from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.unchecked_pairs import unchecked_pairs
+from planning.world.drake_model import DrakeModel
+from planning.world.files.hull_warnings import hull_warnings
+from planning.world.loading.start_warnings import start_warnings
+from planning.world.world import World
+
+_sorted_names_cache: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tuple[str, ...]]] = (
+    WeakKeyDictionary()
+)
+
+
+def scene_summary(world: World) -> SceneSummary:
+    """Return the summary of a loaded scene, with its warnings."""
+    groups = {
+        group.name: GroupSummary(
+            group,
+            world.limits(group),
+            {name: tuple(map(float, q)) for name, q in world.configurations(group).items()},
+            tuple(map(float, world.positions(group))),
+        )
+        for group in world.groups
+    }
+    frames, bodies = _sorted_names(world.drake)
+    return SceneSummary(
+        groups=groups,
+        frames=frames,
+        bodies=bodies,
+        num_pairs=len(candidates_of(world.drake).rows),
+        digest=world.digest,
+        unchecked=unchecked_pairs(world.drake),
+        warnings=(
+            *world.drake.warnings,
+            *(text for own in world.robot_groups for text in own.warnings),
+            *start_warnings(world),
+            *hull_warnings(world.drake),
+        ),
+        assumed=tuple(
+            f"{own.robot}::{joint}" for own in world.robot_groups for joint in own.assumed
+        ),
+    )
+
+
+def _sorted_names(model: DrakeModel) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the names of all frames and bodies; models that share an engine share them."""
+    found = _sorted_names_cache.get(model.diagram)
+    if found is None:
+        found = tuple(sorted(model.all_frames)), tuple(sorted(model.all_bodies))
+        _sorted_names_cache[model.diagram] = found
+    return found
