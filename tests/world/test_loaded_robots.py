@@ -149,8 +149,8 @@ def test_joints_without_an_end_are_told(
     world = urdf_world(text + hinge("j", "a", "b", 0.0, limit) + "</robot>")
     limits = world.limits(world.group("r"))
     assert np.isfinite([limits.lower[0], limits.upper[0]]).all() is np.bool_(not is_told)
-    told = "r::j has no `limit` with `lower` and `upper` and is treated as unlimited: add the limits"
-    told += ", or make it `continuous`"
+    told = "r::j has no `limit` with `lower` and `upper` and is treated as unlimited: "
+    told += "add the limits, or make it `continuous`"
     assert list(scene_summary(world).warnings) == ([told] if is_told else [])
     endless = (text + hinge("j", "a", "b", 0.0, limit) + "</robot>").replace(
         "revolute", "continuous"
