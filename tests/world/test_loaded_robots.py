@@ -52,8 +52,8 @@ def test_a_robot_that_starts_in_itself_is_told_with_an_edit_to_paste(
     urdf_world: Callable[..., World],
 ) -> None:
     world = urdf_world(CHAIN)
-    *told, offer = scene_summary(world).warnings
-    found = [re.search(r"(r::\w) and (r::\w) overlap by (\S+) m: no motion", t) for t in told]
+    *overlaps, offer = scene_summary(world).warnings
+    found = [re.search(r"(r::\w) and (r::\w) overlap by (\S+) m: no motion", t) for t in overlaps]
     depths = {(hit[1], hit[2]): float(hit[3]) for hit in found if hit}
     assert depths == {("r::a", "r::c"): 0.18, ("r::a", "r::e"): 0.2, ("r::c", "r::e"): 0.18}
     assert offer.startswith("1 of these pairs overlap in all 21 sampled configurations")
@@ -125,9 +125,9 @@ def test_of_many_robots_overlaps_are_told_and_like_configurations_once(
     scene = replace(
         one, robots=tuple(arms), allowed_collisions=pairs, configurations=named, files={}
     )
-    told = scene_summary(planning.load_world(scene)).warnings
-    assert all(text.startswith("at the scene's positions r0::") for text in told)
-    assert "r0::a and r0::e overlap by 0.2 m" in told[0]
+    warnings = scene_summary(planning.load_world(scene)).warnings
+    assert all(text.startswith("at the scene's positions r0::") for text in warnings)
+    assert "r0::a and r0::e overlap by 0.2 m" in warnings[0]
     apart = tuple(replace(arm, positions="open") for arm in arms)
     (folded,) = scene_summary(planning.load_world(replace(scene, robots=apart))).warnings
     assert folded.startswith("configuration 'folded' of r0 is in collision with itself")
@@ -149,9 +149,9 @@ def test_joints_without_an_end_are_told(
     world = urdf_world(text + hinge("j", "a", "b", 0.0, limit) + "</robot>")
     limits = world.limits(world.group("r"))
     assert np.isfinite([limits.lower[0], limits.upper[0]]).all() is np.bool_(not is_told)
-    told = "r::j has no `limit` with `lower` and `upper` and is treated as unlimited: "
-    told += "add the limits, or make it `continuous`"
-    assert list(scene_summary(world).warnings) == ([told] if is_told else [])
+    warning = "r::j has no `limit` with `lower` and `upper` and is treated as unlimited: "
+    warning += "add the limits, or make it `continuous`"
+    assert list(scene_summary(world).warnings) == ([warning] if is_told else [])
     endless = (text + hinge("j", "a", "b", 0.0, limit) + "</robot>").replace(
         "revolute", "continuous"
     )
@@ -216,9 +216,11 @@ def test_a_urdf_is_welded_unless_the_scene_wants_it_to_float(load: Callable[...,
 def test_what_the_description_settles_is_refused(load: Callable[..., World]) -> None:
     fixed = MJCF.format("")
     assert load("m.xml", fixed).group("r").num_positions == 1
-    for wish in ({"weld": False}, {"weld": True}, {"base": PLACE}):
-        with pytest.raises(SceneInvalid, match=f"robots.0.{next(iter(wish))}: .*already fixes it"):
-            load("m.xml", fixed, **wish)
+    for setting in ({"weld": False}, {"weld": True}, {"base": PLACE}):
+        with pytest.raises(
+            SceneInvalid, match=f"robots.0.{next(iter(setting))}: .*already fixes it"
+        ):
+            load("m.xml", fixed, **setting)
     two = SDF.format('<link name="other"/>')
     assert len(scene_summary(load("m.sdf", two)).warnings) == 2
     with pytest.raises(SceneInvalid, match=r"robots.0.weld: .*2 root links"):

@@ -101,11 +101,11 @@ def test_what_the_parser_leaves_out_is_told(tmp_path: Path) -> None:
 def test_errors_of_the_parser_go_on_to_the_log_and_its_warnings_do_not(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    drake, said = logging.getLogger("drake"), list[str]()
-    with parser_warnings("r", said):
+    drake, warnings = logging.getLogger("drake"), list[str]()
+    with parser_warnings("r", warnings):
         drake.warning("odd")
         drake.error("bad")
     drake.warning("not asked for")
     drake.critical("worse")
-    assert said == ["r: odd"]
+    assert warnings == ["r: odd"]
     assert [record.getMessage() for record in caplog.records] == ["bad", "worse"]

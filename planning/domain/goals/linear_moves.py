@@ -20,7 +20,7 @@ class Displacement(Value):
 
     Attributes:
         vector: The displacement [m], shape (3,).
-        frame: Frame of its axes: "world" or any frame of the scene, as it stands at the start.
+        frame: Frame of its axes: "world" or any frame of the scene, at its pose at the start.
     """
 
     vector: Float64[np.ndarray, "3"]

@@ -218,7 +218,7 @@ class Simulation:
         """Lock the other planar and floating joints; return the scalar ones and their positions.
 
         A scalar joint is held by the controller instead: Drake's solver answers NaN for a locked
-        joint that stands on its position limit, as closed grippers do.
+        joint at its position limit, as in closed grippers.
         """
         controlled = {*self._in_v.tolist(), *(c.follower_velocity for c in self._followers)}
         plant = self._model.plant
