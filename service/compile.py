@@ -8,8 +8,14 @@ import importlib
 
 from service.workers import PRELOAD
 
-# What the server imports, what draws, and the commands.
-_MORE = ("service.cli.server", "service.cli.app", "service.tasks.plots")
+# What the server imports, what draws, the commands, and what converts meshes.
+_MORE = (
+    "service.cli.server",
+    "service.cli.app",
+    "service.tasks.plots",
+    "trimesh",
+    "trimesh.exchange.obj",
+)
 
 
 def main() -> None:

@@ -41,15 +41,18 @@ class Desk:
         self._scenes = scenes
         self._planners: list[dict[str, Any]] = []
         self.admitting_motion = asyncio.Lock()
+        # Where links lead is asked of the disk once, not for each task.
+        self._folder = settings.data_dir.resolve()
+        self._model_roots = [str(root.resolve()) for root in settings.model_roots]
 
     @property
     def common(self) -> dict[str, Any]:
         """What every task is told: which robots may be loaded, and where copies of files are."""
         return {
             "library": {
-                "model_roots": [str(root.resolve()) for root in self._settings.model_roots],
+                "model_roots": list(self._model_roots),
                 "allow_paths": self._settings.may_load_paths,
-                "copies": str(self._settings.data_dir.resolve() / "files"),
+                "copies": str(self._folder / "files"),
             }
         }
 
@@ -284,17 +287,17 @@ class Desk:
     @property
     def regions_folder(self) -> Path:
         """Where slots read regions; the files are a copy of what the database has."""
-        return self._settings.data_dir.resolve() / "regions"
+        return self._folder / "regions"
 
     @property
     def roadmaps(self) -> str:
         """The folder of roadmaps that outlive a worker."""
-        return str(self._settings.data_dir.resolve() / "roadmaps")
+        return str(self._folder / "roadmaps")
 
     @property
     def cores(self) -> dict[str, Any] | None:
         """Through which files plans share the processors; None where tasks run in threads."""
         if self._settings.engine == "inline":
             return None
-        folder = self._settings.data_dir.resolve() / "cores"
-        return {"folder": str(folder), "count": self._settings.search_processes}
+        folder = str(self._folder / "cores")
+        return {"folder": folder, "count": self._settings.search_processes}

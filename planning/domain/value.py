@@ -15,8 +15,6 @@ import numpy as np
 _ROWS = np.dtype(np.int32)
 # Numbers, truth values and text of fixed width. Long doubles have padding bytes.
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
-# Scalar types, which most parts of a value have.
-_SCALAR_TYPES = frozenset({str, int, bool, type(None)})
 # Attribute in which a value of a class with `caches_bytes` keeps its bytes.
 _BYTES_ATTRIBUTE = "_fed_bytes"
 
@@ -128,12 +126,23 @@ def digest(content: Any) -> str:
 
 
 def _feed(sha: Any, content: Any) -> None:
-    if type(content) is float:
+    kind = type(content)
+    # Most parts of a value are of these types, so these are tested first.
+    if kind is float:
         sha.update(b"number" + struct.pack("<d", content))
-        return
-    if type(content) in _SCALAR_TYPES:
-        sha.update(_scalar(content))
-        return
+    elif kind is str:
+        sha.update(_text(content))
+    elif kind is tuple:
+        _feed_all(sha, "list", content)
+    elif kind is int:
+        sha.update(_integer(content))
+    elif content is None or kind is bool:
+        sha.update(f"atom{content}".encode())
+    else:
+        _feed_other(sha, content)
+
+
+def _feed_other(sha: Any, content: Any) -> None:
     match content:
         case np.ndarray():
             _validate_dtype(content)
@@ -219,10 +228,14 @@ def _scalar(content: Any) -> bytes:
         case np.floating() if content.dtype.char in _ARRAYS:
             return b"number" + struct.pack("<d", float(content))
         case str():
-            return f"text{len(content)}:{content}".encode("utf-8", "surrogatepass")
+            return _text(content)
         case _:
             message = f"{type(content).__name__} is not a value and has no digest"
             raise TypeError(message)
+
+
+def _text(content: str) -> bytes:
+    return f"text{len(content)}:{content}".encode("utf-8", "surrogatepass")
 
 
 def _integer(number: int) -> bytes:

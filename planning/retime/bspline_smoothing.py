@@ -10,7 +10,6 @@ the difference from the path is a cubic, and lies in the convex hull of its Bern
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from planning.domain.arrays import Array
 from planning.domain.curves.cubic import cubic_through
@@ -119,6 +118,9 @@ def _fit_bspline(
 
 def _bspline_basis(num_control_points: int, s: Array) -> Array:
     """Return the clamped uniform cubic B-splines at s, shape (m, num_control_points)."""
+    # 0.4 s, for which a worker's start need not wait.
+    from scipy.interpolate import BSpline  # noqa: PLC0415
+
     inner_knots = np.linspace(0.0, 1.0, num_control_points - _DEGREE + 1)
     knots = np.concatenate([np.zeros(_DEGREE), inner_knots, np.ones(_DEGREE)])
     return BSpline.design_matrix(s, knots, _DEGREE).toarray()

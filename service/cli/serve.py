@@ -1,5 +1,6 @@
 """wayproof serve: run the service until it is told to stop."""
 
+import gc
 import json
 import socket
 from pathlib import Path
@@ -43,9 +44,13 @@ def serve(  # noqa: PLR0913  (one parameter per option)
     url = url_of(bound)
     if settings.engine == "process":
         start_to_import()
+    gc.disable()  # what is imported lasts: to look for garbage among it takes a tenth of the start
     from service.cli.server import CannotStart, run  # noqa: PLC0415  (takes a second)
 
+    gc.enable()
+
     def tell() -> None:
+        gc.freeze()  # and it will last, so no later look needs to go through it
         if announce is not None:
             announce.write_text(json.dumps({"url": url}), encoding="utf-8")
         typer.echo(f"Wayproof listens on {url}  (documentation: {url}/docs)", err=True)

@@ -5,6 +5,7 @@ run twice does no harm if it ran for nothing, so it begins at once. Nothing of i
 the job itself, and what the table refuses leaves no trace.
 """
 
+import asyncio
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
@@ -51,6 +52,8 @@ class Intake:
         # In time for what may run twice; a run of what may not waits for its start to be written.
         run = self._seat(drafted.job, {})
         try:
+            # It is sent to its slot before the thread that writes takes part of the interpreter.
+            await asyncio.sleep(0)
             job, is_new = await self._write(drafted)
         except BaseException:
             self._unseat(run)

@@ -38,7 +38,14 @@ def decode(text: str) -> Any:
 
 def member_of(text: str, wanted: str) -> str | None:
     """Return the text of a member of an object, None if it has none of that name."""
-    return next((part for name, part in members_of(text) if name == wanted), None)
+    # `encode_in_parts` gives what is large a line of its own, which is found without reading.
+    before = f"\n{json.dumps(wanted)}:"
+    at = text.find(before)
+    if at < 0:
+        return next((part for name, part in members_of(text) if name == wanted), None)
+    begin = at + len(before)
+    end = text.find("\n", begin)
+    return text[begin : (len(text) if end < 0 else end) - 1]
 
 
 def members_of(text: str) -> Iterator[tuple[str, str]]:
@@ -52,7 +59,7 @@ def members_of(text: str) -> Iterator[tuple[str, str]]:
         start, at = token.span()
         if text[start] == '"' and text[at : at + 1] == ":":
             if begin:
-                yield name, text[begin:start].rstrip(", ")
+                yield name, text[begin:start].rstrip(", \n")
             name, begin = json.loads(token[0]), at + 1
         elif text[start] == "}":
             if begin:

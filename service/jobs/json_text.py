@@ -59,11 +59,12 @@ def decode_parts(text: str) -> dict[str, Any]:
     Raises:
         ValueError: It was encoded in some other way.
     """
-    first, *lines = text[1:-1].split(",\n")
-    plain: dict[str, Any] = json.loads(f"{{{first}}}")
+    # Nothing else has a line feed, and single characters are found several times as quickly.
+    first, *lines = text.split("\n")
+    plain: dict[str, Any] = json.loads(f"{first[:-1]}}}")
     for line in lines:
         name, end = _READER.raw_decode(line)
-        plain[name] = Encoded(line[end + 1 :])
+        plain[name] = Encoded(line[end + 1 : -1])
     return plain
 
 

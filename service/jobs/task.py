@@ -44,7 +44,7 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
         found = load_task(task)(json.loads(payload), channel)
         large = outline_of(task).result
         brief = encode_result(without(found, large)) if large else ""
-        return TaskEnd(FrameKind.RESULT, _text(found), brief)
+        return TaskEnd(FrameKind.RESULT, _text(found, large), brief)
     except WayproofError as error:
         return TaskEnd(FrameKind.FAILURE, error_text(error))
     except MemoryError:
@@ -55,9 +55,17 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
         return TaskEnd(FrameKind.CRASH, f"{type(fault).__name__}: {fault}"[:500])
 
 
-def _text(found: Any) -> str:
-    is_in_parts = isinstance(found, dict) and any(isinstance(x, Encoded) for x in found.values())
-    return encode_in_parts(found) if is_in_parts else encode_result(found)
+def _text(found: Any, large: tuple[str, ...]) -> str:
+    """Return the text of what a task returned; what is large in it has a line of its own."""
+    if not isinstance(found, dict):
+        return encode_result(found)
+    apart = {member.partition(".")[0] for member in large}
+    parts: dict[str, Any] = {
+        name: Encoded(encode_result(part)) if name in apart else part
+        for name, part in found.items()
+    }
+    num_encoded = sum(isinstance(part, Encoded) for part in parts.values())
+    return encode_in_parts(parts) if 0 < num_encoded < len(parts) else encode_result(found)
 
 
 def load_task(task: str) -> Any:

@@ -1,5 +1,6 @@
 """What runs in a slot's process. Light: the forkserver imports it before any task."""
 
+import gc
 import json
 import os
 import socket
@@ -119,6 +120,8 @@ def serve(end: socket.socket, leash: Connection, warm_up: str | None, terms: Ter
         terms: Of the work.
     """
     die_with_parent(leash)
+    gc.freeze()
+    gc.enable()
     os.nice(terms.niceness)
     if terms.memory is not None:
         limit_own(terms.memory)

@@ -26,7 +26,7 @@ def forkserver(preload: Sequence[str]) -> Any:
     There is one such server per process: the modules that are named first count.
     """
     context: Any = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["service.jobs.worker", *preload])
+    context.set_forkserver_preload(["service.jobs.no_garbage", "service.jobs.worker", *preload])
     return context
 
 

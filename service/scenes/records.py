@@ -84,9 +84,12 @@ class SceneRecord(SceneBrief):
 
     Attributes:
         loaded: Its content.
+        unchecked_in: An earlier revision whose row has the pairs that are not looked at, which are
+            the same in this one; None if its own row has them.
     """
 
     loaded: LoadedScene
+    unchecked_in: int | None = None
 
     @property
     def document(self) -> dict[str, Any]:

@@ -3,7 +3,9 @@
 import json
 import secrets
 from collections.abc import Generator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Lock
@@ -22,6 +24,7 @@ from sqlalchemy import (
     literal,
     select,
 )
+from sqlalchemy.exc import DBAPIError
 
 from planning.parallel.atomic_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
@@ -30,6 +33,8 @@ from service.jobs.json_text import Encoded, encode
 from service.scenes.recent import RecentScenes
 from service.scenes.records import LoadedScene, SceneBrief, SceneRecord, metadata, scenes
 
+# Member of a row's summary: the revision that has what this row leaves out.
+_HELD = "unchecked_in"
 _CONTENT = (scenes.c.document, scenes.c.summary)
 _BRIEF = tuple(column for column in scenes.c if column not in {*_CONTENT})
 
@@ -47,6 +52,7 @@ class SceneStore:
         self._folder = folder.resolve()
         self._revising = Lock()
         self._recent = RecentScenes()
+        self._beside = ThreadPoolExecutor(1, "scene-files")
 
     def open(self) -> None:
         """Create what is missing."""
@@ -57,8 +63,7 @@ class SceneStore:
 
     def add(self, loaded: LoadedScene) -> SceneRecord:
         """Record a new scene."""
-        self._write(loaded)
-        with self._writing() as connection:
+        with self._recording(loaded) as connection:
             record = _inserted(connection, f"scn_{secrets.token_hex(8)}", 1, loaded)
         self._recent.put(record)
         return record
@@ -70,16 +75,16 @@ class SceneStore:
             UnknownResource: The scene is gone.
             RevisionConflict: `base` has a successor already.
         """
-        self._write(loaded)
         newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
         # One server works on a database, so a lock in this process keeps writers apart.
-        with self._revising, self._writing() as connection:
+        with self._revising, self._recording(loaded) as connection:
             latest = connection.execute(newest).scalar()
             if latest is None:
                 raise UnknownResource.of("scene", base.id)
             if latest != base.revision:
                 raise RevisionConflict.of(base.id, base.revision, latest)
-            record = _inserted(connection, base.id, latest + 1, loaded)
+            loaded, unchecked_in = self._sharing(base, loaded)
+            record = _inserted(connection, base.id, latest + 1, loaded, unchecked_in)
         self._recent.put(record)
         return record
 
@@ -142,6 +147,33 @@ class SceneStore:
             self._write(record.loaded)
         return path
 
+    def _sharing(self, base: SceneBrief, loaded: LoadedScene) -> tuple[LoadedScene, int | None]:
+        """Return what follows a revision, and which one's row has its unchecked pairs already.
+
+        What an edit moves mostly does not change them, and of many objects they are half of it all.
+        """
+        before = self._recent.get(base.id, base.revision)
+        if before is None or before.loaded.unchecked != loaded.unchecked:
+            return loaded, None
+        held = before.revision if before.unchecked_in is None else before.unchecked_in
+        return replace(loaded, unchecked=before.loaded.unchecked), held
+
+    @contextmanager
+    def _recording(self, loaded: LoadedScene) -> Generator[Connection]:
+        """Write a row while another thread writes the file, and commit once it has.
+
+        Raises:
+            OSError: The file cannot be written; there is no row then.
+        """
+        file = self._beside.submit(self._write, loaded)
+        try:
+            with self._writing() as connection:
+                yield connection
+                file.result()
+        except DBAPIError:
+            file.result()  # a full disk refuses both, and says so better
+            raise
+
     @contextmanager
     def _writing(self) -> Generator[Connection]:
         """Write what survives a power cut: connections are shared with what need not."""
@@ -162,14 +194,18 @@ class SceneStore:
 
 
 def _inserted(
-    connection: Connection, identifier: str, revision: int, loaded: LoadedScene
+    connection: Connection,
+    identifier: str,
+    revision: int,
+    loaded: LoadedScene,
+    unchecked_in: int | None = None,
 ) -> SceneRecord:
     """Return the record of a new row."""
     summary = encode(loaded.summary)[:-1] + ("," if loaded.summary else "")
-    texts = {
-        "document": loaded.document.text,
-        "summary": f'{summary}"unchecked":{loaded.unchecked.text}}}',
-    }
+    unchecked = f'"unchecked":{loaded.unchecked.text}'
+    if unchecked_in is not None:
+        unchecked = f'"{_HELD}":{unchecked_in}'
+    texts = {"document": loaded.document.text, "summary": f"{summary}{unchecked}}}"}
     created_at = datetime.now(UTC)
     row = {
         "id": identifier,
@@ -181,7 +217,8 @@ def _inserted(
     written = {name: _as_json(connection, text) for name, text in texts.items()}
     done = connection.execute(insert(scenes).values(**row, **written).returning(scenes.c.serial))
     serial = int(done.scalar_one())
-    return SceneRecord(serial, identifier, revision, loaded.digest, loaded.name, created_at, loaded)
+    brief = SceneBrief(serial, identifier, revision, loaded.digest, loaded.name, created_at)
+    return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=unchecked_in)
 
 
 def _as_json(connection: Connection, text: str) -> Any:
@@ -196,14 +233,28 @@ def _read(connection: Connection, brief: SceneBrief) -> SceneRecord:
     Raises:
         UnknownResource: The scene is gone.
     """
+    document, summary = _texts(connection, brief.id, brief.revision)
+    found: dict[str, Any] = json.loads(summary)
+    unchecked, held = found.pop("unchecked", []), found.pop(_HELD, None)
+    if held is not None:
+        unchecked = json.loads(_texts(connection, brief.id, held)[1])["unchecked"]
+    told = Encoded(encode(unchecked))
+    loaded = LoadedScene(brief.name, brief.digest, Encoded(document), found, told)
+    return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=held)
+
+
+def _texts(connection: Connection, identifier: str, revision: int) -> tuple[str, str]:
+    """Return the content of a row as text: its document and its summary.
+
+    Raises:
+        UnknownResource: The scene is gone.
+    """
     texts = [cast(column, Text).label(column.name) for column in _CONTENT]
-    row = connection.execute(select(*texts).where(scenes.c.serial == brief.serial)).first()
+    wanted = (scenes.c.id == identifier) & (scenes.c.revision == revision)
+    row = connection.execute(select(*texts).where(wanted)).first()
     if row is None:
-        raise UnknownResource.of("scene", brief.id)
-    summary: dict[str, Any] = json.loads(row.summary)
-    unchecked = Encoded(encode(summary.pop("unchecked", [])))
-    loaded = LoadedScene(brief.name, brief.digest, Encoded(row.document), summary, unchecked)
-    return SceneRecord(**vars(brief), loaded=loaded)
+        raise UnknownResource.of("scene", identifier)
+    return row.document, row.summary
 
 
 def _brief(row: Row[Any]) -> SceneBrief:

@@ -8,7 +8,6 @@ import threading
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 
 from pydantic import ValidationError
 
@@ -75,23 +74,21 @@ class SceneText:
     def _after(
         self, before: Sequence[SceneObject], edited: Sequence[SceneObject]
     ) -> tuple[tuple[str, ...], tuple[SceneObject, ...]]:
-        rows = zip_longest(self.objects, before, edited)
         # All but a few are in their places, and only those few are looked for by name.
-        wanted = {value.name for _, same, value in rows if value is not None and value is not same}
+        rows = [row for row, (a, b) in enumerate(zip(before, edited, strict=False)) if a is not b]
+        rows += range(len(before), len(edited))
+        wanted = {edited[row].name for row in rows}
         known = {
             same.name: (text, same)
             for text, same in zip(self.objects, before, strict=True)
             if same.name in wanted
         }
-        rows = zip_longest(self.objects, before, edited)
-        found = [
-            (text, same)
-            if value is same
-            else self._again(value, *known.get(value.name, ("", None)))
-            for text, same, value in rows
-            if value is not None
-        ]
-        return tuple(text for text, _ in found), tuple(value for _, value in found)
+        texts = [*self.objects[: len(edited)], *[""] * (len(edited) - len(before))]
+        objects = list(edited)
+        for row in rows:
+            value = edited[row]
+            texts[row], objects[row] = self._again(value, *known.get(value.name, ("", None)))
+        return tuple(texts), tuple(objects)
 
     @staticmethod
     def _again(value: SceneObject, text: str, same: SceneObject | None) -> tuple[str, SceneObject]:

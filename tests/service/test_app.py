@@ -25,6 +25,24 @@ def test_server_process_loads_no_engine():
     assert run.stdout.strip() == ""
 
 
+WARM = """
+import importlib, sys
+from types import SimpleNamespace
+from service.workers import PRELOAD, WARM_UP
+for name in PRELOAD:
+    importlib.import_module(name)
+module, name = WARM_UP.split(":")
+print(getattr(sys.modules[module], name)({}, SimpleNamespace(is_canceled=bool))["proven"])
+print([name for name in ("scipy", "matplotlib", "trimesh") if name in sys.modules])
+"""
+
+
+def test_a_worker_is_warm_without_what_few_plans_need():
+    """They take longer to import than all of Drake."""
+    run = subprocess.run([sys.executable, "-c", WARM], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines() == ["True", "[]"]
+
+
 def test_entry_point_imports_nothing_until_it_runs():
     code = "import sys, service.__main__; print('fastapi' in sys.modules, 'typer' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

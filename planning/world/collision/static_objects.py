@@ -82,6 +82,13 @@ class StaticObjects:
         """Compute the cached properties in advance, before the first edit or query needs them."""
         _ = self.balls, self.rows, self.row_of, self.meshes
 
+    def moved_poses(self, poses: Mapping[int, RigidTransform]) -> tuple[RigidTransform, ...]:
+        """Return X_WO of all objects, with the poses of some replaced, by row."""
+        moved_poses = list(self.poses)
+        for row, x in poses.items():
+            moved_poses[row] = x
+        return tuple(moved_poses)
+
     def with_moved_objects(
         self,
         objects: Sequence[SceneObject],
@@ -95,7 +102,7 @@ class StaticObjects:
             poses: X_WO of the moved ones, by row.
             frames: As the attribute `frames`.
         """
-        moved_poses = tuple(poses.get(row, x) for row, x in enumerate(self.poses))
+        moved_poses = self.moved_poses(poses)
         after = replace(self, objects=tuple(objects), poses=moved_poses, frames=frames)
         # Reuse the cached properties that the move does not change.
         after.__dict__.update(row_of=self.row_of, rows=self.rows, meshes=self.meshes)

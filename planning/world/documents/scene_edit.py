@@ -185,7 +185,9 @@ def _object(scene: Scene, name: str) -> SceneObject:
 
 
 def _with_object(scene: Scene, edited: SceneObject) -> Scene:
-    objects = tuple(edited if o.name == edited.name else o for o in scene.objects)
+    names = (thing.name for thing in scene.objects)
+    at = next(i for i, name in enumerate(names) if name == edited.name)
+    objects = (*scene.objects[:at], edited, *scene.objects[at + 1 :])
     return replace(scene, objects=objects)
 
 

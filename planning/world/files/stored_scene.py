@@ -24,10 +24,12 @@ class StoredScene:
     Attributes:
         scene: With `files` of all its robots and meshes, and of nothing else.
         store: The store.
+        meshes: The objects whose shapes are files, in order.
     """
 
     scene: Scene
     store: FileStore
+    meshes: tuple[SceneObject, ...]
 
     def folder(self, robot: str) -> Path:
         """Return the folder of the copies of a robot's files."""
@@ -135,11 +137,15 @@ def store_files(scene: Scene, library: ModelLibrary) -> StoredScene:
     for robot in scene.robots:
         stored = _stored_files(scene, robot.name, robot.model)
         files[robot.name] = stored or copier.robot(robot.model)
-    for i, thing in enumerate(scene.objects):
-        if isinstance(thing.shape, Mesh):
-            stored = _stored_files(scene, thing.name, thing.shape.uri)
-            files[thing.name] = stored or copier.mesh(thing, i)
-    return StoredScene(replace(scene, files=files), copier.store)
+    meshes = [
+        (i, thing, thing.shape.uri)
+        for i, thing in enumerate(scene.objects)
+        if isinstance(thing.shape, Mesh)
+    ]
+    for i, thing, uri in meshes:
+        files[thing.name] = _stored_files(scene, thing.name, uri) or copier.mesh(thing, i)
+    objects = tuple(thing for _, thing, _ in meshes)
+    return StoredScene(replace(scene, files=files), copier.store, objects)
 
 
 def _stored_files(scene: Scene, name: str, named: str) -> KeptFiles | None:

@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from planning.domain.geometry.shapes import Mesh
 from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
 from planning.errors import ModelInvalid
 from planning.parallel.fork_pool import die_with_parent, end_fork, fork
@@ -52,7 +51,7 @@ def trial_load(scene: Scene, library: ModelLibrary, time_limit: float = _TIME_LI
     stored = store_files(scene, library)
     trusted = set(library.names)
     things: list[RobotOrObject] = [r for r in stored.scene.robots if r.model not in trusted]
-    things += [thing for thing in stored.scene.objects if isinstance(thing.shape, Mesh)]
+    things += stored.meshes
     by_content = {stored.scene.files[thing.name].content: thing for thing in things}
     new = {content: thing for content, thing in by_content.items() if content not in _loadable}
     if new and threading.active_count() == 1:

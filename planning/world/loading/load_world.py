@@ -2,6 +2,7 @@
 
 from planning.domain.scene.scene import Scene
 from planning.errors import SceneInvalid, UnknownName
+from planning.world.collision.box_pairs import box_pairs_of
 from planning.world.collision.half_spaces import has_moving_half_space
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
@@ -97,6 +98,7 @@ def _precompute(world: World) -> None:
     shared_context(world.drake)
     world.drake.static_objects.precompute()
     unchecked_pairs(world.drake)
+    box_pairs_of(world.drake)
     for group in world.groups[:_MAX_PREPARED_GROUPS]:
         world.limits(group)
         world.collision_oracle(group, world.margins())

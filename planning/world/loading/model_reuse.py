@@ -41,9 +41,9 @@ def reuse_model(
         stored.scene, static_names
     ) != _model_digest(previous.scene, static_names):
         return None
-    things = [
-        stored.stored_object(thing) for thing in stored.scene.objects if thing.name in static_names
-    ]
+    things = [thing for thing in stored.scene.objects if thing.name in static_names]
+    if stored.meshes:
+        things = list(map(stored.stored_object, things))
     if not _are_same(things, static_objects.objects):
         return None
     robots = tuple(
@@ -67,10 +67,10 @@ def _model_digest(scene: Scene, static_names: frozenset[str]) -> str:
 
 def _are_same(after: Sequence[SceneObject], before: Sequence[SceneObject]) -> bool:
     """Return whether objects are equal except for poses and colors."""
-    return len(after) == len(before) and all(
-        a is b or (a.name == b.name and a.shape == b.shape)
-        for a, b in zip(after, before, strict=True)
-    )
+    if len(after) != len(before):
+        return False
+    others = [(a, b) for a, b in zip(after, before, strict=True) if a is not b]
+    return all(a.name == b.name and a.shape == b.shape for a, b in others)
 
 
 def _with_moved_objects(
@@ -81,10 +81,10 @@ def _with_moved_objects(
     rows = [
         row
         for row, (a, b) in enumerate(zip(things, static_objects.objects, strict=True))
-        if a.pose is not b.pose and a.pose != b.pose
+        if a is not b and a.pose is not b.pose and a.pose != b.pose
     ]
     poses = dict(zip(rows, transforms([things[row].pose for row in rows]), strict=True))
-    moved_poses = [poses.get(row, x) for row, x in enumerate(static_objects.poses)]
+    moved_poses = static_objects.moved_poses(poses)
     after = replace(
         before,
         static_objects=static_objects.with_moved_objects(

@@ -33,15 +33,14 @@ def static_object_names(scene: Scene, max_in_model: int = MAX_OBJECTS_IN_MODEL) 
     many robots or frames: then the model is expensive, and moving an object must not rebuild it.
     Half spaces, which are unbounded, are always in Drake's model: there are few.
     """
-    names = [thing.name for thing in scene.objects if may_be_static(thing)]
+    names = [
+        thing.name
+        for thing in scene.objects
+        if thing.attached is None and not isinstance(thing.shape, HalfSpace)
+    ]
     is_expensive = len(scene.robots) > _MAX_FEW_ROBOTS or len(scene.frames) > _MAX_FEW_FRAMES
     is_many = len(names) > max_in_model or is_expensive
     return frozenset(names) if is_many else frozenset()
-
-
-def may_be_static(thing: SceneObject) -> bool:
-    """Return whether an object may be kept outside of Drake's model."""
-    return thing.attached is None and not isinstance(thing.shape, HalfSpace)
 
 
 def make_static_objects(stored: StoredScene, names: frozenset[str]) -> StaticObjects:
@@ -95,7 +94,8 @@ def static_frames(
         children.setdefault(frame.parent, []).append(frame)
     # The frame's pose in its object is multiplied first, as in Drake, for results that are equal to
     # the bit.
-    pending = [(name, x, RigidTransform()) for name, x in poses_W.items() if name in children]
+    above = poses_W.items() if children else ()
+    pending = [(name, x, RigidTransform()) for name, x in above if name in children]
     while pending:
         parent, x_wo, x_op = pending.pop()
         for frame in children.get(parent, []):

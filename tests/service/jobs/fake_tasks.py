@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import gc
 import os
 import signal
 import threading
@@ -20,6 +21,12 @@ def echo(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
 
 def warm(_: dict[str, Any], __: Channel) -> dict[str, Any]:
     return {}
+
+
+def garbage(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+    """Tell whether this process looks for garbage, and how often it, or what it is of, has."""
+    looks = sum(generation["collections"] for generation in gc.get_stats())
+    return {"looks": gc.isenabled(), "spared": gc.get_freeze_count() > 1000, "has_looked": looks}
 
 
 def repeat(payload: dict[str, Any], _: Channel) -> dict[str, Any]:

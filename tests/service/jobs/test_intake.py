@@ -5,11 +5,13 @@ import os
 import sqlite3
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from service.jobs.database import open_engine
 from service.jobs.errors import DatabaseUnavailable, IdempotencyConflict
+from service.jobs.intake import Intake
 from service.jobs.ownership_watch import Patience
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
@@ -173,3 +175,33 @@ def test_a_flush_has_the_disk_take_the_log(tmp_path, monkeypatch):
     engine.dispose()
     assert taken == [f"{tmp_path}/jobs.sqlite-wal"]
     JobStore(open_engine("sqlite://")).flush()
+
+
+def test_a_job_is_on_its_way_to_a_slot_before_the_writer_is_asked():
+    """They share an interpreter: what is sent first does not wait for the other's turn."""
+
+    async def story():
+        told, runs = [], []
+
+        class Recording:
+            store = SimpleNamespace(enter=print)
+
+            async def write(self, work, *, within):
+                told.append("asked to write")
+                return None, True
+
+        class Run:
+            def enter(self, _):
+                told.append("entered")
+
+        async def send():
+            told.append("sent")
+
+        def seat(_, __):
+            runs.append(asyncio.create_task(send()))
+            return Run()
+
+        await Intake(Recording(), seat, lambda _: None, GUARD).take(spec("touch"))
+        assert told == ["sent", "asked to write", "entered"]
+
+    asyncio.run(story())

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from service.jobs import json_steps
 from service.jobs.json_steps import decode, member_of, members_of
-from service.jobs.json_text import encode
+from service.jobs.json_text import Encoded, encode, encode_in_parts
 
 TEXTS = st.text(st.sampled_from('ab\\"[]{},: é\n'), max_size=8)
 CONTENT = st.recursive(
@@ -45,6 +45,23 @@ def test_members_are_the_texts_of_members(content):
     for name in content:
         assert member_of(encode(content), name) == found[name]
     assert member_of(encode(content), "never there") is None
+
+
+@given(
+    plain=st.dictionaries(TEXTS, CONTENT, min_size=1, max_size=3),
+    large=st.dictionaries(TEXTS, CONTENT, max_size=3),
+)
+def test_members_that_have_lines_of_their_own_are_found_as_others_are(plain, large):
+    plain = {name: part for name, part in plain.items() if name not in large} or {"": 0}
+    large.pop("", None)
+    parts = {name: Encoded(encode(part)) for name, part in large.items()}
+    text = encode_in_parts({**plain, **parts})
+    content = {**plain, **large}
+    assert decode(text) == content
+    assert {name: json.loads(part) for name, part in members_of(text)} == content
+    for name, part in content.items():
+        assert member_of(text, name) == encode(part)
+    assert member_of(text, "never there") is None
 
 
 @pytest.mark.parametrize(

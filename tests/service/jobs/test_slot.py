@@ -62,6 +62,20 @@ async def pid_of(slot):
     return int(outcome.result.text.split(":")[1].strip("}"))
 
 
+def test_a_worker_looks_for_garbage_and_not_among_what_was_imported():
+    async def story():
+        async with open_slot() as slot:
+            outcome = await slot.run(run_of("garbage"))
+            assert isinstance(outcome, Returned)
+            told = json.loads(outcome.result.text)
+            assert told["looks"]
+            assert told["spared"]
+            # Python itself begins with some twenty looks; to import these few modules takes sixty.
+            assert told["has_looked"] < 50
+
+    asyncio.run(story())
+
+
 CRASHES = {
     "segfault": Crashed(-signal.SIGSEGV),
     "leave_quietly": Crashed(0),

@@ -3,9 +3,11 @@
 import json
 import resource
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from threading import Event
 
 import pytest
-from sqlalchemy import create_engine, event, insert
+from sqlalchemy import create_engine, event, insert, select
 
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.database import open_engine
@@ -99,6 +101,33 @@ def test_revisions_follow_one_another_and_stay_readable(store):
         store.revise(second, loaded("a", "d3"))
 
 
+def test_pairs_that_stay_the_same_are_written_once_and_read_with_every_revision(
+    store, engine, tmp_path
+):
+    """Also by a server that has to find them, and that has forgotten the revision before."""
+    others = Encoded(encode([{"bodies": ["a", "c"], "reason": "welded", "evidence": "w"}]))
+    pairs = [UNCHECKED, UNCHECKED, others, others, others, UNCHECKED]
+    made = [store.add(loaded("a", "d1", summary={"groups": []}))]
+    for i, unchecked in enumerate(pairs[1:]):
+        told = replace(loaded("a", f"d{i + 2}", summary={"groups": []}), unchecked=unchecked)
+        if i == 4:
+            store = SceneStore(engine, tmp_path / "documents")
+        made.append(store.revise(made[-1], told))
+    assert [record.unchecked_in for record in made] == [None, 1, None, 3, 3, None]
+    with engine.connect() as connection:
+        rows = connection.execute(select(scenes.c.summary).order_by(scenes.c.revision)).scalars()
+        assert ["unchecked" in row for row in rows] == [True, False, True, False, False, True]
+    again = SceneStore(engine, tmp_path / "documents")
+    for record, unchecked in zip(made, pairs, strict=True):
+        found = again.get(record.id, record.revision)
+        assert found == record
+        assert found.loaded.unchecked == unchecked
+        assert json.loads(scene_text(found).text)["unchecked"] == json.loads(unchecked.text)
+    again.delete(made[0].id)
+    with pytest.raises(UnknownResource):
+        again.get(made[3].id, 4)
+
+
 def test_of_two_successors_one_is_refused(store):
     first = store.add(loaded("a", "d1"))
     with ThreadPoolExecutor(8) as pool:
@@ -130,6 +159,24 @@ def test_what_finds_no_room_leaves_nothing_behind(store, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list((tmp_path / "documents").iterdir()) == []
     assert store.file(store.add(loaded("a", "d1"))).is_file()
+
+
+def test_there_is_no_row_without_its_file(store, monkeypatch):
+    """They are written side by side, and the row is not committed before the file is there."""
+    first, begun = store.add(loaded("a", "d1")), Event()
+
+    def fail(_):
+        assert begun.wait(60)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(store, "_write", fail)
+    event.listen(store._engine, "before_cursor_execute", lambda *_: begun.set())
+    with pytest.raises(OSError, match="No space left"):
+        store.add(loaded("b", "d2"))
+    with pytest.raises(OSError, match="No space left"):
+        store.revise(first, loaded("a", "d3"))
+    assert [record.name for record in store.page(9, None)] == ["a"]
+    assert store.get(first.id) == first
 
 
 def test_records_are_read_again_only_when_they_were_put_aside(store, monkeypatch):
