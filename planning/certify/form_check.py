@@ -52,7 +52,7 @@ def _shape_faults(request: CertifyRequest) -> list[str]:
         for name, array, shape in expected_shapes
         if array.shape != shape
     ]
-    return faults if n else [*faults, "it has no piece"]
+    return faults if n else [*faults, "the trajectory has no pieces"]
 
 
 def _start_configurations(request: CertifyRequest) -> list[tuple[str, Array]]:
@@ -73,11 +73,15 @@ def _number_faults(request: CertifyRequest) -> list[str]:
     ]
     faults: list[str] = []
     if not _are_finite(_concatenated(array for _, array in arrays)):
-        faults += [f"{name} are not all finite" for name, array in arrays if not _are_finite(array)]
+        faults += [
+            f"{name}: some numbers are not finite"
+            for name, array in arrays
+            if not _are_finite(array)
+        ]
     if np.isnan(limits.lower).any() or np.isnan(limits.upper).any():
-        faults.append("a position limit is no number")
+        faults.append("a position limit is NaN")
     faults += [
-        f"{name} limits are not all positive"
+        f"{name} limits: some are not positive"
         for name in _limited_rates(request)
         if not (getattr(limits, name) > 0).all()
     ]
@@ -91,18 +95,18 @@ def _size_faults(request: CertifyRequest) -> list[str]:
         return ["times do not increase from 0"]
     origin = [] if request.origin is None else [request.origin]
     configurations = [curve.bases, request.start, *origin, request.goals]
-    if (
-        not np.abs(_concatenated([*configurations, *request.max_magnitudes])).max()
-        <= _MAX_MAGNITUDE
-    ):
-        faults.append(f"a position or rate is beyond {_MAX_MAGNITUDE:g}")
+    numbers = _concatenated([*configurations, *request.max_magnitudes])
+    if not np.abs(numbers).max() <= _MAX_MAGNITUDE:
+        faults.append(
+            f"a position, velocity, acceleration or jerk is larger than {_MAX_MAGNITUDE:g}"
+        )
     if any(_unit_fault(request, q) for q in configurations):
         faults.append("a quaternion is not of unit length")
     return faults
 
 
 def _rounding_faults(request: CertifyRequest) -> list[str]:
-    """Return faults for polynomials whose powers cancel, so that rounding errors are too large."""
+    """Return faults for polynomials whose terms cancel, so that rounding errors are too large."""
     faults: list[str] = []
     if request.trajectory.coefficients.shape[1] <= LOW_DEGREE + 1:
         return faults
@@ -116,10 +120,10 @@ def _rounding_faults(request: CertifyRequest) -> list[str]:
         worst = int(np.argmax(error / allowed))
         if error[worst] > allowed[worst]:
             faults.append(
-                f"rounding may hide {error[worst]:.2g} of the {names[order]} of "
-                f"{request.group.velocity_names[worst]}: its powers up to "
-                f"{request.trajectory.coefficients.shape[1] - 1} cancel each other; give shorter "
-                "pieces, or polynomials of lower degree"
+                f"the rounding error of the {names[order]} of "
+                f"{request.group.velocity_names[worst]} may reach {error[worst]:.2g}: terms up to "
+                f"degree {request.trajectory.coefficients.shape[1] - 1} cancel each other; give "
+                "shorter pieces, or polynomials of lower degree"
             )
     return faults
 

@@ -18,7 +18,7 @@ from planning.execute.status import ExecutionStatus
 from planning.execute.time_scaling import choose_path_acceleration, path_acceleration_bounds
 from planning.execute.tolerances import Tolerances
 
-# Rates nearer than this are equal: rounding must not keep a robot from coming to rest.
+# Path velocities that differ by less are equal: rounding must not keep a robot from resting.
 _PATH_VELOCITY_TOLERANCE = 1e-12
 
 
@@ -27,18 +27,19 @@ class Execution(Value):
     """Immutable state of the execution of one trajectory; every method returns the next state.
 
     Setpoints are continuous: pausing, canceling and changes of speed move along the trajectory's
-    own path, with a rate that changes as quickly as the acceleration limits allow (see
-    `time_scaling`). Only an abort leaves the path: the robot holds its measured position.
+    own path, with a path velocity that changes as quickly as the acceleration limits allow
+    (see `time_scaling`). Only an abort leaves the path: the robot holds its measured position.
 
     Attributes:
         trajectory: Trajectory to follow.
-        limits: Joint limits of the group; its accelerations are kept while the rate changes.
+        limits: Joint limits of the group; the acceleration limits hold while the path velocity
+            changes.
         tolerances: Bounds on the tracking error and the conditions of arrival.
         state: State of the state machine.
-        speed: Desired rate while executing, in (0, 1].
+        speed: Desired path velocity while executing, in (0, 1].
         time: Time along the trajectory [s].
-        path_velocity: Present rate: seconds of trajectory per second of the driver's clock.
-        path_acceleration: Derivative of the rate until the next step [1/s].
+        path_velocity: Present seconds of trajectory per second of the driver's clock.
+        path_acceleration: Derivative of the path velocity until the next step [1/s].
         driver_time: Time of the last step, on the driver's clock [s].
         at_rest_since: Time from which setpoints are at rest, on the driver's clock [s]; None while
             they move.
@@ -63,7 +64,7 @@ class Execution(Value):
         Raises:
             IllegalTransition: The execution has begun before.
         """
-        # The trajectory starts at rest, so the full rate at once is continuous in velocity.
+        # The trajectory starts at rest, so full speed at once is continuous in velocity.
         state = advance(self.state, ExecutionEvent.START)
         return replace(self, state=state, path_velocity=self.speed, at_rest_since=None)
 
@@ -93,10 +94,10 @@ class Execution(Value):
         return replace(self, state=advance(self.state, ExecutionEvent.CANCEL), at_rest_since=None)
 
     def with_speed(self, speed: float) -> "Execution":
-        """Change the desired rate along the trajectory.
+        """Change the desired path velocity.
 
         Raises:
-            ProblemInvalid: `speed` is not in (0, 1]: beyond 1 the limits would not hold.
+            ProblemInvalid: `speed` is not in (0, 1]: above 1 the limits would not hold.
             IllegalTransition: The execution has ended or is being canceled.
         """
         if not 0 < speed <= 1:
@@ -218,7 +219,7 @@ class Execution(Value):
         return Setpoint(self.driver_time, self.desired, velocity * path_velocity, vdot)
 
     def _next_path_acceleration(self, period: float) -> float:
-        """Return the derivative of the rate [1/s] during the next period."""
+        """Return the path acceleration [1/s] during the next period."""
         if self.path_velocity == self._target_path_velocity:
             return 0.0
         max_path_acceleration = 1.0 / self.tolerances.ramp_time
@@ -228,16 +229,10 @@ class Execution(Value):
             max_path_acceleration * period,
         )
         end_time = min(self.time + self.path_velocity * period, self.trajectory.duration)
-        # The limits must hold at the end of the period too, for the least and the largest rate.
+        # The limits must hold at the end of the period too, at the least and the largest velocity.
         times = np.array([self.time, end_time, end_time])
-        path_velocities = np.array([
-            self.path_velocity,
-            self.path_velocity,
-            self.path_velocity + change,
-        ])
-        lower, upper = path_acceleration_bounds(
-            self.trajectory, self.limits, times, path_velocities
-        )
+        velocities = self.path_velocity + np.array([0.0, 0.0, change])
+        lower, upper = path_acceleration_bounds(self.trajectory, self.limits, times, velocities)
         bounds = max(lower, -max_path_acceleration), min(upper, max_path_acceleration)
         return choose_path_acceleration(
             bounds, self.path_velocity, self._target_path_velocity, period
@@ -256,11 +251,11 @@ def _contact_failure(measured: Measurement) -> Contact:
     deepest = measured.contacts[0]
     a, b = deepest.bodies
     depth = -deepest.distance
-    message = f"{a} touches {b}, {depth * 1000:.2f} mm deep, at {measured.time:.3f} s"
+    message = f"contact of {a} and {b}, {depth * 1000:.2f} mm deep, at {measured.time:.3f} s"
     evidence = {"pair": list(deepest.bodies), "depth": depth, "time": measured.time}
     return Contact(message, evidence)
 
 
 def _tracking_failure(error: float, bound: float, time: float) -> TrackingLost:
-    message = f"the robot is {error:.4f} rad or m from its trajectory at {time:.3f} s; it may be "
-    return TrackingLost(f"{message}{bound:g}", {"error": error, "bound": bound, "time": time})
+    message = f"tracking error {error:.4f} rad or m exceeds {bound:g} at {time:.3f} s"
+    return TrackingLost(message, {"error": error, "bound": bound, "time": time})

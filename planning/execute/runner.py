@@ -92,7 +92,7 @@ class Runner:
         """Advance the trajectory `speed` times as fast as real time.
 
         Raises:
-            ProblemInvalid: `speed` is not above 0, or exceeds `max_pace`.
+            ProblemInvalid: `speed` is not above 0, or exceeds `max_realtime_factor`.
             IllegalTransition: The execution has ended or is being canceled.
         """
         if not 0 < speed <= self._max_realtime_factor:
@@ -110,8 +110,8 @@ class Runner:
         Args:
             now: Time on the caller's clock [s].
             has_time: Called after every period; if it returns False, the periods that are left run
-                at the next tick. At a high speed a simulation needs seconds for what is due, and
-                the caller has to check meanwhile whether to stop.
+                at the next tick. At a high speed a simulation may need seconds for the periods that
+                are due, and the caller has to check meanwhile whether to stop.
         """
         elapsed = 0.0 if self._last_tick is None else max(0.0, now - self._last_tick)
         self._last_tick = now

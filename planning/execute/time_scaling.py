@@ -4,10 +4,11 @@ A trajectory q(t) that is followed at t = s(clock) has, in tangent coordinates,
 
     v    = q'(s) s',        vdot = q''(s) s'^2 + q'(s) s''
 
-(Siciliano et al., Robotics: Modelling, Planning and Control, section 4.2.2). `rate` is s' and
-`ramp` is s''. A block of joints keeps its bound a if |q'' s'^2 + q' s''| <= a, a quadratic
-inequality in s''. For 0 <= s' <= 1, s'' = 0 always satisfies it where the trajectory itself keeps
-the bound, so step-by-step choices always leave a feasible next step.
+(Siciliano et al., Robotics: Modelling, Planning and Control, section 4.2.2): s' is the path
+velocity and s'' the path acceleration. A block of joints keeps its bound a if
+|q'' s'^2 + q' s''| <= a, a quadratic inequality in s''. For 0 <= s' <= 1, s'' = 0 always satisfies
+it where the trajectory itself keeps the bound, so step-by-step choices always leave a feasible next
+step.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 
-# A block that moves slower than this [rad/s or m/s] cannot bound the ramp.
+# A block that moves slower than this [rad/s or m/s] does not bound s''.
 _MIN_SPEED = 1e-9
 
 
@@ -29,9 +30,9 @@ def path_acceleration_bounds(
 ) -> tuple[float, float]:
     """Return the least and the largest s'' [1/s] that keep the acceleration limits at all `times`.
 
-    Where the trajectory's own acceleration is beyond a limit, that acceleration is the bound.
-    The feasible set is convex in s'' and s'^2: an s'' that is feasible at two rates is feasible at
-    the rates between them. Not promised: the limits between the `times`, and jerk limits.
+    Where the trajectory's own acceleration exceeds a limit, that acceleration is the bound.
+    The feasible set is convex in s'' and s'^2: an s'' that is feasible at two path velocities is
+    feasible between them. Not guaranteed: the limits between the `times`, and jerk limits.
 
     Args:
         trajectory: Trajectory that is followed.

@@ -106,7 +106,8 @@ class Motion:
             return self
         if options.duration < min_duration * (1 - _DURATION_TOLERANCE):
             message = (
-                f"the limits allow {min_duration:.4g} s at least, not {options.duration:.4g} s"
+                f"the requested duration of {options.duration:.4g} s is shorter than the minimum "
+                f"of {min_duration:.4g} s within the limits"
             )
             evidence = {
                 "method": options.method,

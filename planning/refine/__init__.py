@@ -1,1 +1,1 @@
-"""Refinement: optimisation of a free path into a smooth, quick, free curve, or no change of it."""
+"""Refinement: optimization of a free path into a smooth, quick, free curve, or no change of it."""

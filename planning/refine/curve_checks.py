@@ -1,4 +1,4 @@
-"""Auditor: dense collision and constraint check of an optimised curve."""
+"""Auditor: dense collision and constraint check of an optimized curve."""
 
 import numpy as np
 

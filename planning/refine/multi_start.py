@@ -1,4 +1,4 @@
-"""solve_multi_start(): local optimisation from several initial guesses; the best curve is kept."""
+"""solve_multi_start(): local optimization from several initial guesses; the best curve is kept."""
 
 from dataclasses import dataclass, replace
 
@@ -18,14 +18,14 @@ _FIT_TOLERANCES = (0.15, 0.04)
 
 @dataclass(frozen=True)
 class MultiStartResult:
-    """Best curve over all local optimisations so far.
+    """Best curve over all local optimizations so far.
 
     Attributes:
         problem: Refinement problem of the best curve, in whose coordinates the curve is.
         first_guess: Control points of the first guess, in the coordinates of the first problem.
         best: The best free curve, or None.
         num_steps: Number of trust-region steps.
-        reason: Why the last curve of the last optimisation was rejected, or "".
+        reason: Why the last curve of the last optimization was rejected, or "".
     """
 
     problem: RefineProblem
@@ -37,7 +37,7 @@ class MultiStartResult:
     def optimized_from(
         self, problem: RefineProblem, guess: Float64[np.ndarray, "k nv"]
     ) -> "MultiStartResult":
-        """Return the result after one more local optimisation, from another guess."""
+        """Return the result after one more local optimization, from another guess."""
         candidate, num_more_steps, reason = problem.optimize(guess)
         num_steps = self.num_steps + num_more_steps
         if self.best is None or (
@@ -48,14 +48,14 @@ class MultiStartResult:
 
 
 def solve_multi_start(world: World, problem: RefineProblem) -> MultiStartResult:
-    """Return the best of a few local optimisations; more of them only until one is good enough.
+    """Return the best of a few local optimizations; they end when one is good enough.
 
     Args:
         world: The scene, loaded.
         problem: Refinement problem of the path.
     """
     guesses = [problem.fit_path(tolerance) for tolerance in _FIT_TOLERANCES]
-    result = MultiStartResult(problem, guesses[0], reason="no time was left")
+    result = MultiStartResult(problem, guesses[0], reason="the deadline passed during refinement")
     for guess in guesses:
         if result.best is None and not problem.deadline.is_over:
             result = result.optimized_from(problem, guess)
@@ -74,7 +74,7 @@ def solve_multi_start(world: World, problem: RefineProblem) -> MultiStartResult:
 
 
 def _around_speed_zones(world: World, result: MultiStartResult) -> MultiStartResult:
-    """Return the result after local optimisations from guesses around speed zones."""
+    """Return the result after local optimizations from guesses around speed zones."""
     problem = result.problem
     detour = ZoneDetour.of(world, problem.request, problem.deadline)
     for guess in () if detour is None else detour.guesses(problem.fit_path(_FIT_TOLERANCES[0])):
@@ -86,8 +86,8 @@ def _around_speed_zones(world: World, result: MultiStartResult) -> MultiStartRes
 def _halfway_to_straight_line(points: Array) -> Array:
     """Return control points halfway to the straight line between the ends.
 
-    A local optimisation stays on the side of obstacles where it began; from here others are as
-    near.
+    A local optimization stays on the side of obstacles where it began; from here the other sides
+    are as near.
     """
     straight = points[0] + greville_abscissae(len(points))[:, None] * (points[-1] - points[0])
     return (points + straight) / 2

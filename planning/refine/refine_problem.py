@@ -1,4 +1,4 @@
-"""RefineProblem: trajectory optimisation of one path, and local descents from initial guesses."""
+"""RefineProblem: trajectory optimization of one path, and local descents from initial guesses."""
 
 from dataclasses import dataclass, replace
 
@@ -38,31 +38,31 @@ _MAX_STEPS = 25
 # Spacing of the instants at which distances are kept (joint-space length), and their number.
 _SAMPLE_SPACING = 0.045
 _MIN_SAMPLES, _MAX_SAMPLES = 60, 200
-# Factor above the least possible duration at which the optimisation stops.
+# Factor above the least possible duration at which the optimization stops.
 _STOP_RATIO = 1.002
 # Factor above the least possible duration beyond which other initial guesses are tried.
 _RESTART_RATIO = 1.03
 # Number of curves rejected by a predicate that ends a descent: no gradient leads to others.
 _MAX_REJECTED_CURVES = 2
-_PREDICATE_REJECTION = "a predicate rejects the optimised curve"
+_PREDICATE_REJECTION = "the optimized curve violates a path predicate"
 
 
 @dataclass(frozen=True)
 class RefineProblem:
-    """Trajectory optimisation problem of one path, shared by all descents.
+    """Trajectory optimization problem of one path, shared by all descents.
 
     Attributes:
         request: Refinement request.
-        deadline: End of the optimisation.
+        deadline: End of the optimization.
         chart: The coordinates of control points.
-        waypoints: Of the path, in these coordinates.
+        waypoints: Waypoints of the path, in these coordinates.
         limits: The request's limits, tightened by its path constraints.
-        chart_limits: The same with coordinates for positions.
+        chart_limits: The same, with position limits in the chart's coordinates.
         rate_bounds: Bounds on the rates of coordinates and on loads.
-        lower_bound: The duration that no motion beats [s].
+        lower_bound: Lower bound of the duration of all motions from start to goal [s].
         distance_query: Distances of pairs of bodies, and signed margins of path constraints.
         clearance_objective: Clearance objective, or None.
-        auditor: Checker of the optimised curves.
+        auditor: Checker of the optimized curves.
         predicates: Constraints without gradient, which every sample must satisfy.
         sample_range: Least and largest number of instants in a first model.
     """
@@ -88,35 +88,35 @@ class RefineProblem:
         chart = make_chart(request.path)
         waypoints = chart.waypoints
         ends = world.embed(group, chart.positions(waypoints[[0, -1]]))
-        distance_buffers = DistanceBuffers.from_ends(world, request.margins, ends)
+        buffers = DistanceBuffers.from_ends(world, request.margins, ends)
         rate_bounds = request_bounds(world, request)
-        distance_query = chart.distance_query_in_chart(
-            make_distance_query(world, group, distance_buffers)
-        )
-        tightened_limits = limits if constraints is None else constraints.limits_with_locks(limits)
+        distance_query = chart.distance_query_in_chart(make_distance_query(world, group, buffers))
+        predicates: tuple[PredicateConstraint, ...] = ()
+        if constraints is not None:
+            distance_query = ConstraintDistanceQuery(distance_query, constraints, chart)
+            limits = constraints.limits_with_locks(limits)
+            predicates = predicate_constraints(constraints)
+        chart_limits = chart.limits_in_chart(limits)
         clearance_objective = make_clearance_objective(
             world, group, request.margins, request.options.clearance
         )
+        if clearance_objective is not None:
+            clearance_objective = clearance_objective.with_distance_query(
+                chart.distance_query_in_chart(clearance_objective.distance_query)
+            )
         return cls(
             request,
             deadline,
             chart,
             waypoints,
-            tightened_limits,
-            _fix_coordinates(
-                chart.limits_in_chart(tightened_limits), waypoints[0], request.fixed_coordinates
-            ),
+            limits,
+            _fix_coordinates(chart_limits, waypoints[0], request.fixed_coordinates),
             rate_bounds,
             request_lower_bound(request, rate_bounds.loads),
-            distance_query
-            if constraints is None
-            else ConstraintDistanceQuery(distance_query, constraints, chart),
-            clearance_objective
-            and clearance_objective.with_distance_query(
-                chart.distance_query_in_chart(clearance_objective.distance_query)
-            ),
-            Auditor(world, group, distance_buffers, constraints and audit_constraints(constraints)),
-            () if constraints is None else predicate_constraints(constraints),
+            distance_query,
+            clearance_objective,
+            Auditor(world, group, buffers, constraints and audit_constraints(constraints)),
+            predicates,
         )
 
     @property
@@ -126,7 +126,7 @@ class RefineProblem:
         return all((np.abs(load.static_load(ends)) <= 1).all() for load in self.rate_bounds.loads)
 
     def needs_another_start(self, best: CurveEvaluation | None) -> bool:
-        """Return whether there is time for another guess and the best curve is slow enough."""
+        """Return whether time remains for another guess and the best curve is slow enough."""
         is_good_enough = best is not None and best.objective <= _RESTART_RATIO * self.lower_bound
         return not (is_good_enough or self.deadline.is_over)
 
@@ -169,7 +169,7 @@ class RefineProblem:
         )
         trust_region = TrustRegion(model, guess)
         best: CurveEvaluation | None = None
-        reason, num_rejected = "no time was left", 0
+        reason, num_rejected = "the deadline passed during refinement", 0
         for evaluation in trust_region.run(_MAX_STEPS):
             if best is None or evaluation.objective < best.objective:
                 reason, violations = self.check_curve(evaluation)
@@ -192,13 +192,14 @@ class RefineProblem:
         violations = self.auditor.find_violations(curve)
         if len(violations):
             where = ", ".join(f"{s:.3f}" for s in violations[:5])
-            what = "is too near to something"
-            what += "" if self.request.constraints is None else " or breaks a path constraint"
-            return f"the optimised curve {what} at s = {where}", violations
+            what = "a collision margin"
+            what += "" if self.request.constraints is None else " or a path constraint"
+            message = f"the optimized curve violates {what} at path parameters s = {where}"
+            return message, violations
         if evaluation.loads is not None and evaluation.loads.excess > 0:
-            return "gravity is more than a joint can hold on the optimised curve", violations
+            return "the static torque exceeds an effort limit on the optimized curve", violations
         if not is_within_limits(curve, self.limits):
-            return "the optimised curve leaves the position limits", violations
+            return "the optimized curve violates position limits", violations
         if not satisfies_predicates(curve, self.predicates):
             return _PREDICATE_REJECTION, violations
         return "", violations

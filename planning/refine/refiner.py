@@ -1,10 +1,10 @@
-"""refine(): trajectory optimisation of a path: a smooth, quick, free curve, or none and the reason.
+"""refine(): trajectory optimization of a path: a smooth, quick, free curve, or none and the reason.
 
 Sequential convex programming in a trust region, with distances under an exact penalty (Schulman et
 al., "Motion planning with sequential convex optimization and convex collision checking", IJRR 33:9,
 2014): see `model/curve_model` and `trust_region`, for cars `cars/`. Every curve that is better than
-those before it is audited densely; where it is too near to an obstacle between the instants at
-which distances are kept, those instants are added.
+those before it is audited densely; where it violates a margin between the instants at which
+distances are kept, those instants are added.
 """
 
 from dataclasses import replace
@@ -34,13 +34,13 @@ def refine(
 ) -> tuple[JointSpline | None, RefineReport]:
     """Return a curve from the path's start to its goal that should take less time, if there is one.
 
-    Not promised: that the curve is free between the audited samples, nor that the retimer makes it
-    quicker than the path. The caller times and certifies both.
+    Not promised: that the curve is free between the audited samples, or that its motion is faster
+    than that along the path. The caller times and certifies both.
 
     Args:
         world: The scene, loaded.
         request: Path, limits, margins and constraints.
-        deadline: Of the whole plan; a share of what remains is used.
+        deadline: Deadline of the whole plan; a share of the remaining time is used.
 
     Returns:
         The curve (arcs and lines of a car), or None if the path is to be used; and a report with
@@ -64,14 +64,16 @@ def _refine_curve(
     problem = RefineProblem.of(world, request, deadline)
     report = replace(report, solver=solver_name(), lower_bound=problem.lower_bound)
     if not problem.is_static_load_feasible:
-        return None, replace(report, reason="gravity is more than a joint can hold at an end")
+        return None, replace(
+            report, reason="the static torque exceeds an effort limit at the start or the goal"
+        )
     result = solve_multi_start(world, problem)
     best = result.best
     report = replace(
         report, rounds=result.num_steps, duration_before=problem.duration_of(result.first_guess)
     )
     if best is not None and result.num_steps == 0 and len(problem.waypoints) == 2:
-        return None, replace(report, reason="nothing is quicker than the straight path")
+        return None, replace(report, reason="the straight path is already optimal")
     if best is None:
         return None, replace(report, reason=result.reason)
     curve = result.problem.curve_of(best)
@@ -83,21 +85,21 @@ def _refine_curve(
 def _skip_reason(request: RefineRequest, deadline: Deadline) -> str:
     """Return why no refinement begins, or ""."""
     if request.options.method == "none":
-        return "not asked for"
+        return "refine.method is none"
     unsupported_reason = _unsupported_reason(request.path)
     if unsupported_reason:
         return unsupported_reason
     if request.options.method == "auto" and deadline.remaining < _TIME_SHARE * _MIN_REMAINING_TIME:
         deadline.on_expiry()
-        return f"less than {_MIN_REMAINING_TIME:g} s were left"
-    return "no time was left" if deadline.is_over else ""
+        return f"method auto: less than {_MIN_REMAINING_TIME:g} s of planning time remained"
+    return "the deadline passed before refinement began" if deadline.is_over else ""
 
 
 def _unsupported_reason(path: JointPath) -> str:
     """Return why a path cannot be refined, or ""."""
     chart, num_cars = make_chart(path), len(steering_of(path.group))
     if num_cars > 1 or (num_cars and not isinstance(chart, FlatChart)):
-        return "several cars, or a car with a joint that floats, are left alone"
+        return "groups with several cars, or with a car and a floating joint, are not refined"
     if len(chart.waypoints) < 2:
-        return "the path does not move"
+        return "the path has zero length"
     return ""

@@ -61,7 +61,7 @@ class TrustRegion:
     def add_samples(
         self, parameters: Float64[np.ndarray, " m"], free: CurveEvaluation | None
     ) -> None:
-        """Add instants at which distances are kept, where the audit found the last curve too near.
+        """Add instants at which distances are kept, where the audit found violations.
 
         Return to a curve that was free, if there is one: at a thin wall that the last step crossed,
         gradients point to either side.

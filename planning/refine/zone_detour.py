@@ -93,10 +93,8 @@ class ZoneDetour:
             return
         for axis, sign in _faces(local, local[margins < 0], box.half):
             displaced = self._displaced_over_face(box, deltas, axis, sign)
-            if (
-                self._box_coordinates(box, displaced)[1].min()
-                > _MAX_REMAINING_DEPTH * margins.min()
-            ):
+            remaining = self._box_coordinates(box, displaced)[1].min()
+            if remaining > _MAX_REMAINING_DEPTH * margins.min():
                 yield displaced
 
     def _displaced_over_face(
@@ -105,10 +103,8 @@ class ZoneDetour:
         """Return samples moved over a face of a box, except for the first and the last one."""
         local, margins = self._box_coordinates(box, deltas)
         s = np.linspace(0.0, 1.0, len(deltas))
-        visited_parameters = s[margins < 0]
-        distance = np.maximum(
-            np.maximum(visited_parameters[0] - s, s - visited_parameters[-1]), 0.0
-        )
+        visit = s[margins < 0]
+        distance = np.maximum(np.maximum(visit[0] - s, s - visit[-1]), 0.0)
         taper = (1 + np.cos(np.pi * np.minimum(distance / _TAPER_LENGTH, 1.0))) / 2
         shortfall = box.half[axis] + _FACE_CLEARANCE - sign * local[:, axis]
         target = sign * local[:, axis] + taper * np.maximum(shortfall, 0.0)
@@ -123,7 +119,7 @@ class ZoneDetour:
         return moved
 
     def _box_coordinates(self, box: BoxConstraint, deltas: Array) -> tuple[Array, Array]:
-        """Return positions of the origin in a box's axes, and its signed margin outside it [m]."""
+        """Return positions of the origin in a box's axes, and its signed margins outside [m]."""
         qs = self.problem.chart.positions(deltas)
         return box.origins_in_box(qs), box.signed_margins(qs)
 

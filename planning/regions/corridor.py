@@ -70,10 +70,10 @@ def corridor(
 
 
 class _PortalGraph:
-    """Directed graph of the portals, for A*: a vertex (door) is a portal passed in one direction.
+    """Directed graph of the portals, for A*: a vertex is a portal passed in one direction.
 
-    Doors 2 p and 2 p + 1 lead through portal p, into its second and its first region; the doors
-    after those are goals.
+    Vertices 2 p and 2 p + 1 lead through portal p, into its second and its first region; the
+    vertices after those are goals.
     """
 
     def __init__(self, regions: Regions, start: Array, goals: Sequence[tuple[int, Array]]) -> None:
@@ -96,8 +96,8 @@ class _PortalGraph:
     def shortest_path(self, costs: Array) -> tuple[list[int], int] | None:
         """Return the regions on the shortest path to a goal, and the goal's row (A*).
 
-        Lengths within a region are multiplied by the region's price, which is at least 1. None if
-        no goal is connected.
+        Lengths within a region are multiplied by its cost factor, which is at least 1. None if no
+        goal is connected.
         """
         best = np.full(len(self._points), np.inf)
         predecessors: dict[int, tuple[int, int]] = {}
@@ -115,18 +115,17 @@ class _PortalGraph:
         for row in self._start_regions:
             relax_edges(row, -1, self._start, 0.0)
         while queue:
-            _, door, length = heappop(queue)
-            if door >= self._num_portal_vertices:
-                return _trace_path(predecessors, door), self._goals[
-                    door - self._num_portal_vertices
-                ]
-            if length <= best[door]:
-                relax_edges(self._target_regions[door], door, self._points[door], length)
+            _, current, length = heappop(queue)
+            if current >= self._num_portal_vertices:
+                goal = self._goals[current - self._num_portal_vertices]
+                return _trace_path(predecessors, current), goal
+            if length <= best[current]:
+                relax_edges(self._target_regions[current], current, self._points[current], length)
         return None
 
 
 def _trace_path(predecessors: dict[int, tuple[int, int]], vertex: int) -> list[int]:
-    """Return the rows of the regions along the path to a door, from A*'s predecessors."""
+    """Return the rows of the regions along the path to a vertex, from A*'s predecessors."""
     path: list[int] = []
     while vertex >= 0:
         row, vertex = predecessors[vertex]

@@ -13,11 +13,11 @@ from planning.domain.arrays import Array
 
 @dataclass(frozen=True)
 class GrowthEllipsoid:
-    """GrowthEllipsoid: the set of center + shape u with |u| <= 1.
+    """Ellipsoid: the set of all points center + shape u with |u| <= 1.
 
     Attributes:
-        center: Shape (n,).
-        shape: Shape (n, n).
+        center: Centre [rad or m], shape (n,).
+        shape: Linear map of the unit ball [rad or m], shape (n, n).
     """
 
     center: Array
@@ -25,7 +25,7 @@ class GrowthEllipsoid:
 
     @classmethod
     def ball(cls, center: Float64[np.ndarray, " n"], radius: float = 0.01) -> "GrowthEllipsoid":
-        """Return a ball of a radius [rad or m]."""
+        """Return the ball of a centre and a radius [rad or m]."""
         return cls(center, radius * np.eye(len(center)))
 
     @classmethod

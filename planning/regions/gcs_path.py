@@ -50,8 +50,8 @@ def shortest_inside(
 ) -> GcsPath:
     """Return the shortest path of the rounded relaxation, or the reason why there is none.
 
-    The same arguments give the same bytes. Not promised: the shortest path of all; only regions of
-    the corridor are considered, and rounding may miss the optimum.
+    The same arguments give the same bytes. Not guaranteed: the shortest path of all; only regions
+    of the corridor are considered, and rounding may miss the optimum.
 
     Args:
         regions: Regions and their portals.
@@ -94,9 +94,9 @@ def _solve(
     target = program.AddRegions([Point(goal) for goal in goals], [], 0, 0.0, 0.0, "target")
     source_edges = [(0, index) for index in _indices_containing(regions, subset, start)]
     target_edges = [
-        (place, k)
+        (index, k)
         for k, goal in enumerate(goals)
-        for place in _indices_containing(regions, subset, goal)
+        for index in _indices_containing(regions, subset, goal)
     ]
     program.AddEdges(source, inside, None, source_edges)
     program.AddEdges(inside, target, None, target_edges)

@@ -59,9 +59,9 @@ class Growth:
     """Regions grown so far.
 
     Attributes:
+        is_covered: Whether each coverage sample is in a region.
         regions: Regions, in order of growth.
         portals: Overlaps of pairs of regions.
-        is_covered: Whether each coverage sample is in a region.
         stopped_by: Reason of the end: "coverage", "num_regions", "deadline" or "exhausted".
     """
 
@@ -168,7 +168,7 @@ class _RegionGrower:
                 return
 
     def _add_region(self, seed: Array) -> None:
-        """Grow a region around a free configuration and add it with its portals, if any results."""
+        """Grow a region around a free configuration, and add it with its portals if growth ends."""
         region = self._iris_zo.inflate(seed)
         if region is None:
             return

@@ -19,7 +19,7 @@ def hit_and_run(
         qs: Start points, inside the polytope.
         faces: Normals and offsets of a bounded polytope.
         shape: Linear map of the normally distributed step directions.
-        num_steps: Number of steps, each to a uniform point on a random chord through the walker.
+        num_steps: Number of steps, each to a uniform point on a random chord through the point.
         generator: Random number generator.
     """
     normals, offsets = faces

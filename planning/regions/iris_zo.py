@@ -31,13 +31,13 @@ _WALK_STEPS = 8
 _FIRST_WALK_STEPS = 40
 # Bisection steps from the center to a colliding sample.
 _BISECTION_STEPS = 8
-# Distance of a face from the colliding point that it excludes [rad or m]; doubled every _PATIENCE
-# rounds, so that growth ends where an obstacle is too round for few faces.
+# Distance of a face from the colliding point that it excludes [rad or m]; it doubles after every
+# _ROUNDS_PER_DOUBLING rounds, so that growth ends where an obstacle is too round for few faces.
 _CONFIGURATION_SPACE_MARGIN = 0.02
 _ROUNDS_PER_DOUBLING = 15
 _MAX_ROUNDS = 150
-# In a polytope with more faces per dimension than _PLENTY, an existing face is moved instead of
-# adding a new one if it moves by no more than the share _SHIFT of its distance to the center.
+# In a polytope with more than _MANY_FACES_PER_DIMENSION faces, an existing face is moved instead of
+# adding a new one if it moves by at most the share _MAX_FACE_SHIFT of its distance to the center.
 _MANY_FACES_PER_DIMENSION = 8
 _MAX_FACE_SHIFT = 0.2
 # Largest number of new faces per round.
@@ -146,9 +146,8 @@ class IrisZo:
         boundary_points = self._boundary_points(ellipsoid.center, colliding)
         if len(faces[0]) > _MANY_FACES_PER_DIMENSION * len(self.lower):
             faces, boundary_points = _move_faces(faces, ellipsoid.center, boundary_points, margin)
-        boundary_points = boundary_points[
-            np.argsort(ellipsoid.distances(boundary_points), kind="stable")
-        ]
+        order = np.argsort(ellipsoid.distances(boundary_points), kind="stable")
+        boundary_points = boundary_points[order]
         normals = ellipsoid.normals(boundary_points)
         center_distances = ((boundary_points - ellipsoid.center) * normals).sum(axis=1)
         offsets = (boundary_points * normals).sum(axis=1) - np.minimum(
@@ -176,7 +175,7 @@ class IrisZo:
         return center + far[:, None] * (colliding - center)
 
     def _walkers_inside(self, qs: Array, faces: Faces, ellipsoid: GrowthEllipsoid) -> Array:
-        """Return as many walkers, all inside: repeats of those inside, or of the center."""
+        """Return as many walkers, all inside: copies of those that are inside, or of the center."""
         inside = qs[_contains(faces, qs)]
         inside = inside if len(inside) else ellipsoid.center[None]
         return inside[np.arange(len(qs)) % len(inside)]

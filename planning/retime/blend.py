@@ -97,7 +97,7 @@ def _blend_lengths(
 
 
 def _corner_polynomials(blend_length: Array, u1: Array, u2: Array, smoothness: int) -> Array:
-    """Return power-basis coefficients of rounded corners, x in [0, 2 reach], corners first."""
+    """Return power-basis coefficients of rounded corners for x in [0, 2 lambda], corners first."""
     width = np.where(blend_length > 0, 2 * blend_length, 1.0)
     turn = u2 - u1
     if smoothness == 1:

@@ -49,9 +49,9 @@ def smooth_path(path: JointPath, deviations: Sequence[float]) -> list[tuple[floa
     parameters, points = _polyline(path, manifold)
     curves: list[tuple[float, JointSpline]] = []
     remaining = list(deviations)
-    for curve in (
-        _candidate_curves(joints, parameters, points) if len(points) >= _MIN_WAYPOINTS else ()
-    ):
+    if len(points) < _MIN_WAYPOINTS:
+        return curves
+    for curve in _candidate_curves(joints, parameters, points):
         deviation_bound = _deviation_bound(curve, parameters, points)
         if remaining and deviation_bound <= remaining[0]:
             curves.append((deviation_bound, curve))

@@ -24,8 +24,8 @@ def without_collinear_waypoints(waypoints: Array, manifold: Manifold, tolerance:
     if len(waypoints) < 3:
         return waypoints
     before, here, after = waypoints[:-2], waypoints[1:-1], waypoints[2:]
-    # Within a run all three waypoints are within `apart` of the line, so the middle one is within
-    # twice that of its neighbours' chord; others, and reversals, are corners.
+    # Within a run all three waypoints are within `tolerance` of the line, so the middle one is
+    # within twice that of its neighbours' chord; others, and reversals, are corners.
     distances = _distances_from_chord(manifold.minus(here, before), manifold.minus(after, before))
     corners = np.flatnonzero(distances > 2 * tolerance) + 1
     if len(corners) == len(here):

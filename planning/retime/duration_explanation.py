@@ -65,7 +65,7 @@ class _RetimeProblem:
         return retime(self.spline, *settings)[1]
 
     def relaxed(self, key: _LimitKey) -> "_RetimeProblem":
-        """Return the task with one limit relaxed."""
+        """Return the same problem with one limit relaxed."""
         kind, where = key
         if kind not in RATES:
             path_limits = tuple(
@@ -108,9 +108,8 @@ def explain_duration(
         spline, limits, replace(options, duration=None), tuple(path_limits), deadline
     )
     fastest = problem.report()
-    if options.duration is not None and trajectory.duration > fastest.duration * (
-        1 + _SLOWDOWN_TOLERANCE
-    ):
+    slowed_from = fastest.duration * (1 + _SLOWDOWN_TOLERANCE)
+    if options.duration is not None and trajectory.duration > slowed_from:
         return requested_duration_explanation(trajectory.duration)
     intervals = _intervals(trajectory, limits, options, path_limits)
     savings = [
@@ -144,7 +143,7 @@ def join_explanations(
             key = entry.limit, entry.where
             seconds[key] = seconds.get(key, 0.0) + entry.seconds
         begin += duration
-    savings = [Saving(*named, saved) for named, saved in seconds.items()]
+    savings = [Saving(*key, saved) for key, saved in seconds.items()]
     savings.sort(key=lambda saving: -saving.seconds)
     return DurationExplanation(tuple(intervals), _RELAXATION_FACTOR, tuple(savings))
 
@@ -192,7 +191,7 @@ def _binding_limits(intervals: Sequence[BindingInterval], report: RetimeReport) 
     for kind, where in report.binding.items():
         if report.utilisation[kind] >= _MET_UTILIZATION:
             seconds.setdefault((kind, where), 0.0)
-    return sorted(seconds, key=lambda named: -seconds[named])
+    return sorted(seconds, key=lambda key: -seconds[key])
 
 
 def _joint_utilization(

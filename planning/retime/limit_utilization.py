@@ -133,7 +133,7 @@ def _norm_bounds(nodes: Array, _: int) -> tuple[Array, Array]:
 def _max_rotation_utilization(
     deltas: Array, widths: Array, block_limit: tuple[int, float, int], best: LimitUtilization
 ) -> LimitUtilization:
-    """Return the larger of `best` and the utilization of a turning block."""
+    """Return the larger of `best` and the utilization of a rotation block with a moving axis."""
     order, bound, block = block_limit
     # Widths halve along with the nodes: they are appended as one more row of equal coefficients.
     width_rows = np.broadcast_to(widths[:, None, None], (*deltas.shape[:2], 1))

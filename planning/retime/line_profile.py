@@ -70,10 +70,8 @@ def profile_between(edges: Array, x: Array, lines: LineLimits) -> SpeedProfile:
     top_speeds = np.minimum(lines.speed, np.sqrt(meeting_speed_squared))
     top_speeds = np.maximum(top_speeds, np.maximum(before, after))
     times = np.stack([(top_speeds - before) / a, np.zeros_like(a), (top_speeds - after) / b])
-    acceleration_lengths, braking_lengths = (
-        times[0] * (top_speeds + before) / 2,
-        times[2] * (top_speeds + after) / 2,
-    )
+    acceleration_lengths = times[0] * (top_speeds + before) / 2
+    braking_lengths = times[2] * (top_speeds + after) / 2
     times[1] = np.maximum(widths - acceleration_lengths - braking_lengths, 0.0) / top_speeds
     curved = np.flatnonzero(~lines.is_line)
     times[0, curved] = 2 * widths[curved] / (before[curved] + after[curved])

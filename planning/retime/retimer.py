@@ -126,12 +126,10 @@ def retime(
             zip(retimer.rates, max_utilizations, strict=True), start=1
         )
     }
-    for name, entry_utilization in (
-        entry for part in timed_pieces for entry in part.path_utilizations
-    ):
-        fraction = entry_utilization.fraction_at(time_scaling)
+    for name, use in [entry for part in timed_pieces for entry in part.path_utilizations]:
+        fraction = use.fraction_at(time_scaling)
         if fraction > utilisation.get(name, -1.0):
-            binding[name], utilisation[name] = entry_utilization.where, fraction
+            binding[name], utilisation[name] = use.where, fraction
     return result, RetimeReport(
         method=options.method,
         duration=result.duration,
@@ -160,11 +158,7 @@ def _time_piece(
     time_scaling = max(
         use.fraction ** (1 / order) for order, use in enumerate(utilizations, start=1)
     )
-    time_scaling = (
-        max(time_scaling, *(use.time_scaling for _, use in path_utilizations))
-        if path_utilizations
-        else time_scaling
-    )
+    time_scaling = max([time_scaling, *(use.time_scaling for _, use in path_utilizations)])
     time_scaling *= 1 + _LIMIT_RESERVE
     scaled = [
         replace(use, fraction=use.fraction / time_scaling**order)
@@ -183,7 +177,10 @@ def _requested_time_scaling(min_duration: float, options: RetimeOptions) -> floa
     if options.duration is None:
         return 1.0
     if options.duration < min_duration * (1 - _LIMIT_RESERVE):
-        message = f"the limits allow {min_duration:.4g} s at least, not {options.duration:.4g} s"
+        message = (
+            f"the requested duration of {options.duration:.4g} s is shorter than the minimum of "
+            f"{min_duration:.4g} s within the limits"
+        )
         evidence = {"method": options.method, "duration": options.duration, "least": min_duration}
         raise RetimingFailed(message, evidence)
     return max(1.0, options.duration / min_duration)
@@ -203,7 +200,7 @@ def _positive_limits(spline: JointSpline, limits: JointLimits, method: str) -> J
     for name, values in rates.items():
         stuck = [names[i] for i in np.flatnonzero(moving & ~(values > 0))]
         if stuck and name in RETIMERS[method].rates:
-            message = f"the path moves {', '.join(stuck)}, whose {name} limit is not positive"
+            message = f"{', '.join(stuck)} must have a positive {name} limit to move along the path"
             raise RetimingFailed(message, {"method": method, "limit": name, "stuck": stuck})
         rates[name] = np.where(values > 0, np.minimum(values, _MAX_RATE), 1.0)
     return replace(limits, **rates)

@@ -45,10 +45,8 @@ def path_derivatives(
     """
     coefficients = curve.coefficients[pieces]
     slopes = derivative(coefficients, 1)
-    rate, curvature = (
-        evaluate_polynomials(slopes, local),
-        evaluate_polynomials(derivative(slopes, 1), local),
-    )
+    rate = evaluate_polynomials(slopes, local)
+    curvature = evaluate_polynomials(derivative(slopes, 1), local)
     if curve.manifold.is_flat:
         return rate, curvature
     delta = evaluate_polynomials(coefficients, local)

@@ -2,8 +2,8 @@
 
 Each attempt has its own planner and seed and is independent of the others. So attempts may run in
 any order, in this process or in a pool of others; their results are recorded in the order of their
-numbers. To use the pool takes time too, so attempts run here until one takes long; only then the
-rest go to the pool.
+numbers. The pool has a cost too, so attempts run in this process until one takes long; only then
+the rest go to the pool.
 """
 
 from collections.abc import Mapping
@@ -95,8 +95,8 @@ class AttemptSchedule:
             return self._run_in_child(first + index)
 
         with closing(pool.each(run_task, count, self._query.deadline)) as results:
-            for piece, outcome in results:
-                self._pool_results[first + piece] = outcome
+            for index, outcome in results:
+                self._pool_results[first + index] = outcome
                 self._record_next()
 
     def _record_next(self) -> None:

@@ -50,7 +50,7 @@ def search_with_locked_joints(  # noqa: PLR0913, PLR0917  (what `search` takes, 
         <= _POSITION_TOLERANCE
     )
     if not len(rows) or not lock.free.joints:
-        message = "no goal is reached with the locked joints where the start has them"
+        message = "no goal configuration has the locked joints at their start positions"
         raise NoPathFound(message, {"reason": "goals", "locked": sorted(locked)})
     clearances = task.clearances
     free_task = replace(

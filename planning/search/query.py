@@ -40,7 +40,7 @@ class Query:
         parameters: Parameters of the planner.
         deadline: End of the search.
         watch: Records the durations of the stages of a search.
-        objective: Cost of a path, to be minimised.
+        objective: Cost of a path, to be minimized.
         options: The other options of the request.
         space_seconds: Duration of the construction of the space [s].
         max_states: Checked states after which a planner without a solution gives up.
@@ -138,18 +138,15 @@ def _admissible_goals(
     """
     evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
     if not (space.contains(task.start) and oracle.is_free(task.start)):
-        message = (
-            "the start is outside the limits or the search's bounds, or nearer to something than "
-            "is demanded"
-        )
+        message = "the start violates the position limits, search.bounds or the required clearance"
         raise NoPathFound(message, evidence | {"reason": "start"})
     inside_rows = [row for row, q in enumerate(task.goals) if space.contains(q)]
     rows = np.array(inside_rows, dtype=np.intp)
     rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
     if not len(rows):
         message = (
-            "every goal is outside the limits or the search's bounds, or turned where the rotation "
-            "is held, or nearer to something than is demanded"
+            "every goal violates the position limits, search.bounds, a rotation that search.spaces "
+            "holds, or the required clearance"
         )
         raise NoPathFound(message, evidence | {"reason": "goals", "num_goals": len(task.goals)})
     return rows

@@ -41,12 +41,12 @@ _DETOUR_ALLOWANCE = 0.5
 _MAX_STRAIGHT_LINES = 16
 
 _REQUIREMENTS = {
-    "start": "one finite number per coordinate is needed",
-    "goal": "one finite number per coordinate is needed in every row",
+    "start": "it must be one finite number per coordinate",
+    "goal": "every row must be one finite number per coordinate",
     "search.resolution": "it must be positive",
-    "search.attempts": "at least 1 is needed",
-    "search.num_states": "at least 2 are needed",
-    "search.planner": "at least one is needed",
+    "search.attempts": "it must be at least 1",
+    "search.num_states": "it must be at least 2",
+    "search.planner": "it must name at least one planner",
     "search.setup_time": "it must be positive",
     "search.solve_time": "it must be positive",
     "search.shortcut_time": "it must not be negative",
@@ -83,7 +83,7 @@ def search(
         ProblemInvalid: A number in the task is out of range.
         UnknownName: There is no such planner, or it has no such parameter.
         NoPathFound: The planner ended without an exact solution.
-        DeadlineExceeded: The time ran out before there was any.
+        DeadlineExceeded: The time ran out before there was any path.
         Canceled: The request was canceled.
     """
     _validate_task(group, task)
@@ -216,9 +216,7 @@ def _validate_task(group: JointGroup, task: SearchTask) -> None:
     }
     for field, is_fault in faults.items():
         if is_fault:
-            raise ProblemInvalid(
-                f"{field} makes no sense: {_REQUIREMENTS[field]}", {"field": field}
-            )
+            raise ProblemInvalid(f"{field}: {_REQUIREMENTS[field]}", {"field": field})
 
 
 def _straight_line(query: Query, resolution: CheckResolution) -> VerifiedPath | None:
@@ -235,12 +233,16 @@ def _straight_line(query: Query, resolution: CheckResolution) -> VerifiedPath | 
 def _no_path_found(query: Query, statistics: SearchStatistics) -> NoPathFound:
     last_attempt, evidence = statistics.last_attempt, statistics.evidence(query)
     is_blocked = last_attempt is not None and len(last_attempt.waypoints) > 0
-    why = "what it found collides on a closer look" if is_blocked else "it ended without a solution"
+    why = (
+        "its path collides when checked at the fine resolution"
+        if is_blocked
+        else "it ended without a solution"
+    )
     advice = "more attempts, more samples or another planner may find one"
     if last_attempt is not None and last_attempt.failure_evidence.get("reason") == "setup":
         budget, setup_seconds = evidence["budget"], evidence["spent"]
-        why = f"setting the last one up took {setup_seconds:.3g} s of the {budget:g} s that it may"
-        advice = "search.setup_time is what to raise"
+        why = f"the planner's setup took {setup_seconds:.3g} s, its budget is {budget:g} s"
+        advice = "raise search.setup_time"
     message = (
         f"{', '.join(query.options.planners)} found no path in {statistics.num_attempts} attempts: "
         f"{why}; {advice}"

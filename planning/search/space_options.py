@@ -46,7 +46,7 @@ def bounded_limits(
 
     Raises:
         UnknownName: There is no such position coordinate.
-        ProblemInvalid: Bounds are no interval within the limits, or are those of a quaternion.
+        ProblemInvalid: Bounds are not an interval within the limits, or are those of a quaternion.
     """
     lower, upper = limits.lower.copy(), limits.upper.copy()
     quaternions = {
@@ -63,7 +63,7 @@ def bounded_limits(
         row = group.position_names.index(name)
         lower[row], upper[row] = max(lower[row], low), min(upper[row], high)
         if not (np.isfinite([low, high]).all() and lower[row] <= upper[row]):
-            reason = f"[{low}, {high}] is no interval within the limits"
+            reason = f"[{low}, {high}] is not an interval within the limits"
             raise _bad_bounds(name, reason)
     return replace(limits, lower=lower, upper=upper)
 

@@ -54,7 +54,7 @@ class SearchStatistics:
     shortest_reported: float = math.inf
 
     def __post_init__(self) -> None:
-        """Start with the straight line as the best path."""
+        """Use the straight line, if there is one, as the best path so far."""
         self.best = self.straight_line
 
     def evidence(self, query: Query) -> dict[str, Any]:

@@ -53,7 +53,7 @@ class VerifiedPath(Value):
     """Path whose every edge is free at the fine resolution.
 
     Attributes:
-        waypoints: Shape (n, nq).
+        waypoints: From start to goal, shape (n, nq).
         goal_row: Row of the goal in which it ends.
         raw_length: Length before shortcutting.
         length: Length after shortcutting.
@@ -105,11 +105,8 @@ def verify_path(
     """
     edges = coarse_checker(query, resolution.search_resolution)
     attempt_result = Attempt("Exact solution", raw, goal_row, {}, None, has_given_up=False)
-    return VerificationTrial(
-        attempt_result,
-        shorten_and_verify(query, attempt_result, edges, resolution),
-        edges.num_motions,
-    )
+    path = shorten_and_verify(query, attempt_result, edges, resolution)
+    return VerificationTrial(attempt_result, path, edges.num_motions)
 
 
 def verified_attempt(

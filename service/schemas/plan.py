@@ -57,7 +57,7 @@ class RefineWire(Wire):
     @model_validator(mode="after")
     def _has_use(self) -> Self:
         if self.method == "none" and self.clearance is not None:
-            message = "clearance is wished of an optimiser: method trajopt or auto"
+            message = "clearance requires method 'trajopt' or 'auto', not 'none'"
             raise ValueError(message)
         return self
 

@@ -1,4 +1,4 @@
-"""Robots made up of random joints and shapes, straight in Drake, and random motions of them."""
+"""Robots of random joints and shapes, built in Drake, and random motions of them."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -34,7 +34,7 @@ from planning.domain.robot.joints import Joint, JointGroup, JointLimits, JointTy
 from planning.domain.robot.manifold import Manifold
 from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import Coupling, DrakeModel
-from tests.certify.oracles import judged_by_oracle
+from tests.certify.oracles import for_oracle
 
 R, P, PLANAR, FLOATING = (
     JointType.REVOLUTE,
@@ -47,7 +47,7 @@ KINDS = (R, R, R, P, PLANAR, FLOATING)
 
 @dataclass
 class Robot:
-    """A model, its group, and what is needed to ask for a certificate."""
+    """A model, its group and the state, for certify requests."""
 
     model: DrakeModel
     group: JointGroup
@@ -60,7 +60,7 @@ class Robot:
         return JointLimits(-far, far, rates, rates, rates, rates, blocks)
 
     def request(self, trajectory: TimedTrajectory, margins: PairMargins) -> CertifyRequest:
-        """Return the demand that a trajectory be proven, from its own start to its own end."""
+        """Return the certify request of a trajectory, from its own start to its own end."""
         return CertifyRequest(
             group=self.group,
             trajectory=trajectory,
@@ -171,7 +171,7 @@ class Builder:
             joint_indices={f"robot::j{i}": joint.index() for i, joint in enumerate(self.joints)},
             couplings=couplings,
         )
-        model, context = judged_by_oracle(made), plant.CreateDefaultContext()
+        model, context = for_oracle(made), plant.CreateDefaultContext()
         return Robot(model, JointGroup("robot", joints, ()), plant.GetPositions(context))
 
 

@@ -1,4 +1,4 @@
-"""Sound motions in small worlds, for the certifier to judge."""
+"""Motions in small worlds and their certify requests."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,13 +14,13 @@ from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.kernel.native import native
 from planning.world.world import World
-from tests.certify.oracles import judged_by_oracle, oracle
+from tests.certify.oracles import for_oracle, oracle
 from tests.clocks import no_hurry
 
 
 @pytest.fixture(scope="module", params=["kernel", "drake"])
 def implementation(request: pytest.FixtureRequest) -> Iterator[str]:
-    """Judge by the kernel's proof of clearance, and again by Drake's alone."""
+    """Prove clearance by the kernel, and again by Drake alone."""
     if request.param == "kernel" and native() is None:
         pytest.skip("the native code is not built")
     with oracle(kernel=request.param == "kernel"):
@@ -43,7 +43,7 @@ def quintic(group: JointGroup, q0: np.ndarray, q1: np.ndarray, duration: float) 
 def request_for(
     world: World, name: str, trajectory: TimedTrajectory, margin: float | None = None
 ) -> CertifyRequest:
-    """Return the demand that this trajectory be proven, from its own start to its own end."""
+    """Return the certify request of a trajectory, from its own start to its own end."""
     group = world.group(name)
     return CertifyRequest(
         group=group,
@@ -57,9 +57,9 @@ def request_for(
     )
 
 
-def judged(world: World, request: CertifyRequest, **changes: object) -> Certificate:
+def certificate_of(world: World, request: CertifyRequest, **changes: object) -> Certificate:
     changed = replace(request, **changes)
-    return certify(judged_by_oracle(world.drake), changed, no_hurry(30.0))[0]
+    return certify(for_oracle(world.drake), changed, no_hurry(30.0))[0]
 
 
 def smallest_distance(world: World, trajectory: TimedTrajectory, name: str, step: float) -> float:

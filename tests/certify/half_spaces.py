@@ -46,7 +46,7 @@ def depth_of(shape: Shape, n: np.ndarray) -> float:
 
 
 class Heights:
-    """Heights of all pairs with one half space, at one configuration after another."""
+    """Heights of all pairs with one half space, at given configurations."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -85,7 +85,7 @@ class Heights:
 
 
 class PlainBuilder(Builder):
-    """Names without colons, which Drake's collision checker does not take here."""
+    """Names without colons, which Drake's collision checker does not accept here."""
 
     def body(self, name: str, shape: Shape, x_bg: RigidTransform | None = None) -> Any:
         return super().body(name.replace("::", "_"), shape, x_bg)

@@ -1,4 +1,4 @@
-"""Which of the two proofs of clearance judges: the kernel's, or Drake's alone."""
+"""Choice between the two clearance proofs: the kernel's, or Drake's alone."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ _USES_KERNEL = ContextVar("uses_kernel", default=True)
 
 @contextmanager
 def oracle(*, kernel: bool) -> Iterator[None]:
-    """Let one of them judge every model that goes through `judged_by_oracle`."""
+    """Choose the proof for every model that goes through `for_oracle`."""
     token = _USES_KERNEL.set(kernel)
     try:
         yield
@@ -20,8 +20,8 @@ def oracle(*, kernel: bool) -> Iterator[None]:
         _USES_KERNEL.reset(token)
 
 
-def judged_by_oracle(model: DrakeModel) -> DrakeModel:
-    """Return the model as the oracle in force shall see it."""
+def for_oracle(model: DrakeModel) -> DrakeModel:
+    """Return the model for the chosen proof."""
     return model if model.uses_kernel == _USES_KERNEL.get() else without_kernel(model)
 
 

@@ -27,7 +27,7 @@ class Sound:
     Attributes:
         world: Its scene.
         name: Of the group that moves.
-        request: The demand that it be proven; its fastest joint uses a limit to 1 - 1e-6.
+        request: Its certify request; its fastest joint uses a limit to 1 - 1e-6.
     """
 
     world: World
@@ -35,7 +35,7 @@ class Sound:
     request: CertifyRequest
 
     def of(self, trajectory: TimedTrajectory) -> CertifyRequest:
-        """Return the demand that another trajectory be proven, between its own ends."""
+        """Return the certify request of another trajectory, between its own ends."""
         return request_for(self.world, self.name, trajectory)
 
     @property
@@ -45,7 +45,7 @@ class Sound:
 
 
 def sound_motions(count: int, seed: int) -> list[Sound]:
-    """Return motions from where the scenes have their robots, in turns."""
+    """Return motions that begin where the scenes have their robots, alternating between scenes."""
     rng = np.random.default_rng(seed)
     sources = [_of_scene(*scene, rng) for scene in SCENES]
     return [next(sources[i % len(sources)]) for i in range(count)]

@@ -11,7 +11,13 @@ from planning.certify.certifier import CertifyRequest
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.scene.scene import PairMargin
 from planning.world.world import World
-from tests.certify.conftest import judged, quintic, request_for, smallest_distance, world_from
+from tests.certify.conftest import (
+    certificate_of,
+    quintic,
+    request_for,
+    smallest_distance,
+    world_from,
+)
 from tests.conftest import bundled_world
 from tests.profiles import num_cases
 
@@ -32,7 +38,7 @@ def flat_world(x: float, y: float = 0.0, thickness: float = 0.02, margin: float 
 
 
 def slide(world: World, shift: float = 0.6, duration: float = 4.0) -> CertifyRequest:
-    """Return the demand for a straight slide along x, from -0.3."""
+    """Return the certify request of a straight motion along x, from -0.3."""
     group = world.group("body")
     q0 = np.array([-0.3, 0.0, 0.0])
     trajectory = quintic(group, q0, q0 + np.array([shift, 0.0, 0.0]), duration)
@@ -50,7 +56,7 @@ def swing() -> tuple[World, CertifyRequest]:
 
 def test_a_sound_motion_is_proven_with_every_check_named() -> None:
     world, request = swing()
-    certificate = judged(world, request)
+    certificate = certificate_of(world, request)
     assert certificate.proven
     names = {check.name for check in certificate.checks}
     assert names >= {"start", "goal", "continuity", "position", "velocity", "acceleration"}
@@ -64,9 +70,9 @@ def test_a_sound_motion_is_proven_with_every_check_named() -> None:
 
 
 def test_minimum_clearance_is_the_analytic_one() -> None:
-    # The leg of the L reaches 0.125 m in +x and the wall's face is at 0.52: 0.095 m are left.
+    # The long side of the L reaches 0.125 m in +x and the wall's face is at 0.52: 0.095 m are left.
     world = flat_world(x=0.53)
-    certificate = judged(world, slide(world))
+    certificate = certificate_of(world, slide(world))
     gap = 0.52 - (0.3 + 0.125)
     assert certificate.proven
     assert certificate.observed_clearance == pytest.approx(gap, abs=1e-6)
@@ -79,11 +85,11 @@ def test_minimum_clearance_is_the_analytic_one() -> None:
 def test_a_graze_is_proven_and_a_touch_is_not(gap: float) -> None:
     # The lower arm of the L ends at y = -0.05; the wall is 0.2 wide.
     near = flat_world(x=0.0, y=-0.05 - 0.1 - gap)
-    certificate = judged(near, slide(near))
+    certificate = certificate_of(near, slide(near))
     assert certificate.proven
     assert certificate.observed_clearance == pytest.approx(gap, abs=1e-6)
     touching = flat_world(x=0.0, y=-0.05 - 0.1 + gap)
-    assert not judged(touching, slide(touching)).proven
+    assert not certificate_of(touching, slide(touching)).proven
 
 
 @given(x=st.floats(-0.1, 0.4), thickness=st.floats(0.0005, 0.003))
@@ -98,22 +104,22 @@ def test_a_thin_wall_between_two_samples_is_caught(x: float, thickness: float) -
             request.limits, velocity=np.array([10.0, 10.0]), acceleration=np.array([50.0, 50.0])
         ),
     )
-    certificate = judged(world, fast)
+    certificate = certificate_of(world, fast)
     assert not certificate.proven
     assert certificate.failed[0].name == "clearance"
     assert certificate.failed[0].where == "body::body-wall"
 
 
-def test_margins_are_demanded_and_pairs_may_override_them() -> None:
+def test_margins_are_required_and_pairs_may_override_them() -> None:
     for margin, proven in ((0.09, True), (0.1, False)):
         world = flat_world(x=0.53, margin=margin)
-        certificate = judged(world, slide(world))
+        certificate = certificate_of(world, slide(world))
         assert certificate.proven is proven
         assert certificate.checks[-1].bound == margin
     world = flat_world(x=0.53, margin=0.1)
     exception = PairMargin(("body::body", "wall"), 0.01)
     world.scene = replace(world.scene, margins=(exception,))
-    assert judged(world, slide(world)).proven
+    assert certificate_of(world, slide(world)).proven
 
 
 def _with(trajectory: TimedTrajectory, **arrays: np.ndarray) -> TimedTrajectory:
@@ -160,14 +166,14 @@ MUTANTS = {
 def test_mutants_are_refused_for_what_is_wrong_with_them(name: str) -> None:
     world, request = swing()
     mutate, check = MUTANTS[name]
-    certificate = judged(world, request, trajectory=mutate(request.trajectory))
+    certificate = certificate_of(world, request, trajectory=mutate(request.trajectory))
     assert not certificate.proven
     assert check in {failed.name for failed in certificate.failed}
 
 
 def test_two_halves_of_a_sound_motion_are_sound() -> None:
     world, request = swing()
-    assert judged(world, request, trajectory=_cut(request.trajectory, 0.0)).proven
+    assert certificate_of(world, request, trajectory=_cut(request.trajectory, 0.0)).proven
 
 
 def test_a_motion_through_the_box_is_refused_with_pair_and_depth() -> None:
@@ -176,7 +182,7 @@ def test_a_motion_through_the_box_is_refused_with_pair_and_depth() -> None:
     pick = np.array([0.30977, -1.22556, 1.82362, -2.16885, -1.5708, -1.26102])
     place = np.array([-0.74525, -1.24629, 1.85330, -2.17782, -1.5708, -2.31605])
     trajectory = quintic(group, pick, place, 4.0)
-    certificate = judged(world, request_for(world, "arm", trajectory))
+    certificate = certificate_of(world, request_for(world, "arm", trajectory))
     check = certificate.checks[-1]
     assert not certificate.proven
     assert (check.name, check.passed) == ("clearance", False)
@@ -187,13 +193,13 @@ def test_a_motion_through_the_box_is_refused_with_pair_and_depth() -> None:
 
 @given(seed=st.integers(0, 1000))
 @settings(max_examples=num_cases(3))
-def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
+def test_proven_motions_are_free_at_dense_samples(seed: int) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q0 = world.positions(group)
     q1 = q0 + np.random.default_rng(seed).normal(0, 0.7, 6)
     trajectory = quintic(group, q0, q1, 5.0)
-    certificate = judged(world, request_for(world, "arm", trajectory))
+    certificate = certificate_of(world, request_for(world, "arm", trajectory))
     reference = smallest_distance(world, trajectory, "arm", 0.004)
     if certificate.proven:
         assert reference > 0
@@ -202,13 +208,13 @@ def test_nothing_proven_is_found_in_collision_by_a_fine_loop(seed: int) -> None:
             certificate.observed_clearance - certificate.checks[-1].resolution <= reference + 1e-6
         )
     elif certificate.failed[0].name == "clearance":
-        # Refusals are not wanton: the loop comes as near to contact as the refusal says.
+        # Refusals are justified: the samples come as near to contact as the certificate says.
         assert reference <= max(certificate.failed[0].value, 0) + 1e-3
 
 
 @given(seed=st.integers(0, 1000))
 @settings(max_examples=num_cases(4))
-def test_a_turning_body_is_judged_as_a_fine_loop_judges_it(seed: int) -> None:
+def test_verdicts_on_a_turning_body_agree_with_dense_samples(seed: int) -> None:
     world = bundled_world("window_3d")
     group = world.group("body")
     rng = np.random.default_rng(seed)
@@ -216,7 +222,7 @@ def test_a_turning_body_is_judged_as_a_fine_loop_judges_it(seed: int) -> None:
     q1 = np.concatenate([rng.normal(size=4), [0.5, *rng.uniform(-0.2, 0.2, 1), 0.5]])
     q1[:4] /= np.linalg.norm(q1[:4])
     trajectory = quintic(group, q0, q1, 10.0)
-    certificate = judged(world, request_for(world, "body", trajectory))
+    certificate = certificate_of(world, request_for(world, "body", trajectory))
     assert certificate.proven == (smallest_distance(world, trajectory, "body", 0.002) > 0)
 
 
@@ -234,6 +240,6 @@ objects: [{name: stick, shape: {box: [0.004, 0.004, 0.004]}}]
     placed = text.replace("0.004]}}]", f"0.004]}}, pose: {{position: {at.tolist()}}}}}]")
     world = world_from(placed)
     closing = quintic(gripper, np.array([0.025]), np.array([0.0]), 2.0)
-    opening_only_leader = judged(world, request_for(world, "arm::gripper", closing))
+    opening_only_leader = certificate_of(world, request_for(world, "arm::gripper", closing))
     reference = smallest_distance(world, closing, "arm::gripper", 1e-4)
     assert opening_only_leader.proven == (reference > 0)

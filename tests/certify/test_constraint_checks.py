@@ -93,7 +93,7 @@ CASES = [angle_case, inside_case, outside_case]
 @pytest.mark.parametrize("case", CASES)
 @settings(max_examples=num_cases(4))
 @given(seed=st.integers(0, 10_000))
-def test_the_verdict_turns_where_the_worst_instant_is(case: Callable, seed: int) -> None:
+def test_the_verdict_changes_at_the_worst_value(case: Callable, seed: int) -> None:
     world, request = swing(seed)
     worst, constraint = case(poses_along(world, request), np.random.default_rng(seed))
     assume(2e-3 < abs(worst) < 3.0)
@@ -105,14 +105,14 @@ def test_the_verdict_turns_where_the_worst_instant_is(case: Callable, seed: int)
     assert kept.resolution >= 0
     assert kept.value + kept.resolution <= kept.bound + 2e-6
     assert broken.value > broken.bound
-    # How much worse it may be at other instants is known, too; of boxes the loose one tells it.
+    # Value plus resolution bounds the worst value: for boxes the excess of 1e-3.
     beyond = worst if case is angle_case else 1e-3
     assert beyond <= broken.value + broken.resolution + 1e-9 < np.inf
 
 
 @settings(max_examples=num_cases(2))
 @given(seed=st.integers(0, 10_000))
-def test_a_band_turns_where_the_worst_distances_are(seed: int) -> None:
+def test_the_verdict_of_a_band_changes_at_the_worst_distances(seed: int) -> None:
     world = world_from(BALL)
     rng = np.random.default_rng(seed)
     group = world.group("body")
@@ -185,7 +185,7 @@ def test_a_violation_between_samples_is_refused() -> None:
     assert "constraint 0: orientation" in {check.name for check in certificate.failed}
 
 
-def test_a_frame_that_moves_counts_where_the_start_has_it() -> None:
+def test_a_moving_reference_frame_is_placed_by_the_start() -> None:
     world, request = swing(2)
     away = OrientationCone(TCP, UP, UP, 0.01, reference=TCP)
     here = KeepIn(TCP, PlacedBox(np.full(3, 0.01), reference=TCP))
@@ -196,7 +196,7 @@ def test_a_frame_that_moves_counts_where_the_start_has_it() -> None:
     assert not any(check.passed for check in checked(world, request, away, here))
 
 
-def test_floating_bodies_are_held_to_constraints_too() -> None:
+def test_constraints_hold_for_floating_bodies_too() -> None:
     world = bundled_world("window_3d")
     group = world.group("body")
     q0 = world.positions(group)

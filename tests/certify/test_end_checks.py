@@ -1,4 +1,4 @@
-"""Where pieces meet, nothing jumps that must not."""
+"""Ends and continuity: jumps where pieces meet are refused, and smooth joints pass."""
 
 from dataclasses import replace
 

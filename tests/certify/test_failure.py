@@ -1,4 +1,4 @@
-"""A refusal in words: no unit where there is none, no place where nobody says."""
+"""Messages of failed checks: without a unit or a name where the check has none."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from planning.domain.report.certificate import Certificate, Check
 
 
 @pytest.mark.parametrize(
-    ("check", "told", "named"),
+    ("check", "described", "named"),
     [
         (
             Check("steering car::base_joint", 1e5, 1.0001, "1", 0.0, False, "sideways", 0.3),
@@ -21,7 +21,7 @@ from planning.domain.report.certificate import Certificate, Check
         ),
     ],
 )
-def test_failed_checks_are_told_in_words(check: Check, told: str, named: str) -> None:
+def test_failed_checks_are_described_in_words(check: Check, described: str, named: str) -> None:
     certificate = Certificate(False, 0.1, 0.1, ("", ""), 0.0, (check,))
-    assert not_certified(certificate, ["it"]).detail.endswith(f"; the last failed {told}")
+    assert not_certified(certificate, ["it"]).detail.endswith(f"; the last failed {described}")
     assert failed_checks(certificate) == named

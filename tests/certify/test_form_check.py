@@ -1,4 +1,4 @@
-"""Requests that cannot be meant fail their form, and raise nothing."""
+"""Malformed requests fail the form check, without an error."""
 
 from dataclasses import replace
 from typing import Any
@@ -88,7 +88,7 @@ FAULTS = {
 def test_faults_of_form_are_a_failed_check(name: str) -> None:
     robot, request = question()
     if name == "a rate too few":
-        # Built past the shapes that construction checks in tests.
+        # Built without the shape checks of the constructor.
         limits = object.__new__(type(request.limits))
         limits.__dict__.update(request.limits.__dict__, velocity=request.limits.velocity[:1])
         faulty = replace(request, limits=limits)

@@ -1,4 +1,4 @@
-"""Motions that are sound by just enough or broken by just too much: the certifier tells which.
+"""Motions just within or just beyond a tolerance: the certifier distinguishes them.
 
 Each way to break a motion leaves everything else sound, so that one check alone can refuse it; how
 much it is broken is random, from a little above that check's tolerance up.
@@ -35,14 +35,14 @@ from tests.certify.sound_motions import (
 from tests.clocks import no_hurry
 from tests.profiles import PROFILE, num_cases, rng_of
 
-# Of each way to break a motion, and to leave it sound: as many from each scene.
+# Number of cases from each scene, for every way to break a motion or to leave it sound.
 COUNT = num_cases(18)
 type Rng = np.random.Generator
 type Question = tuple[DrakeModel, CertifyRequest]
 
-# x (1 - x)^2: leaves a piece as it found it, but for the slope with which it begins.
+# x (1 - x)^2: changes no end value, and of the end slopes only the first.
 KINK = np.array([0.0, 1.0, -2.0, 1.0])
-# x^3 (1 - x)^3: comes and goes within a piece, and no rate jumps.
+# x^3 (1 - x)^3: zero at both ends with its first two derivatives.
 BUMP = np.array([0.0, 0.0, 0.0, 1.0, -3.0, 3.0, -1.0])
 # x^4 (x - 1): adds nothing but a slope at the end.
 LAST = np.array([0.0, 0.0, 0.0, 0.0, -1.0, 1.0])
@@ -53,12 +53,12 @@ def motions() -> tuple[Sound, ...]:
     return tuple(sound_motions(COUNT, 20_261_121 + PROFILE.seed))
 
 
-def judge(question: Question) -> Certificate:
+def certificate_of(question: Question) -> Certificate:
     return certify(*question, no_hurry(30.0))[0]
 
 
 def beyond(rng: Rng, tolerance: float, decades: float = 3.0) -> float:
-    """Return an amount from just above a tolerance up, all sizes alike."""
+    """Return an amount above a tolerance, uniform in its logarithm."""
     return float(tolerance * 10 ** rng.uniform(0.02, decades))
 
 
@@ -94,7 +94,7 @@ def kinked(sound: Sound, rng: Rng, share: float) -> Question:
 
 
 def at_limit(order: int) -> Callable[[Sound, Rng, float], Question]:
-    """Return what brings one rate to a share above its limit, and lifts the limits on others."""
+    """Return a mutation that raises one rate above its limit, and the limits of the others."""
     rates = ("velocity", "acceleration", "jerk")
 
     def mutate(sound: Sound, _: Rng, excess: float) -> Question:
@@ -162,7 +162,7 @@ def moving_at_an_end(sound: Sound, rng: Rng, speed: float) -> Question:
 
 
 def margin_broken(sound: Sound, _: Rng, lack: float) -> Question:
-    clear = judge((sound.world.drake, sound.request))
+    clear = certificate_of((sound.world.drake, sound.request))
     low, high = sorted(clear.pair)
     margins = PairMargins(0.0, {(low, high): clear.observed_clearance + lack})
     return sound.world.drake, replace(sound.request, margins=margins)
@@ -246,17 +246,17 @@ MUTANTS = {
 @pytest.mark.campaign
 @pytest.mark.timeout(3600 if PROFILE.is_campaign else 300)
 @pytest.mark.parametrize("name", MUTANTS)
-def test_mutants_are_refused_by_the_one_check_that_is_meant(name: str) -> None:
+def test_mutants_are_refused_by_the_expected_check_alone(name: str) -> None:
     mutate, check, tolerance, decades = MUTANTS[name]
     rng = rng_of(list(MUTANTS).index(name))
     for sound in motions():
-        certificate = judge(mutate(sound, rng, beyond(rng, tolerance, decades)))
+        certificate = certificate_of(mutate(sound, rng, beyond(rng, tolerance, decades)))
         assert not certificate.proven
         assert {failed.name.partition(":")[0] for failed in certificate.failed} == {check}
 
 
 def margin_kept(sound: Sound, _: Rng) -> Question:
-    clear = judge((sound.world.drake, sound.request))
+    clear = certificate_of((sound.world.drake, sound.request))
     floor = clear.min_clearance
     low, high = sorted(clear.pair)
     margins = PairMargins(0.0, {(low, high): floor - 1e-6})
@@ -299,5 +299,5 @@ SOUND: dict[str, Callable[[Sound, Rng], Question]] = {
 def test_sound_motions_are_proven(name: str) -> None:
     rng = rng_of(list(SOUND).index(name))
     for sound in motions():
-        certificate = judge(SOUND[name](sound, rng))
+        certificate = certificate_of(SOUND[name](sound, rng))
         assert certificate.proven, certificate.failed

@@ -1,4 +1,4 @@
-"""What rounding hides counts in rates of frames, of turns in space, and in torques.
+"""Rounding errors count in rates of frames, of rotations in space, and in torques.
 
 Polynomials are evaluated exactly; only what is left, sines and cross products, is rounded.
 """
@@ -36,7 +36,7 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def growing(rng: np.random.Generator, degree: int, size: float) -> np.ndarray:
-    """Return powers that cancel one another, of a polynomial that is fastest at its end."""
+    """Return coefficients that cancel each other, of a polynomial that is fastest at its end."""
     rates = np.sort(rng.uniform(0, 1, degree)) * np.linspace(0, 1, degree) ** 2
     rates[-1] = 1.2
     return size * powers_of(np.concatenate([[0.0], np.cumsum(rates)]) / degree)
@@ -72,8 +72,8 @@ def moving(robot: Robot, powers: np.ndarray) -> CertifyRequest:
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("degree", [14, 18, 22])
-def test_no_frame_is_faster_than_what_passes(degree: int) -> None:
-    """The limit lies between the frame's true speed at the end and what is computed of it."""
+def test_no_frame_is_faster_than_a_limit_that_passes(degree: int) -> None:
+    """The limit is between the frame's true speed at the end and the computed one."""
     robot, model = pendulum()
     tempting = 0
     for seed in seeds(10, 200):
@@ -84,14 +84,14 @@ def test_no_frame_is_faster_than_what_passes(degree: int) -> None:
         seen = states.at(np.zeros(1, dtype=int), np.ones(1), no_hurry())
         limit = (true + float(np.linalg.norm(seen.velocity))) / 2 / (1 + 1e-6)
         tempting += true > limit * (1 + 1e-6)
-        asked = replace(request, tool_limits=(ToolLimit("tip", limit),))
-        (check,) = tool_checks(model, asked, no_hurry())
+        limited = replace(request, tool_limits=(ToolLimit("tip", limit),))
+        (check,) = tool_checks(model, limited, no_hurry())
         assert not (check.passed and true > limit * (1 + 1e-6)), (true, limit, check)
     assert tempting > 3
 
 
 @pytest.mark.parametrize("degree", [5, 14, 22, 30])
-def test_frames_are_off_by_no_more_than_is_said(degree: int) -> None:
+def test_frame_errors_are_within_their_bounds(degree: int) -> None:
     robot, model = pendulum()
     for seed in range(8):
         powers = growing(np.random.default_rng(seed), degree, 1.0)
@@ -114,14 +114,14 @@ def test_frames_are_off_by_no_more_than_is_said(degree: int) -> None:
 
 
 def turning_speed(parts: list[np.ndarray], t: float) -> float:
-    """Return the size of the angular velocity of a turn in space."""
+    """Return the norm of the angular velocity of a rotation in space."""
     delta = np.array([float(exact_value(powers, t)) for powers in parts])
     rate = np.array([value(slopes(powers), t) for powers in parts])
     return float(np.linalg.norm(rotation.right_jacobian(delta, rate)))
 
 
 @pytest.mark.parametrize("degree", [5, 25, 30])
-def test_no_turn_in_space_is_faster_than_its_bound(degree: int) -> None:
+def test_no_rotation_in_space_is_faster_than_its_bound(degree: int) -> None:
     for seed in range(10):
         rng = np.random.default_rng(seed)
         parts = [growing(rng, degree, size) for size in (0.8, 0.5, 0.3)]
@@ -134,8 +134,8 @@ def test_no_turn_in_space_is_faster_than_its_bound(degree: int) -> None:
 
 
 @pytest.mark.parametrize("far", [1.0, 40.0])
-def test_bounds_by_sizes_make_room_for_rounding(far: float) -> None:
-    """What turns so far that sizes alone bound it is bounded as well."""
+def test_bounds_by_sizes_include_rounding(far: float) -> None:
+    """Rotations so large that they are bounded by sizes alone include rounding errors too."""
     for seed in range(10):
         rng = np.random.default_rng(seed)
         powers = growing(rng, 30, far)
@@ -152,8 +152,8 @@ def bob(mass: float) -> Robot:
 
 
 @pytest.mark.parametrize("degree", [5, 16, 22])
-def test_torques_are_off_by_no_more_than_is_said(degree: int) -> None:
-    """At one instant nothing is missed beyond the last power: what is left is rounding."""
+def test_torque_errors_are_within_their_bounds(degree: int) -> None:
+    """At one instant there is no remainder beyond the last power, only rounding."""
     robot = bob(2.0)
     for seed in range(8):
         powers = growing(np.random.default_rng(seed), degree, 1.0)
@@ -170,7 +170,7 @@ def test_torques_are_off_by_no_more_than_is_said(degree: int) -> None:
 
 
 def efforts(links: object, powers: np.ndarray, t: float) -> float:
-    """Return the torque at the exact position, rate and its change."""
+    """Return the torque at the exact position, velocity and acceleration."""
     q, first = [Fraction(float(c)) for c in powers], slopes(powers)
     second = [k * c for k, c in enumerate(first)][1:]
     local = np.array([[[0.0], [value(first, t)], [value(second, t) / 2]]])

@@ -1,4 +1,4 @@
-"""Whether a base moves like a car: what does is proven, what does not is refused and named."""
+"""The steering check proves motions of cars, and names what it refuses."""
 
 from dataclasses import replace
 
@@ -62,7 +62,7 @@ def checked(trajectory: TimedTrajectory, group: JointGroup) -> Check:
 
 
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
-def test_what_a_car_drives_is_proven(method: str) -> None:
+def test_planned_car_motions_are_proven(method: str) -> None:
     trajectory = motion(PIECES, method)
     check = checked(trajectory, group_with())
     assert check.passed
@@ -93,7 +93,7 @@ def test_too_tight_and_backwards_are_refused(
 
 @given(power=st.sampled_from([1.0, 3e-1, 3e-2, 3e-3]), slowness=st.sampled_from([1.0, 30.0]))
 def test_a_slip_is_refused_at_any_speed(power: float, slowness: float) -> None:
-    """What pulls the base aside by a share of its way, in its middle alone."""
+    """A bump pulls the base aside by a share of its path, in the middle alone."""
     sound = motion(PIECES)
     slipping = np.array(sound.coefficients)
     piece = int(np.argmax(np.abs(slipping[:, 1, 6:8]).max(axis=1)))
@@ -109,7 +109,7 @@ def test_a_slip_is_refused_at_any_speed(power: float, slowness: float) -> None:
     assert checked(sound.time_scaled(slowness), group_with()).passed
 
 
-def test_a_plain_geodesic_is_no_way_of_a_car() -> None:
+def test_a_geodesic_is_refused_for_a_car() -> None:
     group = group_with()
     rows = np.array([
         [1.0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0],
@@ -121,7 +121,7 @@ def test_a_plain_geodesic_is_no_way_of_a_car() -> None:
     assert checked(trajectory, group).where == "sideways"
 
 
-def test_a_base_that_whirls_is_given_up() -> None:
+def test_a_base_that_spins_fast_is_unproven() -> None:
     joints = group_of(*KINDS).joints
     coefficients = np.zeros((1, 2, 10))
     coefficients[0, 1, 8] = 1e6
@@ -129,7 +129,7 @@ def test_a_base_that_whirls_is_given_up() -> None:
     whirl = TimedTrajectory(joints, np.array([0.0, 1.0]), bases, coefficients)
     check = checked(whirl, group_with())
     assert not check.passed
-    # It turns on the spot: the share of a speed that counts as nothing is the worst there is.
+    # It turns in place: the utilization relative to the neglected speed is the largest possible.
     assert check.value + check.resolution == pytest.approx(1e6 * RADIUS / 1e-6)
 
 

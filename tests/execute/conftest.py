@@ -1,4 +1,4 @@
-"""A motion of two joints, and a driver that follows it as well as it is told to."""
+"""A motion of two joints, and a driver that follows its setpoints with an optional offset."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -39,7 +39,7 @@ def limits() -> JointLimits:
 
 @dataclass
 class EchoDriver:
-    """Does what it is told, but for `offset`, and touches something from `touches_at` on."""
+    """Follows its setpoints, plus `offset`, and is in contact from the time `touches_at` on."""
 
     offset: float = 0.0
     touches_at: float = np.inf

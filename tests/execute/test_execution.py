@@ -1,4 +1,4 @@
-"""What an execution decides, with a driver that does it exactly."""
+"""State, setpoints and failures of an execution, with a driver that follows exactly."""
 
 from collections.abc import Callable
 from typing import Any
@@ -15,16 +15,16 @@ from tests.profiles import num_cases
 
 PERIOD = 0.01
 ACCELERATION = 3.0
-type Asks = dict[int, Callable[[Execution], Execution]]
+type Commands = dict[int, Callable[[Execution], Execution]]
 
 
 def follow(
-    execution: Execution, driver: Any, asks: Asks | None = None, num_steps: int = 4000
+    execution: Execution, driver: Any, commands: Commands | None = None, num_steps: int = 4000
 ) -> Execution:
-    """Step until it ends, doing what is asked for at given steps."""
+    """Step until it ends, with commands at given steps."""
     measured = driver.read(0.0)
     for i in range(num_steps):
-        execution = (asks or {}).get(i, lambda same: same)(execution)
+        execution = (commands or {}).get(i, lambda same: same)(execution)
         execution, setpoint = execution.step(measured, PERIOD)
         driver.send(setpoint)
         if execution.state.is_terminal:
@@ -76,11 +76,11 @@ def test_pause_and_resume_lose_nothing(
     execution: Execution, new_driver: Any, when: int, pause: int, speed: float
 ) -> None:
     driver = new_driver()
-    asks: Asks = {
+    commands: Commands = {
         when: Execution.pause,
         when + pause: lambda paused: paused.resume().with_speed(speed),
     }
-    done = follow(execution.start(), driver, asks)
+    done = follow(execution.start(), driver, commands)
     assert (done.state, done.time) == ("succeeded", 2.0)
     assert_smooth(driver.sent, ACCELERATION)
 
@@ -153,9 +153,9 @@ def test_speeds_that_break_the_limits_are_refused(execution: Execution, speed: f
         execution.with_speed(speed)
 
 
-def test_nothing_can_be_asked_of_what_has_ended(execution: Execution, new_driver: Any) -> None:
+def test_an_ended_execution_refuses_all_commands(execution: Execution, new_driver: Any) -> None:
     done = follow(execution.start(), new_driver())
-    asks = (Execution.start, Execution.pause, Execution.resume, Execution.cancel)
-    for ask in (*asks, lambda ended: ended.with_speed(0.5)):
+    commands = (Execution.start, Execution.pause, Execution.resume, Execution.cancel)
+    for command in (*commands, lambda ended: ended.with_speed(0.5)):
         with pytest.raises(IllegalTransition):
-            ask(done)
+            command(done)

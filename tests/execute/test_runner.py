@@ -1,4 +1,4 @@
-"""The runner, by a clock that is only a number."""
+"""Control loop of an execution, on a clock that the test sets."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""How quickly the rate along a trajectory may change."""
+"""Bounds on the path acceleration along a trajectory."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -24,28 +24,29 @@ def limits(acceleration: float) -> JointLimits:
     return JointLimits(-unbounded, unbounded, rates, rates, rates, rates, BLOCKS)
 
 
-def utilisation(trajectory: TimedTrajectory, time: float, rate: float, ramp: float) -> float:
-    """Return the largest norm of a block's acceleration when followed like that."""
+def peak(trajectory: TimedTrajectory, time: float, velocity: float, acceleration: float) -> float:
+    """Return the largest norm of a block's acceleration at a path velocity and acceleration."""
     at = np.array([time])
-    vdot = trajectory.accelerations(at)[0] * rate**2 + trajectory.velocities(at)[0] * ramp
+    vdot = trajectory.accelerations(at)[0] * velocity**2
+    vdot += trajectory.velocities(at)[0] * acceleration
     return max(float(np.linalg.norm(vdot[list(block)])) for block in BLOCKS)
 
 
 @settings(max_examples=num_cases(6))
 @given(st.integers(0, 10_000), st.floats(0, 1), st.floats(0, 1), st.floats(0, 1))
 def test_the_bounds_are_where_a_limit_is_met(
-    seed: int, time: float, rate: float, fraction: float
+    seed: int, time: float, velocity: float, fraction: float
 ) -> None:
     bound = 20.0  # such a cubic accelerates by 2 + 6 in a coordinate at most, sqrt(2) 8 in a block
     trajectory = cubic(seed)
     least, largest = path_acceleration_bounds(
-        trajectory, limits(bound), np.array([time]), np.array([rate])
+        trajectory, limits(bound), np.array([time]), np.array([velocity])
     )
     assert least <= 0 <= largest
     for end in (least, largest):
-        assert abs(utilisation(trajectory, time, rate, end) - bound) < 1e-6 * bound
+        assert abs(peak(trajectory, time, velocity, end) - bound) < 1e-6 * bound
     between = least + fraction * (largest - least)
-    assert utilisation(trajectory, time, rate, between) <= bound * (1 + 1e-9)
+    assert peak(trajectory, time, velocity, between) <= bound * (1 + 1e-9)
 
 
 def test_all_instants_count() -> None:
@@ -65,7 +66,7 @@ def test_a_trajectory_beyond_its_limits_may_go_on_as_it_is() -> None:
     assert largest >= -1e-9
 
 
-def test_nothing_that_stands_still_bounds_the_ramp() -> None:
+def test_a_trajectory_at_rest_does_not_bound_the_path_acceleration() -> None:
     still = TimedTrajectory(JOINTS, np.array([0.0, 1.0]), np.zeros((1, 4)), np.zeros((1, 4, 4)))
     assert path_acceleration_bounds(still, limits(1.0), np.array([0.5]), np.ones(1)) == (
         -np.inf,
@@ -73,7 +74,7 @@ def test_nothing_that_stands_still_bounds_the_ramp() -> None:
     )
 
 
-def test_the_ramp_lands_on_the_target_when_it_can() -> None:
+def test_the_path_velocity_reaches_the_target_within_the_bounds() -> None:
     assert choose_path_acceleration((-100.0, 100.0), 0.3, 0.0, 0.01) * 0.01 == -0.3
     assert choose_path_acceleration((-2.0, 100.0), 0.3, 0.0, 0.01) == -2.0
     assert choose_path_acceleration((-100.0, 5.0), 0.3, 1.0, 0.01) == 5.0

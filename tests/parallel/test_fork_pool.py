@@ -100,7 +100,7 @@ def test_a_cancel_ends_all_that_have_begun(tmp_path):
     assert not any(map(is_alive, work.pids))
 
 
-def test_what_ignores_the_deadline_is_ended(tmp_path):
+def test_a_task_that_ignores_the_deadline_is_ended(tmp_path):
     work = Endless(tmp_path)
 
     def clock():

@@ -1,4 +1,4 @@
-"""Small scenes to refine in, with paths that were laid by hand."""
+"""Small scenes for refinement, with paths made by hand."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ LINK = """<link name="link{i}">
 
 @dataclass(frozen=True)
 class Case:
-    """A world, a free path in it, and what to ask."""
+    """A world, and the refinement request of a free path in it."""
 
     world: World
     request: RefineRequest
@@ -102,7 +102,7 @@ def puck_world(
 
 @pytest.fixture(scope="session")
 def thin_wall(tmp_path_factory: pytest.TempPathFactory) -> Case:
-    """Around the end of a wall that is 1 mm thick: far less than an instant's distance."""
+    """A path around the end of a wall 1 mm thick: far thinner than the spacing of instants."""
     world = puck_world(
         tmp_path_factory.mktemp("thin_wall"), [([0.001, 1.3, 0.2], [0.0, -0.35, 0.0])]
     )

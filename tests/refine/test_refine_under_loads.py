@@ -1,4 +1,4 @@
-"""Curves that are refined under loads are quicker under them; the model says by how much."""
+"""Curves refined under loads are faster under them, as the model predicts."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -99,7 +99,7 @@ def test_refined_curves_are_quicker_than_the_path_and_than_without_knowing(name,
 
 @pytest.mark.campaign
 @pytest.mark.parametrize(("name", "kind"), CASES)
-def test_small_steps_bring_what_they_promise(name, kind):
+def test_small_steps_achieve_the_predicted_decrease(name, kind):
     """Together: a single one may end at a kink, where other limits bind beyond."""
     (world, _), path = arm_of(name), path_of(name, kind)
     task = RefineProblem.of(world, request_of(world, path, others_of(name, kind)), deadline())
@@ -116,7 +116,7 @@ def test_small_steps_bring_what_they_promise(name, kind):
 
 
 def bars_path(world: World) -> JointPath:
-    """From hanging down to straight up, with the elbow all but stretched on the way."""
+    """From hanging down to straight up, with the elbow almost stretched in between."""
     return JointPath(world.group("r"), np.array([[0.0, 0.0], [np.pi / 2, 0.3], [np.pi, 0.0]]))
 
 
@@ -139,7 +139,7 @@ def test_a_weight_that_cannot_be_held_at_the_goal_is_not_lifted(
     path = JointPath(world.group("r"), np.array([[0.0, 0.0], [np.pi / 2, 0.0]]))
     curve, report = refine(world, request_of(world, path, MotionLimits(effort=True)), deadline())
     assert curve is None
-    assert report.reason == "gravity is more than a joint can hold at an end"
+    assert report.reason == "the static torque exceeds an effort limit at the start or the goal"
 
 
 def test_a_weight_that_cannot_be_lifted_at_all_is_refused(urdf_world: Callable[..., World]):
@@ -149,7 +149,7 @@ def test_a_weight_that_cannot_be_lifted_at_all_is_refused(urdf_world: Callable[.
     path = bars_path(world)
     curve, report = refine(world, request_of(world, path, MotionLimits(effort=True)), deadline())
     assert curve is None
-    assert "gravity is more than a joint can hold" in report.reason
+    assert "the static torque exceeds an effort limit" in report.reason
 
 
 def test_no_motion_of_a_frame_beats_the_straight_way():

@@ -125,15 +125,21 @@ def test_instants_that_the_audit_finds_are_added(make_puck):
     waypoints = [[-0.2, 0.1], [-0.1, 0.5], [0.1, 0.5], [0.2, 0.1]]
     case = case_of(world, "puck", waypoints)
     # Neither of the two first instants is near the wall.
-    task = replace(problem_of(case), sample_range=(2, 2))
-    guess = task.fit_path(0.15)
-    best, _, reason = task.optimize(guess)
+    problem = replace(problem_of(case), sample_range=(2, 2))
+    guess = problem.fit_path(0.15)
+    best, _, reason = problem.optimize(guess)
     assert best is not None, reason
-    assert case.are_free(task.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
+    assert case.are_free(problem.curve_of(best).positions(np.linspace(0, 1, 5001))).all()
     # The same steps without more instants.
-    model = CurveModel(task.distance_query, task.chart_limits, task.rate_bounds, len(guess), 2)
-    blind = [seen for seen in TrustRegion(model, guess).run(25) if not task.check_curve(seen)[0]]
-    assert best.duration < min(seen.duration for seen in blind) - 0.05
+    model = CurveModel(
+        problem.distance_query, problem.chart_limits, problem.rate_bounds, len(guess), 2
+    )
+    unaudited = [
+        evaluation
+        for evaluation in TrustRegion(model, guess).run(25)
+        if not problem.check_curve(evaluation)[0]
+    ]
+    assert best.duration < min(evaluation.duration for evaluation in unaudited) - 0.05
 
 
 @pytest.mark.parametrize("kernel", [True, False])
@@ -156,11 +162,15 @@ def test_the_same_request_gives_the_same_bytes_in_another_process(pillar, tmp_pa
     assert again.stdout.strip().splitlines()[-1] == first
 
 
-def test_what_was_not_asked_for_is_not_done(thin_wall):
+def test_method_none_refines_nothing(thin_wall):
     request = replace(thin_wall.request, options=RefineOptions("none"))
     curve, report = replace(thin_wall, request=request).refined()
     assert curve is None
-    assert (report.method, report.improved, report.reason) == ("none", False, "not asked for")
+    assert (report.method, report.improved, report.reason) == (
+        "none",
+        False,
+        "refine.method is none",
+    )
 
 
 @pytest.mark.parametrize(("seconds", "refines"), [(0.4, False), (60.0, True)])
@@ -177,17 +187,17 @@ def test_a_path_that_does_not_move_is_left_alone(thin_wall):
     still = replace(thin_wall.request.path, waypoints=np.full((3, 2), 0.4))
     curve, report = replace(thin_wall, request=replace(thin_wall.request, path=still)).refined()
     assert curve is None
-    assert report.reason == "the path does not move"
+    assert report.reason == "the path has zero length"
 
 
 def test_after_the_deadline_the_path_goes_on(thin_wall):
     curve, report = thin_wall.refined(seconds=0.0)
     assert curve is None
-    assert report.reason == "no time was left"
+    assert report.reason == "the deadline passed before refinement began"
 
 
 def test_a_deadline_between_rounds_ends_the_work(thin_wall):
-    """What is left for this stage is 0.35 of the time, and every round looks at the clock."""
+    """This stage may use 0.35 of the remaining time, and every step reads the clock."""
     rounds = []
     for looks in (9, 12, 20):
         curve, report = refine(thin_wall.world, thin_wall.request, after_looks(looks))
@@ -204,7 +214,7 @@ def test_a_straight_path_is_left_alone(make_puck):
     request = RefineRequest(path, world.limits(path.group), world.margins(), RefineOptions())
     curve, report = refine(world, request, no_hurry(60))
     assert curve is None
-    assert report.reason == "nothing is quicker than the straight path"
+    assert report.reason == "the straight path is already optimal"
     assert report.rounds == 0
     assert report.duration_before == pytest.approx(report.lower_bound, rel=2e-3)
 
@@ -212,15 +222,17 @@ def test_a_straight_path_is_left_alone(make_puck):
 @pytest.mark.parametrize(
     ("points", "reason"),
     [
-        (np.linspace([-0.6, 0.1], [0.6, 0.1], 14), "too near to something"),
+        (np.linspace([-0.6, 0.1], [0.6, 0.1], 14), "violates a collision margin"),
         (np.array([[-0.6, 0.1], *[[0.0, 3.0]] * 12, [0.6, 0.1]]), "limits"),
     ],
 )
-def test_curves_that_are_no_good_are_refused(thin_wall, points, reason: str):
-    task = problem_of(thin_wall)
-    model = CurveModel(task.distance_query, task.chart_limits, task.rate_bounds, len(points), 60)
-    assert reason in task.check_curve(model.evaluate(points))[0]
-    assert task.check_curve(model.evaluate(task.fit_path(0.04)))[0] == ""
+def test_invalid_curves_are_rejected(thin_wall, points, reason: str):
+    problem = problem_of(thin_wall)
+    model = CurveModel(
+        problem.distance_query, problem.chart_limits, problem.rate_bounds, len(points), 60
+    )
+    assert reason in problem.check_curve(model.evaluate(points))[0]
+    assert problem.check_curve(model.evaluate(problem.fit_path(0.04)))[0] == ""
 
 
 def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
@@ -238,7 +250,7 @@ def test_a_robot_that_stands_near_a_wall_does_not_hinder_another(make_puck):
 
 
 class Misled(RefineProblem):
-    """Guesses straight through whatever is in the way, if it need not be near the path."""
+    """Problem whose first guess is a straight line through all obstacles."""
 
     def fit_path(self, tolerance: float) -> np.ndarray:
         return self.fit_waypoints(
@@ -247,14 +259,14 @@ class Misled(RefineProblem):
 
 
 def test_a_nearer_guess_is_tried_where_the_first_leads_nowhere(thin_wall):
-    task = problem_of(thin_wall)
-    misled = Misled(**{field.name: getattr(task, field.name) for field in fields(task)})
+    problem = problem_of(thin_wall)
+    misled = Misled(**{field.name: getattr(problem, field.name) for field in fields(problem)})
     nowhere, _, reason = misled.optimize(misled.fit_path(0.15))
     assert nowhere is None
-    assert "too near" in reason
+    assert "violates a collision margin" in reason
     found = solve_multi_start(thin_wall.world, misled)
     assert found.best is not None, found.reason
-    assert thin_wall.are_free(task.curve_of(found.best).positions(FINE)).all()
+    assert thin_wall.are_free(problem.curve_of(found.best).positions(FINE)).all()
 
 
 def test_mimic_joints_follow(pickup):
@@ -297,7 +309,7 @@ def test_a_curve_under_a_band_keeps_it_and_is_quicker(make_puck, kernel):
 
 
 def test_without_its_band_a_curve_would_leave_it(make_puck):
-    """The upper bound is what holds the puck near the block: the corner is cut without."""
+    """Only the upper bound keeps the puck near the block: without it the corner is cut."""
     curve, _ = constrained_case(
         make_puck([BLOCK]), DistanceBand(None, None, 0.05, np.inf)
     ).refined()
@@ -332,7 +344,7 @@ def test_a_predicate_that_rejects_is_soon_left_alone(make_puck):
     assert curve is None
     assert not report.improved
     assert "predicate" in report.reason
-    # Every look at a curve begins at its start; of each curve one look was enough.
+    # Every evaluation of a curve begins at its start; one evaluation per curve was enough.
     num_curves = sum(np.array_equal(q, ABOUT[0]) for q in asked)
     assert 1 <= num_curves <= 4
     assert len(asked) < 130 * num_curves

@@ -52,8 +52,8 @@ def timed(world: World, request: RefineRequest, curve: JointSpline) -> float:
     return retime(curve, request.limits, options, limits)[0].duration
 
 
-def test_a_way_around_is_found_from_the_middle_of_a_zone(make_puck: Callable[..., World]):
-    """The straight way is in the middle: no slope leads out on either side."""
+def test_a_detour_is_found_from_the_middle_of_a_zone(make_puck: Callable[..., World]):
+    """The straight path is in the middle: no gradient leads out on either side."""
     world = make_puck([])
     zone = zone_at([0.0, 0.0], [0.4, 0.3], 0.1)
     request = request_of(world, zone)
@@ -67,7 +67,7 @@ def test_a_way_around_is_found_from_the_middle_of_a_zone(make_puck: Callable[...
     assert refined < 1.1 * report.lower_bound < 0.5 * timed(world, request, request.path.spline)
 
 
-def test_where_the_way_around_takes_longer_it_goes_through(make_puck: Callable[..., World]):
+def test_if_the_detour_takes_longer_the_curve_goes_through(make_puck: Callable[..., World]):
     world = make_puck([])
     request = request_of(world, zone_at([0.0, 0.0], [0.02, 1.6], 0.4))
     curve, report = refine(world, request, within())
@@ -75,7 +75,7 @@ def test_where_the_way_around_takes_longer_it_goes_through(make_puck: Callable[.
     assert timed(world, request, curve) <= 1.03 * timed(world, request, request.path.spline)
 
 
-def test_where_there_is_no_way_around_the_way_in_the_zone_is_the_shortest(
+def test_without_a_detour_the_path_in_the_zone_is_the_shortest(
     make_puck: Callable[..., World],
 ):
     """A slab without ends that lies askew: straight across it is quicker than straight ahead."""
@@ -130,7 +130,7 @@ def test_zones_that_hold_an_end_are_not_avoided(make_puck: Callable[..., World])
     assert detour.problem.request.motion_limits.speed_zones == (about,)
 
 
-def test_who_floats_goes_around_too():
+def test_a_floating_body_takes_a_detour_too():
     world = bundled_world("window_3d")
     group = world.group("body")
     start = world.positions(group)

@@ -61,13 +61,13 @@ def test_the_path_bends_at_the_inner_corners(max_regions):
         assert min(slack) < 1e-5
 
 
-def test_of_several_goals_the_nearest_way_counts():
+def test_of_several_goals_the_one_with_the_shortest_path_is_reached():
     far = np.array([0.9, 1.95])
     found = shortest_inside(U, START, np.stack([far, GOAL]), max_regions=6, max_rounded_paths=5)
     assert found.goal_row == 1
 
 
-def test_the_same_question_gives_the_same_bytes():
+def test_the_same_request_gives_the_same_bytes():
     first, again = (
         shortest_inside(U, START, GOAL[None], max_regions=6, max_rounded_paths=5) for _ in range(2)
     )
@@ -82,7 +82,7 @@ def test_the_same_question_gives_the_same_bytes():
         (START, [-1.9, -1.9], "not connected"),
     ],
 )
-def test_why_there_is_no_path(start, goal, reason):
+def test_the_reason_for_a_missing_path_is_reported(start, goal, reason):
     island = box([-2.0, -2.0], [-1.5, -1.5])
     regions = Regions(**{**U.__dict__, "regions": (*U.regions, island)})
     goals = np.array(goal)[None]
@@ -91,7 +91,7 @@ def test_why_there_is_no_path(start, goal, reason):
     assert not len(found.waypoints)
 
 
-def test_a_corridor_has_no_more_regions_than_asked_for_but_one_whole_way():
+def test_a_corridor_is_within_its_size_limit_except_for_its_first_path():
     goals = [(0, GOAL)]
     assert corridor(U, START, goals, 1).rows == (0, 1, 2)
     assert corridor(U, START, goals, 6).rows == (0, 1, 2, 3, 4, 5)

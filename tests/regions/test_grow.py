@@ -1,4 +1,4 @@
-"""Growth of analytic worlds: coverage is what it says, and why growth ends."""
+"""Region growth in analytic worlds: estimated coverage, and the reasons why growth ends."""
 
 from itertools import combinations, pairwise
 
@@ -12,51 +12,53 @@ from tests.clocks import no_hurry
 from tests.regions.conftest import Plane, off_disc, off_wall
 
 
-def grown(plane, *, paths=(), deadline=None, told=None, **options):
-    told = [] if told is None else told
+def grown(plane, *, paths=(), deadline=None, coverages=None, **options):
+    coverages = [] if coverages is None else coverages
     chosen = RegionOptions(num_free=1000, **options)
     request = GrowRequest(plane, plane.lower, plane.upper, paths, chosen, 3)
-    growth = grow(request, deadline or no_hurry(), lambda g: told.append(g.coverage))
-    return growth, told
+    growth = grow(request, deadline or no_hurry(), lambda g: coverages.append(g.coverage))
+    return growth, coverages
 
 
 def test_coverage_is_true_to_its_error():
     plane = Plane(off_disc)
-    growth, told = grown(plane, num_regions=3)
+    growth, coverages = grown(plane, num_regions=3)
     grid = plane.grid()
     free = grid[plane.are_free(grid)]
     truly = np.any([region.contains(free) for region in growth.regions], axis=0).mean()
     assert abs(growth.coverage - truly) < 5 * growth.coverage_error + 1e-3
-    assert told == sorted(told)
-    assert len(told) == len(growth.regions) == 3
+    assert coverages == sorted(coverages)
+    assert len(coverages) == len(growth.regions) == 3
     assert growth.stopped_by == "num_regions"
 
 
 def test_growth_ends_when_enough_is_covered():
-    growth, told = grown(Plane(off_wall), num_regions=40, coverage=0.85)
+    growth, coverages = grown(Plane(off_wall), num_regions=40, coverage=0.85)
     assert growth.stopped_by == "coverage"
-    assert told[-1] >= 0.85 > told[-2]
+    assert coverages[-1] >= 0.85 > coverages[-2]
 
 
-def test_no_time_at_all_leaves_nothing():
+def test_without_time_no_region_grows():
     growth, _ = grown(Plane(off_wall), deadline=no_hurry(0.0))
     assert growth.stopped_by == "deadline"
     assert growth.regions == []
     assert growth.coverage == 0
 
 
-def test_time_that_runs_out_leaves_what_there_is():
-    """By a clock that moves once two regions have been told of."""
-    told = []
-    deadline = Deadline.after(1.0, lambda: float(len(told) >= 2))
-    growth, told = grown(Plane(off_wall), deadline=deadline, told=told, num_regions=10)
+def test_at_the_deadline_the_regions_so_far_are_returned():
+    """By a clock that moves once two regions have been reported."""
+    coverages = []
+    deadline = Deadline.after(1.0, lambda: float(len(coverages) >= 2))
+    growth, coverages = grown(
+        Plane(off_wall), deadline=deadline, coverages=coverages, num_regions=10
+    )
     assert growth.stopped_by == "deadline"
-    assert len(growth.regions) == len(told) == 2
+    assert len(growth.regions) == len(coverages) == 2
     whole, _ = grown(Plane(off_wall), num_regions=10)
     assert [*growth.regions] == [*whole.regions[:2]]
 
 
-def test_where_nothing_is_free_nothing_grows():
+def test_without_free_space_no_region_grows():
     growth, _ = grown(Plane(lambda qs: np.zeros(len(qs), dtype=bool)))
     assert growth.regions == []
     assert (growth.coverage, growth.coverage_error) == (0, 0)
@@ -83,7 +85,7 @@ def test_cliques_see_one_another_and_are_disjoint():
     qs = qs[plane.are_free(qs)]
     found = list(cliques(plane, qs))
     assert sorted(map(tuple, np.concatenate(found))) == sorted(map(tuple, qs))
-    # All pairs at once: the world samples motions of one batch alike, other batches otherwise.
+    # All pairs in one batch: the world samples each batch at a spacing of its own.
     first, second = np.triu_indices(len(qs), 1)
     free = plane.are_motions_free(qs[first], qs[second] - qs[first], 0.1)
     place = {tuple(q): row for row, q in enumerate(qs)}

@@ -1,4 +1,4 @@
-"""Regions of analytic worlds: free, convex, as large as there is room, and the same every time."""
+"""Regions of analytic worlds: free, convex, large and reproducible."""
 
 import numpy as np
 import pytest
@@ -76,7 +76,7 @@ def test_portals_are_balls_inside_both():
             assert regions[row].contains(ball).all()
 
 
-def test_time_and_cancels_are_obeyed():
+def test_deadline_and_cancellation_end_growth():
     plane = Plane(off_wall)
     for looks in (1, 2, 4):
         with pytest.raises(DeadlineExceeded):

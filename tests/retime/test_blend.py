@@ -1,4 +1,4 @@
-"""Rounded corners: near the path, smooth as asked, straight elsewhere."""
+"""Rounded corners: near the path, of the requested smoothness, straight elsewhere."""
 
 import numpy as np
 import pytest

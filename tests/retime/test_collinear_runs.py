@@ -45,18 +45,18 @@ def test_cutting_lines_changes_no_motion(
     group, retimer = GROUPS[name], RETIMERS[method]
     path = JointPath(group, random_waypoints(group, seed, 4))
     options = RetimeOptions("ruckig" if method == "ruckig" else "toppra")
-    made = [
+    motions = [
         retime(blend_corners(some, deviation, retimer.smoothness), limits_of(group), options)[0]
         for some in (path, cut(path, seed))
     ]
-    assert made[1].duration == pytest.approx(made[0].duration, rel=1e-9)
-    times = np.linspace(0.0, made[0].duration, 50)
-    away = Manifold(group.joints).distance(made[1].positions(times), made[0].positions(times))
+    assert motions[1].duration == pytest.approx(motions[0].duration, rel=1e-9)
+    times = np.linspace(0.0, motions[0].duration, 50)
+    away = Manifold(group.joints).distance(motions[1].positions(times), motions[0].positions(times))
     assert away.max() < 1e-7
 
 
 @given(seed=st.integers(0, 10_000))
-def test_what_stays_is_the_same_polyline(seed: int) -> None:
+def test_the_remaining_waypoints_are_the_same_polyline(seed: int) -> None:
     group = GROUPS["joints"]
     path = JointPath(group, random_waypoints(group, seed, 5))
     kept = without_collinear_waypoints(

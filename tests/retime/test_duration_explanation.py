@@ -44,7 +44,7 @@ def test_a_single_joint_speeds_up_cruises_and_brakes() -> None:
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @settings(max_examples=num_cases(1, 80))
 @given(seed=st.integers(0, 10_000))
-def test_intervals_cover_the_motion_and_savings_are_what_timing_again_gives(
+def test_intervals_cover_the_motion_and_savings_are_those_of_retiming(
     method: str, seed: int
 ) -> None:
     limits = limits_of(SEVEN)
@@ -86,7 +86,7 @@ def test_shares_are_those_of_the_limit_that_is_named(seed: int) -> None:
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
-def test_a_duration_that_was_asked_for_is_what_binds(method: str) -> None:
+def test_a_requested_duration_is_the_binding_limit(method: str) -> None:
     limits = limits_of(SEVEN)
     spline = blend_corners(
         JointPath(SEVEN, random_waypoints(SEVEN, 5, 3)), 0.05, SMOOTHNESS[method]
@@ -111,16 +111,16 @@ def test_while_nothing_moves_nothing_binds() -> None:
 @pytest.mark.parametrize("method", sorted(RETIMERS))
 @settings(max_examples=num_cases(2, 120))
 @given(seed=st.integers(0, 10_000), factor=st.floats(1.0, 20.0))
-def test_a_duration_that_is_asked_for_is_met_exactly(method: str, seed: int, factor: float) -> None:
+def test_a_requested_duration_is_met_exactly(method: str, seed: int, factor: float) -> None:
     limits = limits_of(SEVEN)
     path = JointPath(SEVEN, random_waypoints(SEVEN, seed, 3))
     spline = blend_corners(path, 0.05, SMOOTHNESS[method])
     least, free = retime(spline, limits, RetimeOptions(method=method))
     wanted = factor * least.duration
-    made, report = retime(spline, limits, RetimeOptions(method=method, duration=wanted))
-    assert made.duration == pytest.approx(wanted, rel=1e-12)
-    assert report.duration == made.duration
-    np.testing.assert_allclose(made.end, least.end, atol=1e-12)
+    slowed, report = retime(spline, limits, RetimeOptions(method=method, duration=wanted))
+    assert slowed.duration == pytest.approx(wanted, rel=1e-12)
+    assert report.duration == slowed.duration
+    np.testing.assert_allclose(slowed.end, least.end, atol=1e-12)
     for order, rate in enumerate(free.utilisation, start=1):
         assert report.utilisation[rate] == pytest.approx(free.utilisation[rate] / factor**order)
 

@@ -76,7 +76,7 @@ def test_one_joint_under_jerk_limits_takes_the_s_curve(
 
 
 @given(st.integers(0, 10_000))
-def test_several_joints_on_a_line_take_what_the_line_allows(seed: int) -> None:
+def test_several_joints_on_a_line_have_the_optimum_of_the_line(seed: int) -> None:
     # On a straight line each joint moves its share of the way: the tightest of each kind binds.
     limits = limits_for(seed)
     waypoints = random_waypoints(FIVE, seed, 2)

@@ -1,4 +1,4 @@
-"""The audit's number is the peak: never below what samples show, and hardly above."""
+"""The utilization is the peak: never below that of samples, and hardly above."""
 
 import numpy as np
 import pytest
@@ -34,11 +34,11 @@ def test_use_is_the_peak_over_the_limit(group: JointGroup, order: int, seed: int
     # The audit bounds angular velocity by |delta'|.
     rates = curve.tangents(times, 1) if order == 1 else curve.accelerations(times)
     sizes = np.stack([np.linalg.norm(rates[:, list(ix)], axis=1) for _, ix in group.blocks], axis=1)
-    seen = sizes / (limits.velocity if order == 1 else limits.acceleration)
+    sampled = sizes / (limits.velocity if order == 1 else limits.acceleration)
     use = max_utilization(curve, limits, order)
-    assert seen.max() <= use.fraction * (1 + 1e-9)
-    assert use.fraction <= seen.max() * (1 + 1e-2)
-    assert seen[:, use.block].max() >= seen.max() * (1 - 1e-2)
+    assert sampled.max() <= use.fraction * (1 + 1e-9)
+    assert use.fraction <= sampled.max() * (1 + 1e-2)
+    assert sampled[:, use.block].max() >= sampled.max() * (1 - 1e-2)
 
 
 def test_a_peak_between_ends_is_met_to_nine_digits() -> None:

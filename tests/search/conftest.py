@@ -1,4 +1,4 @@
-"""Groups and cheap analytic oracles to search among."""
+"""Groups, and cheap analytic collision oracles."""
 
 from collections.abc import Callable
 
@@ -19,13 +19,13 @@ from tests.profiles import PROFILE
 def each_kind_of_planner(
     test: Callable[..., None], *, among: tuple[str, ...] = ("RRTConnect", "PRM", "BITstar")
 ) -> Callable[..., None]:
-    """Try a test with a tree, a roadmap and what improves its path; in the campaign with all."""
+    """Run a test with a tree, a roadmap and an anytime planner; in the campaign with all."""
     names = planner_names() if PROFILE.is_campaign else list(among)
     return pytest.mark.campaign(pytest.mark.parametrize("name", names)(test))
 
 
 class Oracle:
-    """Free where a function of a batch says so; of a group if its joints do not simply add."""
+    """Collision oracle by a function of a batch; with a group whose joints wrap or float."""
 
     def __init__(
         self, are_free: Callable[[np.ndarray], np.ndarray], group: JointGroup | None = None

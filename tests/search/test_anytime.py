@@ -1,4 +1,4 @@
-"""Planners that improve their path: what they have is told, and a cancel may leave it."""
+"""Anytime planners: better paths are reported, and a cancel may return the best."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ TELLING = pytest.mark.parametrize(
 
 
 class Counting(Oracle):
-    """The wall; its clock is how often it was asked."""
+    """The wall; its clock counts the calls of the oracle."""
 
     def __init__(self, are_free=beyond_wall):
         super().__init__(are_free)
@@ -40,11 +40,11 @@ def is_free(oracle, group, waypoints, resolution=0.05 / 4):
 
 
 @TELLING
-def test_a_cancel_leaves_what_a_planner_is_improving(plane, wall, crossing, name):
+def test_a_cancel_returns_the_path_that_is_being_improved(plane, wall, crossing, name):
     for on_cancel in ("best", "discard"):
-        told = []
-        deadline = no_hurry(9.0, lambda told=told: bool(told))
-        task = replace(crossing(planner=name, on_cancel=on_cancel), on_best=told.append)
+        reports = []
+        deadline = no_hurry(9.0, lambda reports=reports: bool(reports))
+        task = replace(crossing(planner=name, on_cancel=on_cancel), on_best=reports.append)
         if on_cancel == "discard":
             with pytest.raises(Canceled):
                 search(*plane, wall, task, deadline)
@@ -54,19 +54,19 @@ def test_a_cancel_leaves_what_a_planner_is_improving(plane, wall, crossing, name
         assert found.report.solved == 1
         assert is_free(wall, plane[0], found.path.waypoints)
         np.testing.assert_array_equal(found.path.waypoints[0], task.start)
-        # What a closer look found was driven around: it may be a little longer.
-        assert found.report.length <= told[0].length * 1.5
-        assert told[0].outcome == "improving"
+        # Collisions of the fine check are repaired: the path may be a little longer.
+        assert found.report.length <= reports[0].length * 1.5
+        assert reports[0].outcome == "improving"
 
 
 @pytest.mark.parametrize("name", ["AORRTC"])
-def test_who_listens_changes_no_byte(plane, wall, soon, crossing, name):
-    told = []
+def test_callbacks_change_no_byte(plane, wall, soon, crossing, name):
+    reports = []
     silent = search(*plane, wall, crossing(3, planner=name), soon)
-    heard = search(*plane, wall, replace(crossing(3, planner=name), on_best=told.append), soon)
+    heard = search(*plane, wall, replace(crossing(3, planner=name), on_best=reports.append), soon)
     assert silent.path.waypoints.tobytes() == heard.path.waypoints.tobytes()
     assert silent.report == heard.report
-    lengths = [attempt.length for attempt in told]
+    lengths = [attempt.length for attempt in reports]
     assert lengths == sorted(set(lengths), reverse=True)
 
 
@@ -83,8 +83,8 @@ class Told(Oracle):
 
 
 @pytest.mark.parametrize("name", ["RRTstar", "InformedRRTstar", "BITstar"])
-def test_what_hugs_a_wall_is_driven_around_it_not_thrown_away(plane, soon, crossing, name):
-    """Anew a planner would look half as far apart, at 0.15; what is mended is at once at 0.075."""
+def test_a_path_close_to_a_wall_is_repaired_and_not_discarded(plane, soon, crossing, name):
+    """A new attempt would check at 0.15, a repaired path is checked at 0.075."""
     for seed in range(2):
         wall = Told()
         found = search(*plane, wall, crossing(seed, planner=name, resolution=0.3), soon)
@@ -92,16 +92,16 @@ def test_what_hugs_a_wall_is_driven_around_it_not_thrown_away(plane, soon, cross
         assert wall.resolutions == {0.3, 0.3 / 4}
 
 
-def test_what_is_no_length_is_not_told(plane, wall, soon, crossing):
-    told = []
-    task = replace(crossing(planner="AORRTC", objective="duration"), on_best=told.append)
+def test_costs_that_are_no_lengths_are_not_reported(plane, wall, soon, crossing):
+    reports = []
+    task = replace(crossing(planner="AORRTC", objective="duration"), on_best=reports.append)
     assert search(*plane, wall, task, soon).report.solved == 1
-    assert told == []
+    assert reports == []
 
 
 @pytest.mark.parametrize("name", ["RRTConnect", "PRMstar"])
-def test_whenever_the_cancel_comes_what_was_found_by_then_is_delivered(plane, crossing, name):
-    """In the search, in shortcutting and in the last look: it makes no difference."""
+def test_at_every_cancel_the_path_so_far_is_returned(plane, crossing, name):
+    """In the search, in shortcutting and in the final check alike."""
     whole = Counting()
     task = crossing(1, planner=name, on_cancel="best")
     search(*plane, whole, task, no_hurry(9.0))
@@ -126,7 +126,7 @@ def test_whenever_the_cancel_comes_what_was_found_by_then_is_delivered(plane, cr
     assert outcomes[-1]
 
 
-def test_what_collides_on_a_closer_look_is_mended_for_who_canceled(plane, crossing):
+def test_after_a_cancel_collisions_of_the_fine_check_are_repaired(plane, crossing):
     """The planner cuts the end of a wall that is thinner than it looks."""
 
     def are_free(qs):
@@ -134,28 +134,28 @@ def test_what_collides_on_a_closer_look_is_mended_for_who_canceled(plane, crossi
 
     def listen(report):
         if report.outcome == "improving":
-            told.append(report)
+            reports.append(report)
 
-    told, canceled = [], []
+    reports, canceled = [], []
     for seed in range(4):
-        told.clear()
-        deadline = no_hurry(9.0, lambda: bool(told))
+        reports.clear()
+        deadline = no_hurry(9.0, lambda: bool(reports))
         task = crossing(seed, resolution=0.06, planner="RRTstar", on_cancel="best")
         oracle = Oracle(are_free)
         found = search(*plane, oracle, replace(task, on_best=listen), deadline)
-        assert found.report.was_canceled == bool(told)
+        assert found.report.was_canceled == bool(reports)
         assert is_free(oracle, plane[0], found.path.waypoints, 0.06 / 4)
-        canceled.append(bool(told))
+        canceled.append(bool(reports))
     assert sum(canceled) >= 2
 
 
-def test_improving_leaves_time_for_what_comes_after_it(plane, crossing):
-    """The clock counts questions: the time is up long before the planner would have ended."""
-    oracle, told = Counting(), []
+def test_improvement_leaves_time_for_the_following_stages(plane, crossing):
+    """The clock counts calls: the deadline passes long before the planner would have ended."""
+    oracle, reports = Counting(), []
     task = crossing(1, planner="SORRTstar")
-    patient = Deadline.after(1e9, oracle.clock, lambda: bool(told))
+    patient = Deadline.after(1e9, oracle.clock, lambda: bool(reports))
     with pytest.raises(Canceled):
-        search(*plane, oracle, replace(task, on_best=told.append), patient)
+        search(*plane, oracle, replace(task, on_best=reports.append), patient)
     hasty = Counting()
     found = search(*plane, hasty, task, Deadline.after(1.5 * oracle.count, hasty.clock))
     assert found.report.solved == 1

@@ -1,4 +1,4 @@
-"""Attempts side by side: the bytes of one after another, whoever dies."""
+"""Concurrent attempts: the same bytes as one after another, whichever child dies."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ PORTFOLIO = ("RRTConnect", "PRM", "RRTConnect", "KPIECE1")
 
 
 class Watched:
-    """A pool that tells what it did, and may do something in the child before the work."""
+    """A pool that records its tasks, and may call a function in the child before the work."""
 
     def __init__(self, processes=3, before=lambda _: None):
         self._pool = ForkPool(processes)
@@ -43,7 +43,7 @@ def _alone(monkeypatch):
 
 @pytest.fixture
 def long():
-    """A deadline by whose clock every attempt takes minutes, and is worth handing out."""
+    """A deadline by whose clock every attempt takes long enough for the pool."""
     return Deadline.after(1e9, FakeClock(step=1.0))
 
 
@@ -65,7 +65,7 @@ def test_side_by_side_is_one_after_another(plane, wall, long, crossing, seed, op
     assert parallel == serial
 
 
-def test_seconds_are_told_of_the_parts_of_attempts_made_elsewhere(plane, wall, long, crossing):
+def test_stages_of_attempts_in_other_processes_are_timed(plane, wall, long, crossing):
     watch, pool = Stopwatch(long.clock), Watched()
     task = replace(crossing(0, attempts=5, num_states=300), pool=pool)
     search(*plane, wall, task, long, watch)
@@ -77,7 +77,7 @@ def test_seconds_are_told_of_the_parts_of_attempts_made_elsewhere(plane, wall, l
 
 
 def test_rounds_of_those_that_fail_are_the_same(plane, make_oracle, soon, long, crossing):
-    """Where no planner gets through at first all begin anew with more, side by side or not."""
+    """If no planner has a path in the first round, the next has more states, in parallel or not."""
     oracle = make_oracle(lambda qs: ~((abs(qs[:, 0]) < 0.1) & (qs[:, 1] < 0.95)))
     task = crossing(planner=("RRT", "PRM", "RRT"), seed=1, resolution=0.0005)
     pool = Watched()
@@ -86,18 +86,18 @@ def test_rounds_of_those_that_fail_are_the_same(plane, make_oracle, soon, long, 
     assert parallel == search(*plane, oracle, task, soon)
 
 
-def test_better_paths_are_told_in_the_same_order(plane, wall, long, crossing):
-    def told(pool):
+def test_better_paths_are_reported_in_the_same_order(plane, wall, long, crossing):
+    def reports_with(pool):
         reports = []
         task = replace(crossing(2, attempts=6), on_best=reports.append, pool=pool)
         search(*plane, wall, task, long)
         return reports
 
-    assert told(Watched()) == told(None) != []
+    assert reports_with(Watched()) == reports_with(None) != []
 
 
 @pytest.mark.parametrize("victims", [{0}, {1, 2}, {0, 1, 2, 3}])
-def test_whichever_is_killed_the_answer_is_the_same(plane, wall, soon, long, crossing, victims):
+def test_killed_children_do_not_change_the_result(plane, wall, soon, long, crossing, victims):
     task = crossing(2, attempts=5)
     pool = Watched(before=lambda k: k in victims and os.kill(os.getpid(), signal.SIGKILL))
     killed = search(*plane, wall, replace(task, pool=pool), long)
@@ -105,24 +105,24 @@ def test_whichever_is_killed_the_answer_is_the_same(plane, wall, soon, long, cro
     assert killed == search(*plane, wall, task, soon)
 
 
-def test_a_cancel_leaves_the_best_of_what_has_ended(plane, wall, crossing):
-    told = []
+def test_a_cancel_returns_the_best_of_the_completed_attempts(plane, wall, crossing):
+    reports = []
     task = crossing(2, attempts=50, on_cancel="best")
-    deadline = Deadline.after(1e9, FakeClock(step=1.0), lambda: bool(told))
-    found = search(*plane, wall, replace(task, on_best=told.append, pool=Watched()), deadline)
+    deadline = Deadline.after(1e9, FakeClock(step=1.0), lambda: bool(reports))
+    found = search(*plane, wall, replace(task, on_best=reports.append, pool=Watched()), deadline)
     assert found.report.was_canceled
     assert 1 <= found.report.solved < 50
 
 
-def test_all_who_run_out_of_time_say_so_as_one_alone_would(plane, closed, crossing):
-    """The first one does by its own budget, the others by the whole time."""
+def test_attempts_that_run_out_of_time_fail_as_a_single_one_does(plane, closed, crossing):
+    """The first one exceeds its own budget, the others the deadline."""
     task = replace(crossing(attempts=4, solve_time=2_000.0), pool=Watched())
     with pytest.raises(DeadlineExceeded) as caught:
         search(*plane, closed, task, Deadline.after(3_000.0, FakeClock(step=1.0)))
     assert caught.value.evidence["attempts"] == 2
 
 
-def test_what_takes_no_time_is_not_handed_out(plane, wall, soon, crossing):
+def test_quick_attempts_do_not_go_to_the_pool(plane, wall, soon, crossing):
     pool = Watched()
     found = search(*plane, wall, replace(crossing(2, attempts=3), pool=pool), soon)
     assert found.report.attempts == 3
@@ -130,7 +130,7 @@ def test_what_takes_no_time_is_not_handed_out(plane, wall, soon, crossing):
 
 
 @pytest.mark.parametrize("is_late", [False, True])
-def test_what_the_clock_cuts_in_a_child_is_told_here(plane, wall, crossing, is_late):
+def test_a_deadline_that_cuts_a_child_is_recorded_here(plane, wall, crossing, is_late):
     """In the children time flies, so that there is none for shortcuts."""
     clock, cuts = FakeClock(step=1.0), []
     deadline = Deadline.after(1e9, clock).with_on_expiry(lambda: cuts.append(1))

@@ -1,4 +1,4 @@
-"""Setup and interpolation keep budgets of their own, and no solved path is lost to them."""
+"""Time budgets of setup and interpolation; no solved path is lost to them."""
 
 import numpy as np
 import pytest
@@ -28,16 +28,20 @@ PARTS = ("setup", "solve", "shortcut", "interpolate")
 
 
 @pytest.mark.parametrize("planners", ["RRTConnect", ("PRM", "BITstar", "FMT")])
-def test_an_attempt_whose_setup_takes_too_long_gives_up_and_says_so(
+def test_an_attempt_whose_setup_takes_too_long_fails_with_its_times(
     plane, wall, crossing, planners
 ):
     task = crossing(planner=planners, attempts=3, setup_time=0.5, approximate=True)
     with pytest.raises(NoPathFound, match=r"search\.setup_time") as caught:
         search(*plane, wall, task, Deadline.after(1e9, FakeClock(step=1.0)))
-    told = caught.value.evidence
-    assert (told["reason"], told["during"], told["status"]) == ("setup", "setup", "setup")
-    assert (told["attempts"], told["budget"]) == (3, 0.5)
-    assert told["spent"] == SPENT
+    evidence = caught.value.evidence
+    assert (evidence["reason"], evidence["during"], evidence["status"]) == (
+        "setup",
+        "setup",
+        "setup",
+    )
+    assert (evidence["attempts"], evidence["budget"]) == (3, 0.5)
+    assert evidence["spent"] == SPENT
 
 
 def test_a_setup_that_takes_no_longer_than_it_may_is_fine(plane, wall, crossing):
@@ -63,8 +67,8 @@ def test_a_straight_line_needs_no_setup(plane, make_oracle, crossing):
     seed=st.integers(0, 3),
     num_states=st.sampled_from([50, 600]),
 )
-def test_interpolation_is_done_or_not_and_never_by_halves(budget, seed, num_states):
-    """By a clock that counts the questions of the search to the world."""
+def test_interpolation_is_complete_or_omitted(budget, seed, num_states):
+    """By a clock that counts the calls of the oracle."""
     group = group_of(JointType.PRISMATIC, JointType.PRISMATIC)
 
     def found(**options):
@@ -97,7 +101,7 @@ def test_a_path_that_waits_for_interpolation_outlives_the_time_of_the_plan(plane
 
 
 @pytest.mark.parametrize("name", ["RRTConnect", "RRTstar"])
-def test_seconds_are_told_of_every_part(plane, wall, crossing, name):
+def test_every_stage_is_timed(plane, wall, crossing, name):
     clock = FakeClock(step=1.0)
     watch, deadline = Stopwatch(clock), Deadline.after(1e9, clock)
     search(*plane, wall, crossing(planner=name, num_states=500), deadline, watch)

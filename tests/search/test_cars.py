@@ -1,4 +1,4 @@
-"""Paths of cars among walls: drivable, free and inside by an independent look."""
+"""Paths of cars among walls: drivable, free and within bounds by an independent check."""
 
 from contextlib import contextmanager
 from itertools import pairwise
@@ -126,7 +126,7 @@ _SMALL = {"BITstar": {"samples_per_batch": 20}}
 
 
 class Solving(Stopwatch):
-    """Knows whether a planner is at work: what is asked later is asked of its path."""
+    """Oracle that distinguishes the checks of a planner from those of its path."""
 
     def __init__(self):
         super().__init__(FakeClock())
@@ -144,8 +144,8 @@ class Solving(Stopwatch):
 @pytest.mark.parametrize(
     "name", DIRECTED if PROFILE.is_campaign else ["BITstar", "KPIECE1", "RRTConnect", "RRTstar"]
 )
-def test_planners_for_one_way_check_in_the_direction_of_motion(name):
-    """Every sample of what the planner finds was asked for as it is driven."""
+def test_one_way_planners_check_in_the_direction_of_motion(name):
+    """Every sample of the planner's path was checked in the direction of driving."""
     group, watch, asked = car(reverse=False), Solving(), []
 
     def are_free(qs):
@@ -209,7 +209,7 @@ def test_bounds_hold_on_the_whole_way(reverse):
     assert_drivable(group, result.path.waypoints, beyond_disc, low, high)
 
 
-def test_who_cannot_turn_within_the_bounds_has_no_way():
+def test_a_car_that_cannot_turn_within_the_bounds_has_no_path():
     """Nose against the bound, and no reverse."""
     poses = {"start": (0.99, 0.9, 0.0), "end": (0.3, 0.9, 0.0)}
     with pytest.raises(DeadlineExceeded):
@@ -228,7 +228,7 @@ def test_who_cannot_turn_within_the_bounds_has_no_way():
         ({"r::j0": "position"}, ProblemInvalid),
     ],
 )
-def test_what_the_robot_cannot_drive_is_refused(spaces, error):
+def test_steering_beyond_the_robot_s_is_refused(spaces, error):
     with pytest.raises(error):
         found(car(WITH_ARM), spaces=spaces)
 
@@ -236,12 +236,12 @@ def test_what_the_robot_cannot_drive_is_refused(spaces, error):
 def test_two_cars_at_once_are_refused():
     group = group_of(JointType.PLANAR, JointType.PLANAR)
     both = {"r::j0": Steering(0.2), "r::j1": Steering(0.3)}
-    with pytest.raises(ProblemInvalid, match="one car"):
+    with pytest.raises(ProblemInvalid, match="may have one car"):
         SteeringPaths(steered(group, both))
 
 
 @given(seed=st.integers(0, 10_000), reverse=st.booleans())
-def test_a_way_ends_where_it_should_and_its_arm_keeps_pace(seed, reverse):
+def test_a_steering_path_ends_at_its_goal_with_the_arm_in_proportion(seed, reverse):
     group = car(WITH_ARM, reverse=reverse)
     drives = SteeringPaths(group)
     q0, q1 = np.random.default_rng(seed).uniform(-1, 1, (2, 5)) * [1, 1, 3, 1, 1]
@@ -302,8 +302,8 @@ def test_a_blocked_drive_is_none():
     assert shortcut_steering_path(raw, edges, lambda: False) is None
 
 
-def test_a_straight_line_in_the_plane_is_no_way_of_a_car():
-    """What is next to it is farther than it looks."""
+def test_a_straight_line_in_the_plane_is_no_path_of_a_car():
+    """A position beside the car is farther than its Euclidean distance."""
     group = car()
     aside = SteeringPaths(group).steer(np.zeros(3), np.array([0.0, 0.1, 0.0])).waypoints
     manifold = manifold_of(group)

@@ -1,4 +1,4 @@
-"""The watched oracle counts, cuts what is long into pieces, and keeps forbidden arcs."""
+"""The watched oracle counts states, checks long motions in batches, and keeps limits of angles."""
 
 import numpy as np
 import pytest

@@ -59,7 +59,7 @@ def test_a_forbidden_arc_of_a_circle_blocks(make_group, make_limits, make_oracle
     edges, _ = checker(group, limits, oracle, 0.05, soon)
     assert edges.is_free(np.array([-1.9]), np.array([1.0]))
     assert edges.is_free(np.array([-1.9 + 2 * np.pi]), np.array([1.0]))
-    # The short way from -1.9 to 1.9 leads through pi.
+    # The shortest path from -1.9 to 1.9 leads through pi.
     assert not edges.is_free(np.array([-1.9]), np.array([1.9]))
 
 

@@ -77,7 +77,7 @@ def test_every_planner_keeps_the_deadline(plane, make_oracle, crossing, name):
         search(*plane, make_oracle(are_free), crossing(planner=name), deadline)
     assert caught.value.evidence["planner"] == name
     assert caught.value.evidence["num_states_checked"] > 100
-    # Nothing is asked of the world any more, and little of the clock.
+    # The oracle is not called any more, and the clock rarely.
     assert sum(late) <= 1
     assert clock.now < 420.0
 
@@ -97,7 +97,7 @@ def test_a_cancel_ends_every_planner(plane, closed, crossing, name):
 
 
 @EVERY_PLANNER
-def test_what_the_oracle_raises_comes_out(plane, make_oracle, soon, crossing, name):
+def test_errors_of_the_oracle_pass_through_the_planner(plane, make_oracle, soon, crossing, name):
     calls = []
 
     def are_free(qs):
@@ -117,7 +117,7 @@ KEEPING = (("length", False), ("duration", True))
 
 @pytest.mark.campaign
 def test_searches_leave_nothing_behind(plane, soon, crossing):
-    """OMPL holds what checks edges, and that holds the oracle: it must not outlive the search."""
+    """OMPL keeps the edge checker, which keeps the oracle: neither may outlive the search."""
     remembered = {}
     for name, (objective, keep_graph) in pairs(planner_names(), KEEPING):
         few = {"num_samples": 200} if name in {"FMT", "BFMT"} else {}
@@ -194,7 +194,7 @@ def test_a_mixed_group_finds_its_way(make_group, make_limits, make_oracle, soon,
 
 
 def digests():
-    """Yield for every planner what it finds around the wall, as text."""
+    """Yield the path of every planner around the wall, as text."""
     group = group_of(JointType.PRISMATIC, JointType.PRISMATIC)
     for name in planner_names():
         few = {"num_samples": 200} if name in {"FMT", "BFMT"} else {}

@@ -1,4 +1,4 @@
-"""A path that is there already is delivered, whoever is interrupted in looking for a better one."""
+"""A known path is returned if the search for a better one is interrupted, at any stage."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ NEAR, FAR = [0.15, -0.8], [-0.8, 1.0]
 
 
 class Led:
-    """Knows a way up and around the wall."""
+    """Guide with a path around the top of the wall."""
 
     name = "led"
 
@@ -56,7 +56,7 @@ WHO = pytest.mark.parametrize("who", ["guide", "roadmap", "planner"])
 
 
 @WHO
-def test_the_end_of_time_leaves_the_straight_line(who, plane, wall, soon):
+def test_the_deadline_returns_the_straight_line(who, plane, wall, soon):
     task, oracle = asked(who, plane, wall, soon, [NEAR, FAR]), Ending(verdict=True)
     deadline = Deadline.after(1.0, lambda: 2.0 * float(oracle.is_over))
     found = search(*plane, oracle, task, deadline)
@@ -68,7 +68,7 @@ def test_the_end_of_time_leaves_the_straight_line(who, plane, wall, soon):
 
 
 @WHO
-def test_a_cancel_leaves_the_straight_line_to_who_wants_the_best(who, plane, wall, soon):
+def test_a_cancel_with_best_returns_the_straight_line(who, plane, wall, soon):
     for on_cancel in ("best", "discard"):
         task = asked(who, plane, wall, soon, [NEAR, FAR], on_cancel=on_cancel)
         oracle = Ending(verdict=True)
@@ -83,13 +83,13 @@ def test_a_cancel_leaves_the_straight_line_to_who_wants_the_best(who, plane, wal
 
 
 @WHO
-def test_the_end_of_time_without_any_path_says_how_far_it_got(who, plane, wall, soon):
+def test_the_deadline_without_any_path_is_an_error_with_evidence(who, plane, wall, soon):
     task, oracle = asked(who, plane, wall, soon, [NEAR]), Ending(verdict=False)
     deadline = Deadline.after(1.0, lambda: 2.0 * float(oracle.is_over))
     with pytest.raises(DeadlineExceeded) as caught:
         search(*plane, oracle, task, deadline)
-    told = caught.value.evidence
-    assert told["allowed"] == 1.0
-    assert told["num_goals"] == 1
-    assert told["num_states_checked"] > 0
-    assert (who == "roadmap") == (told.get("roadmap", {}).get("reason") == "interrupted")
+    evidence = caught.value.evidence
+    assert evidence["allowed"] == 1.0
+    assert evidence["num_goals"] == 1
+    assert evidence["num_states_checked"] > 0
+    assert (who == "roadmap") == (evidence.get("roadmap", {}).get("reason") == "interrupted")

@@ -1,4 +1,4 @@
-"""Locked joints stay, and the oracle is asked about whole configurations."""
+"""Locked joints stay, and the oracle checks configurations of the whole group."""
 
 import numpy as np
 import pytest

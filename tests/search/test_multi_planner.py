@@ -12,7 +12,7 @@ from planning.search.solver import search
 from tests.clocks import FakeClock, no_hurry
 from tests.search.conftest import Oracle
 
-# What an attempt of several planners may check in the first round.
+# States that an attempt of several planners may check in the first round.
 FIRST_ROUND = 20_000
 THREE = ("RRTConnect", "PRM", "KPIECE1")
 
@@ -155,23 +155,23 @@ def test_nonsense_is_refused(plane, wall, soon, crossing, option, value):
     assert caught.value.evidence["field"] == f"search.{option}"
 
 
-def test_every_better_path_is_told(plane, wall, soon, crossing):
-    told = []
-    task = replace(crossing(2, attempts=6), on_best=told.append)
+def test_every_better_path_is_reported(plane, wall, soon, crossing):
+    reports = []
+    task = replace(crossing(2, attempts=6), on_best=reports.append)
     found = search(*plane, wall, task, soon)
-    lengths = [attempt.length for attempt in told]
+    lengths = [attempt.length for attempt in reports]
     assert lengths == sorted(lengths, reverse=True)
     assert lengths[-1] == found.report.length
 
 
 def canceled_after_best(on_cancel, crossing):
-    told = []
+    reports = []
     task = crossing(2, attempts=50, on_cancel=on_cancel)
-    deadline = no_hurry(30.0, lambda: bool(told))
-    return replace(task, on_best=told.append), deadline
+    deadline = no_hurry(30.0, lambda: bool(reports))
+    return replace(task, on_best=reports.append), deadline
 
 
-def test_a_cancel_leaves_the_best_to_who_asks_for_it(plane, wall, crossing):
+def test_a_cancel_with_best_returns_the_best_path(plane, wall, crossing):
     task, deadline = canceled_after_best("best", crossing)
     found = search(*plane, wall, task, deadline)
     assert found.report.was_canceled

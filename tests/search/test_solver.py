@@ -1,4 +1,4 @@
-"""What a search promises, whichever planner it asks."""
+"""Guarantees of a search, with every planner."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -21,7 +21,7 @@ from tests.profiles import seeds
 
 
 def fine_samples(group, waypoints, step):
-    """Configurations on the path, every corner and about `step` apart, by a way of its own."""
+    """Configurations on the path, every corner and about `step` apart, computed independently."""
     manifold = Manifold(group.joints)
     for q0, q1 in pairwise(waypoints):
         delta = manifold.minus(q1, q0)
@@ -109,7 +109,7 @@ def test_a_deadline_between_attempts_delivers_the_best_so_far(plane, wall, cross
 
 
 @pytest.mark.parametrize("count", [2, 40, 333])
-def test_the_path_has_as_many_waypoints_as_were_asked_for(plane, wall, soon, crossing, count):
+def test_the_path_has_the_requested_number_of_waypoints(plane, wall, soon, crossing, count):
     task = crossing(num_states=count)
     found = search(*plane, wall, task, soon)
     assert len(found.path.waypoints) >= count
@@ -152,7 +152,7 @@ def test_nonsense_is_refused(plane, wall, soon, crossing, change, field):
     assert caught.value.evidence["field"] == field
 
 
-def test_an_unknown_planner_is_refused_even_if_the_way_is_free(plane, make_oracle, soon, crossing):
+def test_an_unknown_planner_is_refused_even_if_the_line_is_free(plane, make_oracle, soon, crossing):
     empty = make_oracle(lambda qs: np.ones(len(qs), dtype=bool))
     with pytest.raises(UnknownName):
         search(*plane, empty, crossing(planner="RRTconnect"), soon)

@@ -111,7 +111,7 @@ def test_a_held_rotation_stays(make_group, make_limits, make_oracle, soon, kind,
 
 
 @pytest.mark.parametrize("weight", [0.2, 5.0])
-def test_weights_change_the_search_and_not_what_is_free(plane, wall, soon, crossing, weight):
+def test_weights_change_the_search_and_not_the_free_set(plane, wall, soon, crossing, weight):
     plain = search(*plane, wall, crossing(2), soon)
     task = crossing(2, weights={"r::j1": weight})
     found = search(*plane, wall, task, soon)

@@ -33,7 +33,7 @@ from planning.world.drake_model import DrakeModel
 # Segments on which shapes move more than this are halved without a distance query [m].
 _MAX_APPROACH = 0.25
 _ROUNDING = 1e-9
-# Search until the value is known to 1 % or 1e-4 [rad or m], with at most `looks` evaluations.
+# Search until the value is known to 1 % or 1e-4 [rad or m], with at most this many evaluations.
 _TOLERANCE = BoundTolerance(relative=0.01, absolute=1e-4, max_segments=800)
 
 

@@ -41,7 +41,7 @@ class ClearanceResult:
         reported: The pair that the check reports.
         num_segments: Number of segments bounded.
         num_queries: Number of configurations at which distances were measured.
-        is_decided: Whether the verdict is final: passed, or a pair is certainly too near. If not,
+        is_decided: Whether the verdict is final: passed, or a pair violates its margin. If not,
             other distance queries or separating directions might prove the motion.
     """
 
@@ -74,7 +74,7 @@ class Node:
 
 @dataclass(frozen=True)
 class UnprovenPair:
-    """The pair at which the proof stopped: too near, or not provably far enough."""
+    """The pair at which the proof stopped: its margin is violated, or not proven to be kept."""
 
     pair: int
     distance: float

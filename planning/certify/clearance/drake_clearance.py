@@ -34,8 +34,8 @@ _ROUNDING = 1e-9
 # Shortest segment [s] and largest number of segments; beyond these the proof fails as unproven.
 _MIN_SEGMENT_DURATION = 1e-7
 _MAX_SEGMENTS = 20_000
-# Segments on which shapes move more than this are halved without a distance query: too many pairs
-# would be near [m].
+# Segments on which shapes move more than this are halved without a distance query, as too many
+# pairs would be near [m].
 _MAX_APPROACH = 0.25
 # Resolution of the smallest distance [m], the larger of these, and the number of segments for it.
 _RESOLUTION = 1e-3
@@ -43,6 +43,7 @@ _RELATIVE_RESOLUTION = 0.01
 _REFINEMENT_SEGMENTS = 400
 # Number of instants sampled for the worst collision of a refused motion.
 _NUM_INSTANTS = 33
+# Distances within which the nearest pair is searched, one after another [m].
 _HORIZONS = (0.05, 0.2, 1.0, 5.0, 1e6)
 
 

@@ -32,8 +32,8 @@ def lever_arms_of(model: DrakeModel, request: CertifyRequest) -> Float64[np.ndar
     """Return the largest approach of two shapes per change of each of a group's coordinates.
 
     Two shapes that both move with a joint keep their distance, so the bound is on the displacement
-    of any point of a shape. All other joints are fixed at the request's state. A lever is infinite
-    for joints without a bound (floating) [m per rad or m].
+    of any point of a shape. All other joints are fixed at the request's state. A lever arm is
+    infinite for joints without a bound (floating) [m per rad or m].
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
@@ -63,8 +63,9 @@ def _lever_arms(model: DrakeModel, request: CertifyRequest) -> Array:
     chains = joint_chains(model, moving)
     context = model.plant.CreateDefaultContext()
     model.plant.SetPositions(context, model.apply_couplings(np.array(request.state)))
-    links = [
-        _link(request, moving_joint, k, chains, context) for k, moving_joint in enumerate(moving)
+    frames = [
+        _joint_frames(request, moving_joint, k, chains, context)
+        for k, moving_joint in enumerate(moving)
     ]
     arms = np.zeros(len(moving))
     shapes = geometry_of(model).shapes
@@ -77,15 +78,15 @@ def _lever_arms(model: DrakeModel, request: CertifyRequest) -> Array:
         )
         length = float(shapes.radii[row])
         for k in ordered:
-            length += float(np.linalg.norm(position - links[k].far))
+            length += float(np.linalg.norm(position - frames[k].far))
             arms[k] = max(arms[k], length)
-            length += links[k].stroke
-            position = links[k].near
+            length += frames[k].stroke
+            position = frames[k].near
     return _by_coordinate(request, moving, arms)
 
 
 def _by_coordinate(request: CertifyRequest, moving: list[MovingJoint], arms: Array) -> Array:
-    """Return the sum of levers of all joints moved by each coordinate, followers included."""
+    """Return the sum of lever arms of all joints moved by each coordinate, followers included."""
     lever_arms = np.zeros(request.group.num_velocities)
     firsts = np.cumsum([0, *(joint.num_velocities for joint in request.group.joints)])
     for moving_joint, arm in zip(moving, arms, strict=True):
@@ -102,7 +103,7 @@ def _by_coordinate(request: CertifyRequest, moving: list[MovingJoint], arms: Arr
     return lever_arms
 
 
-def _link(
+def _joint_frames(
     request: CertifyRequest,
     moving_joint: MovingJoint,
     k: int,

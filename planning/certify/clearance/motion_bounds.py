@@ -55,7 +55,7 @@ class MovingJoint:
     Attributes:
         joint: Drake's joint.
         group_index: Index of the joint of the group that moves it.
-        scale: Size of its displacement relative to that of the member.
+        scale: Size of its displacement relative to that of the joint that moves it.
     """
 
     joint: Any
@@ -205,7 +205,7 @@ def _axis(joint: Any) -> Array:
 
 
 def _displacement_factors(joints: list[MovingJoint]) -> tuple[Array, Array]:
-    """Return factors from the member's rotation and translation to each joint's own.
+    """Return factors from a group joint's rotation and translation to those of each moving joint.
 
     A follower has the multiple of its leader's coordinate, whether either is an angle or a length.
     """

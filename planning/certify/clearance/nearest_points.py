@@ -44,7 +44,7 @@ def nearest_points(
     """Return the nearest points of two bodies, p_WA and p_WB [m], and their distance [m].
 
     For overlapping bodies they are the points of the deepest pair of shapes. The distance is at
-    most that of the spot: the proof need not measure all shapes of both.
+    most that of the witness: the proof need not measure all shapes of both.
 
     Args:
         model: The scene.

@@ -124,9 +124,9 @@ class PairDistances:
         return (by_a + by_b).sum(axis=1)
 
     def measure(self, pairs: Indices, thresholds: Float64[np.ndarray, " n"]) -> MeasuredDistances:
-        """Raise lower bounds of distances to the wanted values, or as far as possible.
+        """Raise lower bounds of distances to the thresholds [m], or as far as possible.
 
-        Pairs that are farther apart than wanted may be left unmeasured.
+        Pairs whose bound reaches its threshold may be left unmeasured.
         """
         a, b = self.pairs.rows[pairs].T
         lower, distances = self._placed_shapes.sphere_distances(a, b), np.full(len(pairs), np.inf)
@@ -218,6 +218,6 @@ class PairDistances:
 def _is_improvable(
     lower: Array, distances: Array, thresholds: Array
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return whether another direction may raise each bound to the wanted value, or by much."""
+    """Return whether another direction may raise each bound to its threshold, or by much."""
     has_gap = (distances >= thresholds) | (distances > lower + _GAP_TOLERANCE)
     return (lower < thresholds) & (distances > _OVERLAP_DISTANCE) & has_gap

@@ -1,4 +1,4 @@
-"""Frame chain: bounds on the derivatives of a frame's origin on whole pieces of a trajectory.
+"""Frame derivative bounds: of a frame's origin, on whole pieces of a trajectory.
 
 From the world to the frame lie joints k = 1..n, each with a rotation R_k(t), a translation T_k(t)
 and a rigid link l_k behind it: p = sum_k R_1 .. R_k (l_k + T_k), up to fixed rotations, which
@@ -9,7 +9,7 @@ so
     |p^(m)| / m! <= the coefficient of h^m in  sum_k exp(Q_1 + .. + Q_k) (|l_k| + |T_k|),
 
 with Q_k(h) = sum_m>0 max |q_k^(m)| h^m / m!. Where the axis moves, R = R_0 exp(delta), Q is the
-integral of a majorant of the angular velocity, from `turn_bounds`.
+integral of a majorant of the angular velocity, from `angular_velocity_bounds`.
 
 The same series bounds rounding errors. Let e_km bound the error of q_k^(m). The error of the
 computed frame is then at most the difference between the series with |q_k^(m)| + e_km and the one
@@ -202,7 +202,7 @@ def _joint_majorants(
 def _block_majorants(
     request: CertifyRequest, moving: MovingJoint, num_errors: int
 ) -> list[tuple[Array, Array]]:
-    """Return majorants of the member's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
+    """Return majorants of the joint's blocks, |c^(m)| / m! on every piece, each shape (n, 5).
 
     The constant is the largest distance of the block from its value at the beginning of the piece.
     Rounding errors are added `num_errors` times; those of the block itself, beyond the first time,
@@ -211,9 +211,8 @@ def _block_majorants(
     curve, widths = request.trajectory, np.diff(request.trajectory.breaks)
     joints = request.group.joints
     begin = sum(joint.num_velocities for joint in joints[: moving.group_index])
-    member = joints[moving.group_index]
     majorants: list[tuple[Array, Array]] = []
-    for _, indices in member.blocks:
+    for _, indices in joints[moving.group_index].blocks:
         columns = [begin + i for i in indices]
         coefficients = curve.coefficients[:, :, columns]
         series, rounding_errors = np.empty((2, curve.num_pieces, _ORDER + 1))

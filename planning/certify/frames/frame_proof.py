@@ -111,11 +111,8 @@ class FrameProof:
         pieces = np.arange(len(self._widths))
         max_intervals = max(_MAX_INTERVALS, 4 * len(pieces))
         ends = [self._states.at(pieces, at, deadline) for at in (0 * self._widths, self._widths)]
-        intervals, width, num_evaluated = (
-            self._intervals(pieces, 0.0 * self._widths, 1.0, *ends),
-            1.0,
-            0,
-        )
+        intervals = self._intervals(pieces, 0.0 * self._widths, 1.0, *ends)
+        width, num_evaluated = 1.0, 0
         while len(intervals.pieces):
             is_last = num_evaluated > max_intervals or width < _MIN_WIDTH
             intervals = self._undecided(intervals, width, is_last=is_last)

@@ -1,8 +1,7 @@
 """Line check: sections of a motion follow straight lines of a tool (linear moves) at every instant.
 
 Let f(t) be the deviation: for the origin its distance from the segment, for the rotation the matrix
-R(t) - S(s(t)), with S the line's rotation at the fraction s of the distance that the origin has
-covered.
+R(t) - S(s(t)), with S the line's rotation at the fraction s of the line that the origin has passed.
 The origin is within h^2 / 8 max |p''| of the chord between two samples h apart, and the distance
 from a segment is convex; so is a norm. Hence on every interval between samples
 

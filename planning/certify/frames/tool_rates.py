@@ -147,7 +147,7 @@ def _moving_coordinates(
         leader, scale = by_column[c.leader_velocity]
         by_column[c.follower_velocity] = leader, scale * abs(c.multiplier)
     columns = np.array(list(by_column), dtype=np.intp)
-    leaders = np.array([member for member, _ in by_column.values()], dtype=np.intp)
+    leaders = np.array([leader for leader, _ in by_column.values()], dtype=np.intp)
     return columns, leaders, np.array([scale for _, scale in by_column.values()])
 
 
@@ -167,8 +167,8 @@ def _joint_rates(request: CertifyRequest, pieces: Any) -> tuple[Array, Array]:
         if joint.type is JointType.FLOATING:
             angular = slice(begin, begin + 3)
             sizes = [
-                np.linalg.norm(form[angular], axis=0).max(axis=1) + np.linalg.norm(off[angular])
-                for form, off in zip(forms[1:], rounding_errors, strict=True)
+                np.linalg.norm(form[angular], axis=0).max(axis=1) + np.linalg.norm(error[angular])
+                for form, error in zip(forms[1:], rounding_errors, strict=True)
             ]
             rate, acceleration = angular_velocity_bounds(np.stack(sizes))
             rates[:, angular], accelerations[:, angular] = rate[:, None], acceleration[:, None]

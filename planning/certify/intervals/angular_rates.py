@@ -6,7 +6,7 @@ rotations (Sola et al. 2018, eq. 143)
     J_r(delta) = sum_{k >= 0} (-1)^k / (k + 1)! ad(delta)^k = int_0^1 exp(-s ad(delta)) ds.
 
 Taylor coefficients of delta about an instant give those of omega: by multiplying the series out
-where delta is small, else from the unit quaternion of exp(delta) (`turn_series`).
+where delta is small, else from the unit quaternion of exp(delta) (`quaternion_series`).
 
 Their size does not depend on delta itself. With delta(t + h) = delta(t) + e(h), Duhamel's formula
 expands exp(-s ad(delta + e)) into a sum of integrals over products of rotations and of ad(e), so
@@ -59,7 +59,7 @@ def angular_peak(
 
     Returns:
         The bound, the piece where it is attained, and the fraction of that piece. The tolerance is
-        exceeded where pieces rotate so far that they would have to be cut into too many parts.
+        exceeded if pieces rotate so far that they would have to be cut into too many parts.
     """
     tangents = _derivatives(coefficients, widths, _ORDER + order + 2)
     rounding_errors = _rounding_errors(tangents, coefficients, widths)

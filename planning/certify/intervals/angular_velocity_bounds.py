@@ -1,4 +1,4 @@
-"""Turn bounds: bounds on angular velocity and its derivatives from norms of tangent derivatives.
+"""Angular velocity bounds, and those of its derivatives, from norms of tangent derivatives.
 
 The bounds hold for any angle. Along R(t) = R_0 exp(delta(t)) the angular velocity in the body is
 omega = J(delta) delta', and the right Jacobian of SO(3) is the mean of rotations (Sola et al. 2018,

@@ -115,7 +115,7 @@ class BoundTolerance:
 def bound_maximum(
     quantity: Quantity, tolerance: BoundTolerance, request: CertifyRequest, deadline: Deadline
 ) -> BoundResult:
-    """Return the largest value of a quantity without a limit; `top` is always an upper bound.
+    """Return the largest value of a quantity without a limit; `upper_bound` always holds.
 
     Raises:
         DeadlineExceeded: Time ran out.

@@ -82,12 +82,8 @@ class ChordProof:
         self._accelerations, self._errors = point_bounds
         self._breaks = request.trajectory.breaks
         self._widths = np.diff(self._breaks)
-        self._largest, self._time, self._num_instants, self._decided_bound = (
-            -np.inf,
-            0.0,
-            0,
-            -np.inf,
-        )
+        self._largest = self._decided_bound = -np.inf
+        self._time, self._num_instants = 0.0, 0
 
     def run(self, bound: float) -> BoundResult:
         """Prove, or fail to prove, that the quantity is at most a bound on the whole trajectory.

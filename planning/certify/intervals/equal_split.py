@@ -1,4 +1,4 @@
-"""Equal parts: pieces of a motion, each cut into a number of equal parts."""
+"""Equal split: pieces of a motion, each cut into a number of equal parts."""
 
 import numpy as np
 from jaxtyping import Int

@@ -91,11 +91,8 @@ class HermiteErrors:
         The condition is sufficient, not necessary: near a limit there is almost no reserve.
         """
         spacings = [np.full(len(self._widths), np.inf)]
-        derivative_bounds, order, errors = (
-            self._derivative_bounds(kind),
-            _ORDERS[kind],
-            _ERROR_CONSTANTS[kind],
-        )
+        derivative_bounds = self._derivative_bounds(kind)
+        order, errors = _ORDERS[kind], _ERROR_CONSTANTS[kind]
         if kind != "linear" and derivative_bounds.any():
             for r, margins in enumerate(self._limit_margins):
                 spacings.append(

@@ -6,7 +6,8 @@ one piece the Bernstein coefficients c_i of the tangent bound it: |delta(t) - de
 the largest |c_i - delta(t_m)|, as a norm is convex. A floating joint rotates by no more than its
 tangent moves, for exp is 1-Lipschitz from R^3 to SO(3): its Jacobian's singular values, 1 and
 |sin(x/2) / (x/2)|, are at most 1.
-Where a piece ends off the beginning of the next one, the joints move from one to the other: the
+
+Where a piece does not end where the next one begins, the joints move from one to the other: the
 deviation within a piece includes that jump, and rounding errors (`rounding`).
 """
 
@@ -63,10 +64,8 @@ class Segments:
         self._bernstein = bernstein.from_power(curve.coefficients, np.diff(curve.breaks))
         left, _ = bernstein.halves(self._bernstein)
         self._centers = curve.manifold.plus(curve.bases, left[:, -1])
-        squared_deviations, squared_gaps = (
-            (self._bernstein - left[:, -1:]) ** 2,
-            self._gaps_and_rounding() ** 2,
-        )
+        squared_deviations = (self._bernstein - left[:, -1:]) ** 2
+        squared_gaps = self._gaps_and_rounding() ** 2
         self._gap_rotation, self._gap_translation = (
             np.sqrt(squared_gaps @ selection)
             for selection in (self._rotation_selection, self._translation_selection)

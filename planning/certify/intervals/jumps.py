@@ -76,7 +76,7 @@ def position_jumps(
 
 
 def unwrap_turns(trajectory: TimedTrajectory) -> TimedTrajectory:
-    """Return the same motion without whole-turn jumps between the anchors of its pieces.
+    """Return the same motion without whole-turn jumps between the base configurations.
 
     Only for joints on a circle, where whole turns make no difference.
     """

@@ -2,8 +2,8 @@
 
 Rates are Bernstein coefficients of a common degree: a convex bound that holds for all coefficients
 of a sum holds for the sum itself at every instant of the cell. They come from the trajectory's
-powers in two steps, each with a rounding error of at most `rounding`: twice that is subtracted from
-limits, and added to sizes.
+powers in two steps, each with a rounding error of at most `rounding_bounds`: twice that is
+subtracted from limits, and added to sizes.
 """
 
 from dataclasses import dataclass
@@ -152,7 +152,8 @@ def _block_rates(request: CertifyRequest, forms: list[Array]) -> list[BlockRates
     ]
     shared = request.limits_with_followers
     limits = [
-        getattr(shared, name) - off for name, off in zip(RATE_NAMES, rounding_errors, strict=False)
+        getattr(shared, name) - error
+        for name, error in zip(RATE_NAMES, rounding_errors, strict=False)
     ]
     scalar = [i for i, (_, indices) in enumerate(blocks) if len(indices) == 1]
     block_rates: list[BlockRates] = []
@@ -177,7 +178,7 @@ def _block_rates(request: CertifyRequest, forms: list[Array]) -> list[BlockRates
             largest = [float(bound[0]) for bound in bounds]
             is_angular = name in angular and not has_fixed_axes(request, indices, largest)
             rates = (
-                _angular_rate_bounds(block_forms, [off[i] for off in rounding_errors])
+                _angular_rate_bounds(block_forms, [error[i] for error in rounding_errors])
                 if is_angular
                 else block_forms[1:]
             )

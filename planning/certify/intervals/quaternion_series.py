@@ -1,4 +1,4 @@
-"""Turn series: Taylor series of the unit quaternion exp(delta / 2), and of its angular velocity.
+"""Quaternion series: Taylor series of the unit quaternion exp(delta / 2) and its angular velocity.
 
 With s = |delta|^2 / 4 the quaternion is (C(s), S(s) delta / 2), C = cos sqrt(s) and
 S = sin sqrt(s) / sqrt(s). Both are analytic in s, and their derivatives are
@@ -44,7 +44,7 @@ def _quaternion(delta: Array) -> tuple[Array, Array]:
         rates = slope[:, 1 : k + 1]
         cosine[:, k] = -(rates * sine[:, k - 1 :: -1][:, :k]).sum(axis=1) / (2 * k)
         # 2 s S' = (C - S) s', by powers: sum_j 2 s_j (k - j) S_(k-j) = sum_j j s_j (C - S)_(k-j).
-        wanted = (rates * (cosine - sine)[:, k - 1 :: -1][:, :k]).sum(axis=1)
-        known = square[:, 1:k] * sine[:, k - 1 : 0 : -1] * np.arange(k - 1, 0, -1)
-        sine[:, k] = (wanted - 2 * known.sum(axis=1)) / (2 * k * square[:, 0])
+        right_side = (rates * (cosine - sine)[:, k - 1 :: -1][:, :k]).sum(axis=1)
+        known_terms = square[:, 1:k] * sine[:, k - 1 : 0 : -1] * np.arange(k - 1, 0, -1)
+        sine[:, k] = (right_side - 2 * known_terms.sum(axis=1)) / (2 * k * square[:, 0])
     return cosine, scaled(sine, delta) / 2

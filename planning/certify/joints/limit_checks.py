@@ -19,8 +19,9 @@ from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 from planning.domain.robot.joints import JointType
 
-# Largest utilization (peak over limit) that passes; the tolerance of position bounds is DUST.
+# Largest utilization (peak over limit) that passes.
 MAX_UTILIZATION = 1 + 1e-6
+# Tolerance of position bounds [rad or m].
 POSITION_TOLERANCE = 1e-6
 _RELATIVE_GAP = 1e-8
 # Largest difference of angular rates and tangent derivatives that is neglected, relative to the
@@ -125,14 +126,15 @@ def _utilizations(
 
 
 def _signed_utilizations(request: CertifyRequest) -> Iterator[tuple[float, str, int, float]]:
-    """Yield the same for accelerations with bounds that differ by sign, for every bounded block."""
+    """Yield the same for accelerations with bounds that differ by sign, for each bounded block."""
     if not request.acceleration_bounds:
         return
     columns = {name: indices[0] for name, indices in request.group.blocks if len(indices) == 1}
     for name, (lowest, highest) in request.acceleration_bounds.items():
+        column = columns[name]
         rows, rounding_error = (
-            request.bernstein_forms[2][columns[name]],
-            request.rounding_errors[2][columns[name]],
+            request.bernstein_forms[2][column],
+            request.rounding_errors[2][column],
         )
         upper_bound, row, fraction = bernstein.peak(
             np.concatenate([rows / highest, rows / lowest]), _RELATIVE_GAP

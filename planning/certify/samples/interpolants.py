@@ -68,7 +68,7 @@ def prove_interpolants(
     return tuple(checker.check(kind) for kind in KINDS)
 
 
-_NO_TIME = "there was no time left to prove it"
+_NO_TIME = "the time limit was reached before the proof was complete"
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class _InterpolantChecker:
     def check(self, kind: Interpolation) -> InterpolationProof:
         is_straight = kind == "linear"
         if not (is_straight or self.request.trajectory.manifold.is_flat):
-            reason = "samples do not say how joints that float turn between them"
+            reason = "samples of a floating joint do not determine its rotation between them"
             return InterpolationProof(kind, False, np.inf, None, reason=reason)  # noqa: FBT003
         try:
             return self._prove(kind)
@@ -133,7 +133,7 @@ class _InterpolantChecker:
     ) -> list[Check]:
         trajectory_checks = polyline_checks(request) if kind == "linear" else motion_checks(request)
         checks = [*trajectory_checks, *additional_checks(self.model, request, self.deadline)]
-        # Zero deviation times an infinite lever is zero.
+        # Zero deviation times an infinite lever arm is zero.
         approaches = np.multiply(
             deviations, self.lever_arms, out=np.zeros_like(deviations), where=deviations > 0
         )

@@ -2,11 +2,12 @@
 
 For a motion followed with s' and s'', let y = s'^2, r = s' and x = -s''. The constraint is
 
-    |bend y + drag r + rest - slope x| <= bound,
+    |a y + b r + c - d x| <= bound,
 
-whose four coefficients are polynomials on every cell. For accelerations `bend` and `slope` are the
-second derivative and the first, and `rest` is the middle of bounds that differ by sign; for torques
-`rest` is gravity, and `drag` is damping.
+whose four coefficients are polynomials on every cell: a is `by_squared_path_velocity`, b is
+`by_path_velocity`, c is `constant` and d is `by_path_acceleration`. For accelerations a and d are
+the second derivative and the first, and c is minus the middle of bounds that differ by sign; for
+torques c is gravity, and b is damping.
 """
 
 from collections.abc import Iterator
@@ -24,7 +25,7 @@ from planning.domain.arrays import Array, Indices
 class StopConstraint:
     """Constraints on blocks with the same number of coordinates, in n cells.
 
-    Coefficients are in Bernstein form, or values at places between which the quantity is linear:
+    Coefficients are in Bernstein form, or values at instants between which the quantity is linear:
     a convex bound that holds for all of them holds on the whole cell.
 
     Attributes:
@@ -72,9 +73,9 @@ class StopConstraint:
     def is_satisfied_at_rest(self) -> Any:
         """Whether the bound is kept at rest, and at every constant s' <= 1; shape (n, blocks).
 
-        At constant s': if `bend + drag + rest` is within the bound, as it is for the motion itself,
-        then with y the whole is y (bend + drag + rest) + (1 - y) (rest + drag r / (1 + r)), and
-        r / (1 + r) is 1/2 at most.
+        At constant s': if a + b + c is within the bound, as it is for the motion itself, then
+        a y + b r + c is y (a + b + c) + (1 - y) (c + b r / (1 + r)), and r / (1 + r) is 1/2 at
+        most.
         """
         return self.static_utilization <= 1.0
 
@@ -93,14 +94,15 @@ class StopConstraint:
     def cell_conditions(
         self, cells: Indices, y: Array, widths: Array
     ) -> Iterator[tuple[int, Array, Array]]:
-        """Yield the conditions in some cells, as `begun - part x` of norm `bounds` at most.
+        """Yield the conditions in some cells: the norm of u - w x is at most `bounds`.
 
         In a cell of width h entered with y, y falls to y - 2 h x, and the quantity is affine in y
-        but for r. That lies between y / r0 and (y / r0 + r0) / 2, with r0 at the cell's entry: if
+        except for r. That is between y / r0 and (y / r0 + r0) / 2, with r0 at the cell's entry: if
         both are within a convex bound, so is the value at r.
 
         Yields:
-            0 on entering, 1 on leaving, 2 at rest; begun and part, shape (m, k, blocks, size).
+            0 on entering, 1 on leaving, 2 at rest; u (the quantity without braking) and w, each
+            of shape (m, k, blocks, size).
         """
         by_acceleration, by_squared_velocity, constant = (
             self.by_path_acceleration[cells],
@@ -146,7 +148,7 @@ class StopConstraint:
 
     @cached_property
     def _hulls(self) -> tuple[Array, Array, Array, Array | None]:
-        """Hulls of slope, bend, rest and drag in all cells, cached for repeated use."""
+        """Hulls of the coefficients d, a, c and b in all cells, cached for repeated use."""
         by_velocity = None if self.by_path_velocity is None else hull(self.by_path_velocity)
         return (
             hull(self.by_path_acceleration),

@@ -1,6 +1,6 @@
 r"""Stops along the path of a trajectory: from every instant, within limits, as short as possible.
 
-A trajectory q(t) followed at t = s(clock) from rate s' = 1 to s' = 0 stays on its path, so it is as
+A trajectory q(t) followed at t = s(clock) from s' = 1 to s' = 0 stays on its path, so it is as
 collision-free as the trajectory is. With y = s'^2, x = -s'' and, on a cell, constant x,
 
     vdot = q''(s) y - q'(s) x,        y falls by 2 x for every second of s.
@@ -13,8 +13,8 @@ sign, the condition is |q'' y - q' x - m| <= a, about their middle m. The larges
 all of them is taken, or x = 0 (the trajectory's own acceleration times y <= 1, which is proven to
 be within limits). So each stop brakes as hard as its cells allow. Accelerations of frames and
 torques are more conditions of that form, a `StopConstraint` each. Torques contain gravity, which
-does not depend on the rate: where the static load exceeds a joint's limit no stop may end, and
-there may be no admissible x. Stops that meet such a place must begin later.
+does not depend on s': where the static load exceeds a joint's limit no stop may end, and
+there may be no admissible x. Stops that reach such an instant must begin later.
 
 **Jerk limits.** Then s'' must not jump, and stops are of one form: s' = 1 - 3 u^2 + 2 u^3 with
 u = clock / T. On each cell s', s'' and s''' lie in known intervals, as do q', q'' and q''', and
@@ -41,9 +41,9 @@ from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 
 _REST_TOLERANCE = 1e-12
-# Squared rate that counts as zero: it moves nothing even with the largest ramp.
-_ZERO_SQUARED_RATE = 1e-200
-# Range of ramps: any that ends within a cell is above the first, any meaningful one below the
+# Squared size of a coefficient of x that counts as zero: it has no effect even at _MAX_BRAKING.
+_ZERO_SQUARED_SIZE = 1e-200
+# Range of braking x: stops that end within a cell are above the first, all useful ones below the
 # second [1/s].
 _MIN_BRAKING, _MAX_BRAKING = 1e-12, 1e9
 # Durations of stops under jerk limits: shortest [s], and ratio of consecutive ones.
@@ -160,18 +160,15 @@ def max_braking(cells: MotionCells, cell: Indices, y: Array) -> Array:
         limits = constraint.bounds[cell], constraint.path_acceleration_error[cell]
         for i, without_braking, by_braking in constraint.cell_conditions(cell, y, width):
             lower, upper = _braking_interval(without_braking, by_braking, *limits)
-            lower_bounds[i], upper_bounds[i] = (
-                np.maximum(lower_bounds[i], lower),
-                np.minimum(upper_bounds[i], upper),
-            )
+            lower_bounds[i] = np.maximum(lower_bounds[i], lower)
+            upper_bounds[i] = np.minimum(upper_bounds[i], upper)
     can_rest = cells.can_rest[cell]
-    braking_to_rest = np.where(
-        upper_bounds[[0, 2]].min(axis=0) >= lower_bounds[0], upper_bounds[[0, 2]].min(axis=0), 0.0
-    )
+    braking_to_rest = upper_bounds[[0, 2]].min(axis=0)
+    braking_to_rest = np.where(braking_to_rest >= lower_bounds[0], braking_to_rest, 0.0)
     braking_through = np.minimum(
         upper_bounds[:2].min(axis=0), np.where(can_rest, y, y / 2) / (2 * width)
     )
-    # Where the motion cannot rest, it may only continue at full rate.
+    # Where the motion cannot rest, it may only continue at s' = 1.
     fallback = np.where(can_rest | (y == 1), 0.0, np.nan)
     braking_through = np.where(
         braking_through >= lower_bounds[:2].max(axis=0), braking_through, fallback
@@ -183,28 +180,26 @@ def max_braking(cells: MotionCells, cell: Indices, y: Array) -> Array:
 def _braking_interval(
     without_braking: Array, by_braking: Array, bound: Array, error: Array
 ) -> tuple[Array, Array]:
-    """Return the interval of x per cell for which |begun - x part| <= bound - x off throughout.
+    """Return the interval of x per cell for which |u - w x| <= bound - x error throughout.
 
     Args:
-        without_braking: Shape (m, k, blocks, size).
-        by_braking: The same.
-        bound: Shape (m, blocks).
-        error: Bound on the error of part, shape (m, blocks).
+        without_braking: u, shape (m, k, blocks, size).
+        by_braking: w, shape (m, k, blocks, size).
+        bound: Bound on the norm, shape (m, blocks).
+        error: Bound on the error of w, shape (m, blocks).
     """
     bound, error = bound[:, None], error[:, None]
-    square, along = (
-        _dot(by_braking, by_braking) - error**2,
-        _dot(without_braking, by_braking) - bound * error,
-    )
+    square = _dot(by_braking, by_braking) - error**2
+    along = _dot(without_braking, by_braking) - bound * error
     size = _dot(without_braking, without_braking)
     discriminant = along**2 + square * (bound**2 - size)
-    is_quadratic = square > _ZERO_SQUARED_RATE
+    is_quadratic = square > _ZERO_SQUARED_SIZE
     root, divisor = np.sqrt(np.maximum(discriminant, 0.0)), np.where(is_quadratic, square, 1.0)
     lower = np.where(is_quadratic, (along - root) / divisor, -np.inf).max(axis=(1, 2))
     upper = np.where(is_quadratic, (along + root) / divisor, np.inf)
     is_empty = np.where(is_quadratic, discriminant < 0, size > bound**2) | (bound < 0)
     if error.any():
-        # Where |part| <= off, |begun| + 2 x off is a bound.
+        # Where |w| <= error, |u| + 2 x error is a bound on the left side plus x error.
         limits = np.where(is_quadratic, bound, (bound - np.sqrt(size)) / 2) / np.where(
             error > 0, error, 1.0
         )

@@ -1,6 +1,7 @@
 """JointMotion: joints of a group as chains of one-coordinate motions of links.
 
-A planar joint is two slides and a turn, a floating one three slides and a spin.
+A planar joint is two prismatic motions and a revolute one, a floating joint three prismatic motions
+and a spherical one.
 """
 
 from dataclasses import dataclass, replace
@@ -24,9 +25,9 @@ from planning.world.drake_model import DrakeModel
 class MotionKind(Enum):
     """Kind of motion of a link relative to its parent."""
 
-    REVOLUTE = "turn"
-    PRISMATIC = "slide"
-    SPHERICAL = "spin"
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+    SPHERICAL = "spherical"
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class JointMotion:
 
     Attributes:
         kind: Kind of motion.
-        axis: Unit axis of a turn or slide, shape (3,).
+        axis: Unit axis of a revolute or prismatic motion, shape (3,).
         velocity_index: Index of the (first) coordinate in the group's v.
         position_index: Index of the (first) coordinate in the group's q.
         scale: Ratio of the link's displacement to that of the coordinate, with sign.
@@ -55,7 +56,7 @@ class JointMotion:
 
     @property
     def reversed(self) -> "JointMotion":
-        """The same motion seen from the other side; for a turn or a slide."""
+        """The same motion seen from the other side; not for spherical motions."""
         return replace(self, scale=-self.scale, offset=-self.offset)
 
 

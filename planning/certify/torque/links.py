@@ -117,7 +117,10 @@ class _LinkBuilder:
             return _BodyPlacement(placement.link, x_near @ _matrix(between) @ x_far)
         if not is_forward:
             if len(motions) > 1:
-                message = f"joint {joint.name()!r} cannot be certified from its child's side"
+                message = (
+                    f"joint {joint.name()!r} has several coordinates and its child body is nearer "
+                    "to the world than its parent: its torques cannot be certified"
+                )
                 raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
             motions = [motions[0].reversed]
         link = placement.link
@@ -137,12 +140,12 @@ class _LinkBuilder:
         }
 
     def _dampings(self, joint: Any, motions: list[JointMotion]) -> list[float]:
-        """Return the damping of every part of a joint's motion."""
+        """Return the damping of each of a joint's one-coordinate motions."""
         damping = np.array(joint.GetDampingVector(self._context)).tolist()
         if motions[-1].kind is not MotionKind.SPHERICAL:
             return damping
         if any(damping):
-            message = f"joint {joint.name()!r} floats and is damped, which cannot be certified"
+            message = f"floating joint {joint.name()!r} has damping: its forces cannot be certified"
             raise ModelInvalid(message, {"joint": joint.name(), "reason": message})
         return [0.0] * len(motions)
 
@@ -154,7 +157,10 @@ class _LinkBuilder:
         rotational_inertia = np.array(inertia.CalcRotationalInertia().CopyToFullMatrix3())
         mass, center = float(inertia.get_mass()), np.array(inertia.get_com())
         if not (np.isfinite(mass) and np.isfinite(rotational_inertia).all()):
-            message = f"nobody says what {body.name()!r} weighs, which moves"
+            message = (
+                f"moving body {body.name()!r} has no mass or inertia, so its torques cannot be "
+                "certified"
+            )
             raise ModelInvalid(message, {"body": body.name(), "reason": message})
         link = self._links[placement.link]
         total = link.inertia + _transformed(

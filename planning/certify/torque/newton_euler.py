@@ -6,9 +6,10 @@ the base,
     F = m (c'' - g),   N = sum s_k (R e_k) x (R e_k)'',
     f = F + sum f_child,   n = N + (c - p) x F + sum (n_child + (p_child - p) x f_child),
 
-and the torque of a turn about a is a . n, the force of a slide along it a . f: the recursive
-Newton-Euler algorithm in the world's axes (Featherstone, "Rigid body dynamics algorithms", 2008,
-section 5.3, with N as in `links`).
+and the torque of a revolute joint about the axis a is a . n, the force of a prismatic one along it
+a . f: the recursive Newton-Euler algorithm in the world's axes (Featherstone, "Rigid body dynamics
+algorithms", 2008, section 5.3, with N as in `links`).
+
 Followed at t = s(clock) the motion has c'' s'^2 + c' s'' for c'', and so have all inertial terms.
 With the second derivative (`order` 2) they give the share of s'^2, with the first that of s'', and
 with order 0 the static load.

@@ -38,22 +38,17 @@ def torque_errors(
     Args:
         links: The links, parents before children.
         gravity: Gravity vector g [m/s^2].
-        motion: Taylor coefficients about the segments' middles, shape (n, k, nv), anchor
+        motion: Taylor coefficients about the segments' middles, shape (n, k, nv), base
             configurations of the pieces, (n, nq), and half of the segments' widths [s].
         coefficient_errors: Bound on the errors of the coefficients, shape (n, k, nv).
         order: Order of the derivative in the inertial terms.
     """
     tangents, bases, halves = motion
-    sizes, errors_of_norms = (
-        _norms(links, np.abs(part)) for part in (tangents, coefficient_errors)
-    )
-    bound = TorqueRemainderBound(
-        links, gravity, (sizes + errors_of_norms, bases, halves), order
-    ).run()
-    wider_motion = (sizes + 2 * errors_of_norms, bases, halves)
-    wider_bound = TorqueRemainderBound(
-        links, gravity, wider_motion, order, errors_of_norms[:, 0]
-    ).run()
+    sizes, size_errors = (_norms(links, np.abs(part)) for part in (tangents, coefficient_errors))
+    outer = (sizes + size_errors, bases, halves)
+    bound = TorqueRemainderBound(links, gravity, outer, order).run()
+    wider = (sizes + 2 * size_errors, bases, halves)
+    wider_bound = TorqueRemainderBound(links, gravity, wider, order, size_errors[:, 0]).run()
     powers = halves[:, None] ** np.arange(TERMS + 1)
     errors = (wider_bound - bound + _RELATIVE_ROUNDING * wider_bound) * powers[:, :, None]
     return bound[:, TERMS] * powers[:, TERMS, None] + errors[:, :TERMS].sum(axis=1)

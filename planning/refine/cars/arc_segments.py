@@ -1,4 +1,4 @@
-"""ArcSegments: the arcs and lines of one car path, as the variables of its optimisation.
+"""ArcSegments: the arcs and lines of one car path, as the variables of its optimization.
 
 A segment is a signed length (`signed_lengths`) [m], negative for backwards, and a curvature
 (`curvatures`) [1/m], positive to the left, both of the car's origin. Whatever their values, the car
@@ -77,7 +77,7 @@ class ArcSegments:
 
     @property
     def variables(self) -> Float64[np.ndarray, " v"]:
-        """Optimisation variables: all lengths and curvatures, and other joints between segments."""
+        """Optimization variables: all lengths and curvatures, and other joints between segments."""
         return np.concatenate([
             self.signed_lengths,
             self.curvatures,
@@ -102,10 +102,8 @@ class ArcSegments:
 
     def merged(self, i: int) -> "ArcSegments":
         """Return the path with segments i and i + 1 merged, of equal total length and turning."""
-        signed_lengths, curvatures = (
-            np.delete(self.signed_lengths, i),
-            np.delete(self.curvatures, i),
-        )
+        signed_lengths = np.delete(self.signed_lengths, i)
+        curvatures = np.delete(self.curvatures, i)
         signed_lengths[i] = self.signed_lengths[i] + self.signed_lengths[i + 1]
         curvatures[i] = self.turning_angles[i : i + 2].sum() / signed_lengths[i]
         return ArcSegments(
@@ -172,23 +170,17 @@ def sample_poses(
     """Return the poses of the car at samples of a path."""
     owning_segments, fractions = samples.segments, samples.fractions
     knots, yaws = knot_poses(start, segments)
-    signed_lengths, turning_angles = (
-        fractions * segments.signed_lengths[owning_segments],
-        fractions * segments.turning_angles[owning_segments],
-    )
+    signed_lengths = fractions * segments.signed_lengths[owning_segments]
+    turning_angles = fractions * segments.turning_angles[owning_segments]
     headings = np.exp(1j * yaws[owning_segments])
     points = knots[owning_segments] + signed_lengths * _chord_ratios(turning_angles) * headings
     displacements, rotations = _later_point_derivatives(segments, (knots, yaws), points)
     is_past = (np.arange(len(segments)) < owning_segments[:, None])[:, None]
     displacements, rotations = displacements * is_past, rotations * is_past
-    rows, own_derivatives = (
-        np.arange(len(owning_segments)),
-        _end_derivatives(signed_lengths, turning_angles) * headings,
-    )
-    displacements[rows, 0, owning_segments], displacements[rows, 1, owning_segments] = (
-        own_derivatives[0] * fractions,
-        own_derivatives[1],
-    )
+    rows = np.arange(len(owning_segments))
+    by_length, by_curvature = _end_derivatives(signed_lengths, turning_angles) * headings
+    displacements[rows, 0, owning_segments] = by_length * fractions
+    displacements[rows, 1, owning_segments] = by_curvature
     rotations[rows, 0, owning_segments] = segments.curvatures[owning_segments] * fractions
     rotations[rows, 1, owning_segments] = signed_lengths
     jacobians = np.stack([displacements.real, displacements.imag, rotations], axis=1)
@@ -201,13 +193,11 @@ def _later_point_derivatives(
 ) -> tuple[Any, Array]:
     """Return displacements and rotations of later points by each segment's variables, (m, 2, n)."""
     knot_points, yaws = knots
-    end_derivatives = _end_derivatives(segments.signed_lengths, segments.turning_angles) * np.exp(
-        1j * yaws[:-1]
-    )
+    headings = np.exp(1j * yaws[:-1])
+    by_end = _end_derivatives(segments.signed_lengths, segments.turning_angles) * headings
     rotations = np.stack([segments.curvatures, segments.signed_lengths])
-    return end_derivatives + 1j * rotations * (points[:, None] - knot_points[1:])[
-        :, None
-    ], rotations
+    levers = (points[:, None] - knot_points[1:])[:, None]
+    return by_end + 1j * rotations * levers, rotations
 
 
 def _chord_ratios(turning_angles: Array) -> Any:

@@ -22,7 +22,7 @@ class DriveEvaluation:
         segment_poses: Poses at the samples.
         distances: Distances of near pairs, at all samples but the end.
         clearances: Distances of pairs within reach of the clearance objective, or None.
-        duration: Of the path [s].
+        duration: Duration of the path [s].
         objective: Duration plus cost of the clearance objective [s].
         limit_violation: Violation of the limits of x and y, summed over the samples [m].
     """
@@ -38,7 +38,7 @@ class DriveEvaluation:
 
     @cached_property
     def merit(self) -> float:
-        """Merit: `objective` plus the penalties of short distances and of `limit_violation` [s]."""
+        """Merit [s]: `objective` plus penalties of short distances and of `limit_violation`."""
         violation = (
             float(np.maximum(-self.distances.signed_margins, 0.0).sum()) + self.limit_violation
         )

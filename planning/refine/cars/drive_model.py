@@ -3,7 +3,7 @@
 The duration is a sum over segments, for the car rests between them, and it is concave in each
 length: its linearization never overestimates the gain, and short segments shrink to nothing.
 Distances are linear in lengths and curvatures through the poses. Distances and the end at the goal
-are penalised (exact penalty); a step of the model is then corrected so that it ends at the goal
+are penalized (exact penalty); a step of the model is then corrected so that it ends at the goal
 (`end_constraint`).
 """
 
@@ -58,18 +58,16 @@ class DriveModel:
     ) -> None:
         """Build the model; angle limits in `limits` are shifted to the turn of the start."""
         self.problem = problem
-        self._distance_query, self._limits, self._segment_times, self._clearance_objective = (
-            distance_query,
-            limits,
-            segment_times,
-            clearance_objective,
-        )
+        self._distance_query = distance_query
+        self._limits = limits
+        self._segment_times = segment_times
+        self._clearance_objective = clearance_objective
         position_indices = slice(problem.car_index, problem.car_index + 2)
         ends = np.stack([problem.start[:2], problem.goal[:2]])
         low, high = limits.lower[position_indices], limits.upper[position_indices]
         margins = np.stack([(ends - low).min(axis=0), (high - ends).min(axis=0)]) / 2
         low, high = np.stack([low, -high]) + np.clip(margins, 0.0, _POSITION_MARGIN)
-        # x, y >= low and -x, -y >= high.
+        # x, y >= low and -x, -y >= high: `high` are the negated upper limits.
         self._position_bounds = np.concatenate([low, high])
 
     def evaluate(
@@ -115,7 +113,7 @@ class DriveModel:
         return projected_to_goal(self.problem, segments, radius)
 
     def step(self, evaluation: DriveEvaluation, radius: float) -> tuple[ArcSegments, float]:
-        """Return the model's minimiser within a box, and the predicted decrease of the cost [s].
+        """Return the model's minimizer within a box, and the predicted decrease of the cost [s].
 
         Its segments need not end at the goal.
 

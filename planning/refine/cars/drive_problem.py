@@ -25,7 +25,7 @@ class DriveProblem:
 
     Attributes:
         path: The path to refine; none of its joints floats.
-        steering: Of the car.
+        steering: Turning radius and directions of the car.
         car_index: Index of the car's first coordinate in q, and in v.
         other_indices: Indices of the other joints' coordinates.
         waypoints: The path's waypoints without jumps by full turns, shape (n, nq).
@@ -116,7 +116,7 @@ class DriveProblem:
     def limits_near_start(self, limits: JointLimits, fixed: tuple[int, ...]) -> JointLimits:
         """Return limits, with those of angles on a circle shifted by full turns to the start.
 
-        Held coordinates have equal lower and upper limits.
+        Coordinates in `fixed` get equal lower and upper limits.
         """
         is_wrapping = [wrap for joint in self.path.group.joints for wrap in joint.wraps]
         is_bounded = np.array(is_wrapping) & np.isfinite(limits.lower) & np.isfinite(limits.upper)

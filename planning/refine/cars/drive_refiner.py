@@ -1,4 +1,4 @@
-"""refine_drive(): trajectory optimisation of a car's path: quicker arcs and lines, or a reason."""
+"""refine_drive(): trajectory optimization of a car's path: quicker arcs and lines, or a reason."""
 
 from dataclasses import replace
 

@@ -1,7 +1,7 @@
-"""DriveSolver: optimisation of one car path, with audits and fewer segments.
+"""DriveSolver: optimization of one car path, with audits and fewer segments.
 
-The result of each descent is audited densely, as every refined curve is; where it is too near to an
-obstacle between the samples at which distances are kept, samples are added and the descent repeats.
+The result of each descent is audited densely, as every refined curve is; where it violates a margin
+between the samples at which distances are kept, samples are added and the descent repeats.
 """
 
 from dataclasses import dataclass
@@ -39,10 +39,10 @@ _MIN_GAIN = 1e-3
 
 @dataclass(frozen=True)
 class DriveResult:
-    """Result of the optimisation.
+    """Result of the optimization.
 
     Attributes:
-        path: Arcs and lines, or None if nothing is quicker.
+        path: Arcs and lines, or None if no faster path was found.
         duration_before: Duration of the given path [s].
         duration_after: Duration of the result [s].
         num_steps: Number of trust-region steps.
@@ -58,7 +58,7 @@ class DriveResult:
 
 @dataclass(frozen=True)
 class DriveSolver:
-    """Optimisation of one car path: model, audit and trust region."""
+    """Optimization of one car path: model, audit and trust region."""
 
     problem: DriveProblem
     limits: JointLimits
@@ -108,7 +108,7 @@ class DriveSolver:
             current = best = better
         num_steps = self.trust_region.num_steps
         if best is None or best.objective > first_evaluation.objective * (1 - _MIN_GAIN):
-            reason = reason or "no quicker drive was found"
+            reason = reason or "no faster car path was found"
             return DriveResult(
                 None, first_evaluation.duration, first_evaluation.duration, num_steps, reason
             )
@@ -148,15 +148,15 @@ class DriveSolver:
         return evaluation, reason
 
     def check_path(self, segments: ArcSegments) -> tuple[str, Array]:
-        """Return why a path is rejected, or "", and where it is too near to obstacles."""
+        """Return why a path is rejected, or "", and the path parameters of its violations."""
         curve = self.problem.to_path(segments).spline
         violations = self.auditor.find_violations(curve)
         if len(violations):
             where = ", ".join(f"{s:.3f}" for s in violations[:5])
-            what = "is too near to something or breaks a path constraint"
-            return f"the quicker drive {what} at s = {where}", violations
+            what = "violates a collision margin or a path constraint"
+            return f"the faster car path {what} at path parameters s = {where}", violations
         if not is_within_limits(curve, self.limits):
-            return "the quicker drive leaves the position limits", violations
+            return "the faster car path violates position limits", violations
         if not satisfies_predicates(curve, self.predicates):
-            return "a predicate rejects the quicker drive", violations
+            return "the faster car path violates a path predicate", violations
         return "", violations

@@ -1,6 +1,6 @@
 """DriveTrustRegion: trust-region descent of car paths, and removal of segments.
 
-Two kinds of moves alternate. A descent changes lengths and curvatures: the model's minimiser within
+Two kinds of moves alternate. A descent changes lengths and curvatures: the model's minimizer within
 a box, which grows and shrinks by the ratio of achieved to predicted decrease. After its
 convergence, paths of one segment less are tried: without one segment, or with two in the same
 direction merged. A stop between segments costs more time than most segments, so this is where most
@@ -113,7 +113,8 @@ class DriveTrustRegion:
                 evaluations.append(self._model.evaluate(projected))
         if self.is_over:
             return []
-        return [each.segments for each in sorted(evaluations, key=lambda each: each.merit)]
+        evaluations.sort(key=lambda evaluation: evaluation.merit)
+        return [evaluation.segments for evaluation in evaluations]
 
     def _without_short_segments(self, current: DriveEvaluation) -> DriveEvaluation:
         """Return the path without segments that are too short to matter."""

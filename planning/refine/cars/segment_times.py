@@ -3,18 +3,18 @@
 All along a segment the limits are constant, so its squared path velocity x = (ds/dt)^2 over s from
 0 to 1 has a constant bound, and its path acceleration dx/ds / 2 is at most
 
-    min(A, sqrt(B^2 - (turn x)^2)):
+    min(A, sqrt(B^2 - (theta x)^2)):
 
 A is the bound of the slowest joint, B that of the car, whose acceleration on an arc has a
-centripetal part too. From rest that is
+centripetal part too, and theta is the turning angle. From rest that is
 
-    x(s) = 2 A s                             while B leaves as much,
-    x(s) = B / turn sin(2 turn (s - s_0))    after that, until the sine is 1,
+    x(s) = 2 A s                                as long as A is less than the root,
+    x(s) = B / theta sin(2 theta (s - s_0))     after that, until the sine is 1,
 
 and the same before the end. The duration is the integral of x^(-1/2); toppra's are 0 to 1 % longer.
 With bounded jerk it is at least that of a straight line (Biagiotti and Melchiorri, "Trajectory
-Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc with a lower top speed: 4
-% from ruckig's on average.
+Planning for Automatic Machines and Robots", 2008, section 3.4), on an arc with a lower top speed:
+4 % from ruckig's on average.
 """
 
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class SegmentTimes:
     Attributes:
         car_bounds: Bounds of the car on speed, acceleration and jerk, in metres, shape (3,).
         other_bounds: The same for all other bounded blocks, shape (3, b).
-        other_blocks: Coordinates (yaw and other joints) that each of these bounds.
+        other_blocks: Coordinates (of yaw and the other joints) to which each of these applies.
         jerk: Whether jerk is bounded.
     """
 
@@ -50,7 +50,7 @@ class SegmentTimes:
 
     @classmethod
     def of(cls, limits: JointLimits, car_index: int, *, jerk: bool) -> "SegmentTimes":
-        """Return the durations for a group whose car's coordinates begin at `car_bounds` in v."""
+        """Return the durations for a group whose car's coordinates begin at `car_index` in v."""
         rates = np.minimum([limits.velocity, limits.acceleration, limits.jerk], _UNBOUNDED)
         rates = np.maximum(rates, 1 / _UNBOUNDED)
         count = sum(len(block) for block in limits.blocks)
@@ -121,5 +121,5 @@ def _line_durations(speed: Array, acceleration: Array, jerk: Array) -> Array:
     with_cruise = 1 / speed + speed / acceleration + ramp
     without_cruise = np.sqrt(ramp**2 + 4 / acceleration) + ramp
     jerk_limited = (32 / jerk) ** (1 / 3)
-    is_short = np.where(2 * acceleration * ramp**2 <= 1, without_cruise, jerk_limited)
-    return np.where(speed * (speed / acceleration + ramp) <= 1, with_cruise, is_short)
+    short_durations = np.where(2 * acceleration * ramp**2 <= 1, without_cruise, jerk_limited)
+    return np.where(speed * (speed / acceleration + ramp) <= 1, with_cruise, short_durations)

@@ -1,1 +1,1 @@
-"""Constraints of the trajectory optimisation: distances, rates, loads, path constraints."""
+"""Constraints of the trajectory optimization: distances, rates, loads, path constraints."""

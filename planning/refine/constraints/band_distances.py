@@ -18,7 +18,7 @@ class BandThresholds:
     """Pair thresholds that select a band's pairs and no others.
 
     Attributes:
-        pairs: By full names in sorted order.
+        pairs: The band's pairs, by full names in sorted order.
     """
 
     pairs: frozenset[tuple[str, str]]
@@ -42,10 +42,8 @@ class BandDistanceQuery:
 
     def __init__(self, constraint: BandConstraint, chart: Chart) -> None:
         """Prepare, with configurations as coordinates of a chart."""
-        self._lower_bound, self._upper_bound = (
-            constraint.min + constraint.margin,
-            constraint.max - constraint.margin,
-        )
+        self._lower_bound = constraint.min + constraint.margin
+        self._upper_bound = constraint.max - constraint.margin
         thresholds = BandThresholds(constraint.pairs)
         self._distance_query = chart.distance_query_in_chart(
             make_distance_query(constraint.world, constraint.group, thresholds)
@@ -67,10 +65,8 @@ class BandDistanceQuery:
         configurations, first = np.unique(rows.sample_indices[order], return_index=True)
         nearest = order[first]
         # Where no pair is within reach there is no gradient; the margin is the worst value known.
-        upper_margins, upper_gradients = (
-            np.full(len(qs), self._upper_bound - max_distance),
-            np.zeros(qs.shape),
-        )
+        upper_margins = np.full(len(qs), self._upper_bound - max_distance)
+        upper_gradients = np.zeros(qs.shape)
         upper_margins[configurations] = self._upper_bound - rows.signed_margins[nearest]
         upper_gradients[configurations] = -rows.gradients[nearest]
         near_upper = np.flatnonzero(upper_margins < influence_distance)

@@ -1,6 +1,6 @@
-"""ClearanceObjective: cost of clearance below a target distance, traded against duration.
+"""ClearanceCost: cost of clearance below a target distance, traded against duration.
 
-minimise  T + weight * mean over the curve of max(0, distance - clearance)
+minimize  T + weight * mean over the curve of max(0, distance - clearance)
 
 where clearance is that of the nearest pair of bodies, not both of one robot, at each instant.
 """
@@ -51,7 +51,7 @@ class ClearanceCost:
     Attributes:
         distance_query: Distance query with the target distance as the required one.
         distance: Target distance [m].
-        weight: Cost of a metre less all along the curve [s/m].
+        weight: Cost of one metre of shortfall along the whole curve [s/m].
     """
 
     distance_query: DistanceQuery
@@ -95,7 +95,7 @@ def validate_clearance_objective(options: RefineOptions) -> None:
             field = f"refine.clearance.{name}"
             raise ProblemInvalid(f"{field} must be positive and finite", {"field": field})
     if options.method == "none":
-        message = "refine.clearance is wished of an optimiser: method trajopt or auto"
+        message = "refine.clearance requires refine.method 'trajopt' or 'auto', not 'none'"
         raise ProblemInvalid(message, {"field": "refine.clearance"})
 
 

@@ -39,9 +39,9 @@ class ConstraintDistanceQuery:
             if isinstance(constraint, BoxConstraint | ConeConstraint)
         ]
         self._band_queries = [
-            BandDistanceQuery(rule, chart)
-            for rule in constraints.constraints
-            if isinstance(rule, BandConstraint)
+            BandDistanceQuery(constraint, chart)
+            for constraint in constraints.constraints
+            if isinstance(constraint, BandConstraint)
         ]
 
     def within(self, qs: Float64[np.ndarray, "m nq"], influence_distance: float) -> DistanceRows:
@@ -78,7 +78,7 @@ class ConstraintDistanceQuery:
 def audit_constraints(constraints: PathConstraints) -> PathConstraints:
     """Return the constraints that the audit checks at every sample, without predicates.
 
-    A band's inner margin is reduced: a curve optimised onto a bound of a band meets it only to the
+    A band's inner margin is reduced: a curve optimized onto a bound of a band meets it only to the
     tolerance of the solver.
     """
     checked = [
@@ -89,10 +89,10 @@ def audit_constraints(constraints: PathConstraints) -> PathConstraints:
     return replace(
         constraints,
         constraints=tuple(
-            rule.tightened(_AUDIT_FRACTION * rule.margin)
-            if isinstance(rule, BandConstraint)
-            else rule
-            for rule in checked
+            constraint.tightened(_AUDIT_FRACTION * constraint.margin)
+            if isinstance(constraint, BandConstraint)
+            else constraint
+            for constraint in checked
         ),
     )
 

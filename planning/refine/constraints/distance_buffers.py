@@ -1,4 +1,4 @@
-"""DistanceBuffers: distances beyond the margins that the optimiser keeps, by pair of bodies."""
+"""DistanceBuffers: distances beyond the margins that the optimizer keeps, by pair of bodies."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from planning.world.world import World
 _BUFFER = 0.003
 # Buffer of bodies of one robot, which are near one another by design [m].
 _BUFFER_WITHIN_ROBOT = 0.0005
-# Share of the buffer that the audit requires of the optimised curve.
+# Share of the buffer that the audit requires of the optimized curve.
 _AUDIT_FRACTION = 1 / 3
 
 
@@ -40,7 +40,7 @@ class PairThresholds(Protocol):
 class DistanceBuffers(Value):
     """Distances beyond the margins, by pair of bodies.
 
-    The optimiser can satisfy a bound only where the start and the goal, which are fixed, satisfy it
+    The optimizer can satisfy a bound only where the start and the goal, which are fixed, satisfy it
     too. So the buffer of a pair is at most half of its signed margin at either end.
 
     Attributes:
@@ -78,7 +78,7 @@ class DistanceBuffers(Value):
         margin = self.margins.of(low, high)
         signed_margin = self.signed_margins.get((low, high), np.inf)
         if self.margins.are_of_one_robot(low, high):
-            # Links that almost touch may do so in any configuration. The optimiser would fail at
+            # Links that almost touch may do so in any configuration. The optimizer would fail at
             # them; the audit checks them all the same.
             buffer = _BUFFER_WITHIN_ROBOT
             return margin + (buffer if signed_margin > 2 * buffer else signed_margin - 2 * buffer)

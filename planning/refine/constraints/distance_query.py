@@ -26,7 +26,7 @@ class DistanceRows:
     Attributes:
         sample_indices: Index of the configuration, shape (m,).
         signed_margins: Signed margin: distance minus required distance [m], shape (m,).
-        gradients: Of the distance with respect to the group's v, shape (m, nv).
+        gradients: Gradients of the distance with respect to the group's v, shape (m, nv).
     """
 
     sample_indices: Indices

@@ -58,7 +58,7 @@ class Load(Protocol):
         rate: Float64[np.ndarray, "m nq"],
         curvature: Float64[np.ndarray, "m nq"],
     ) -> tuple[Float64[np.ndarray, "m k"], Float64[np.ndarray, "m k"]]:
-        """Return coefficients ahead, bend of rows ahead u + bend b <= 1 that imply the limits.
+        """Return coefficients c_u and c_b of rows c_u u + c_b b <= 1 that imply the limits.
 
         Args:
             q: r(s).
@@ -86,7 +86,7 @@ def difference_quotients(
     """Return the derivatives of a function of m rows with respect to each of its k arguments.
 
     Args:
-        function: Of arrays of shape (m, nq), row by row; returns shape (m, *out).
+        function: Function of arrays of shape (m, nq), row by row; returns shape (m, *out).
         at: Arguments at which the derivatives are taken.
     """
     m, nq = at[0].shape

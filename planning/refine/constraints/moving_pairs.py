@@ -20,7 +20,7 @@ def group_checker(
     """Return a checker whose clearances are zero where a pair is at its required distance.
 
     Required distances enter as Drake's padding, so that one bound (zero) serves all pairs. Pairs
-    whose distance does not depend on the group's q are left out: the optimiser cannot change them,
+    whose distance does not depend on the group's q are left out: the optimizer cannot change them,
     and a robot that stands near a wall would make every problem infeasible.
     """
     plant = model.plant

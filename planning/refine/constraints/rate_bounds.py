@@ -47,7 +47,7 @@ class RateBounds:
         """Return the bounds per coordinate that imply a group's limits.
 
         Args:
-            limits: Of the group.
+            limits: Joint limits of the group.
             jerk: Whether jerk is limited.
             acceleration_bounds: Lowest and highest accelerations in addition [rad/s^2 or m/s^2],
                 infinite where there are none.

@@ -1,4 +1,4 @@
-"""request_bounds(): bounds of a request for the trajectory optimisation: joint rates and loads."""
+"""request_bounds(): bounds of a request for the trajectory optimization: joint rates and loads."""
 
 import numpy as np
 from jaxtyping import Float64

@@ -31,7 +31,7 @@ class ToolLoad:
     """Speed and acceleration limits of one frame; at least one of them is set.
 
     Attributes:
-        kinematics: Of the frame.
+        kinematics: Kinematics of the frame.
         limit: Limits on speed [m/s] and acceleration [m/s^2].
     """
 

@@ -1,6 +1,6 @@
 """TorqueLoad: joint torques and forces, over their effort limits.
 
-Along a curve tau = ahead u + bend b + held: the static part `held` does not shrink with the path
+Along a curve tau = t_u u + t_b b + t_0: the static part t_0 (gravity) does not shrink with the path
 velocity. So the motion may use only what gravity leaves of a limit; where gravity takes more than
 the largest static load, the motion gets what that load would leave. Such a curve is not feasible,
 but its cost still distinguishes better curves from worse ones.

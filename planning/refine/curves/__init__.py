@@ -1,1 +1,1 @@
-"""Curves of the trajectory optimisation: splines, charts, samples, path velocity."""
+"""Curves of the trajectory optimization: splines, charts, samples, path velocity."""

@@ -25,8 +25,8 @@ class BasisWeights:
     """Weights of control points at some instants.
 
     Attributes:
-        control_points: Indices of the control points with nonzero weight at each instant, shape (m,
-            4).
+        control_points: Indices of the control points with nonzero weight at each instant,
+            shape (m, 4).
         values: Their weights, shape (m, 4).
     """
 
@@ -54,23 +54,17 @@ def basis_weights(
     Args:
         num_control_points: Number of control points.
         s: Instants in [0, 1].
-        order: Of the derivative.
+        order: Order of the derivative.
         spans: The span of knots from which each instant is evaluated; None for its own.
     """
+    n = num_spans(num_control_points)
     if spans is None:
-        spans = np.clip(
-            (s * num_spans(num_control_points)).astype(np.intp),
-            0,
-            num_spans(num_control_points) - 1,
-        )
-    low, high = spans / num_spans(num_control_points), (spans + 1) / num_spans(num_control_points)
+        spans = np.clip((s * n).astype(np.intp), 0, n - 1)
+    low, high = spans / n, (spans + 1) / n
     inside = np.clip(s, low + _SPAN_OFFSET * (low > 0), high - _SPAN_OFFSET * (high < 1))
-    unit: Any = (
-        _unit_spline(num_control_points)
-        if order == 0
-        else _unit_spline(num_control_points).MakeDerivative(order)
-    )
-    dense = unit.vector_values(inside.tolist()).T
+    unit: Any = _unit_spline(num_control_points)
+    derivative = unit if order == 0 else unit.MakeDerivative(order)
+    dense = derivative.vector_values(inside.tolist()).T
     control_points = spans[:, None] + np.arange(ORDER)
     return BasisWeights(control_points, np.take_along_axis(dense, control_points, axis=1))
 

@@ -1,4 +1,4 @@
-"""Least-squares fit of a B-spline to a path: the optimiser's initial guess."""
+"""Least-squares fit of a B-spline to a path: the optimizer's initial guess."""
 
 from functools import lru_cache
 
@@ -10,7 +10,7 @@ from planning.domain.curves.path import JointPath
 from planning.domain.robot.manifold import Manifold
 from planning.refine.curves.bspline_basis import basis_weights
 
-# More control points make a quicker motion and a slower optimiser; beyond 14 the gain is small.
+# More control points make a quicker motion and a slower optimizer; beyond 14 the gain is small.
 _CONTROL_POINT_COUNTS = (14, 17, 22, 28)
 _NUM_SAMPLES = 161
 
@@ -59,7 +59,7 @@ def fit_control_points(
 
 @lru_cache(maxsize=8)
 def _basis_matrix(num_control_points: int) -> Array:
-    """Return every basis function at every sample, shape (samples, count)."""
+    """Return every basis function at every sample, shape (num_samples, num_control_points)."""
     weights = basis_weights(num_control_points, np.linspace(0.0, 1.0, _NUM_SAMPLES))
     matrix = np.zeros((_NUM_SAMPLES, num_control_points))
     np.put_along_axis(matrix, weights.control_points, weights.values, axis=1)

@@ -1,4 +1,4 @@
-"""Charts: coordinates in R^n of the configurations along a path, for the optimiser.
+"""Charts: coordinates in R^n of the configurations along a path, for the optimizer.
 
 Control points are in these coordinates. Where joints do not float, positions are their own
 coordinates, without jumps by full turns. Else they are tangents at one configuration in the middle
@@ -42,7 +42,7 @@ class Chart(Protocol):
     """Coordinates of configurations along one path.
 
     Attributes:
-        waypoints: Of the path, no two consecutive ones the same, shape (n, nv).
+        waypoints: Waypoints of the path, no two consecutive ones the same, shape (n, nv).
     """
 
     @property
@@ -112,7 +112,7 @@ class TangentChart:
     Attributes:
         path: Path that the chart covers.
         base: The configuration, shape (nq,).
-        waypoints: Of the path, in small steps.
+        waypoints: Waypoints of the path, in small steps.
     """
 
     path: JointPath
@@ -213,8 +213,8 @@ def _sample_path(path: JointPath) -> Array:
 
 
 def _best_base(path: JointPath, samples: Array, anchors: Any) -> tuple[Array, Array, float]:
-    """Return the best of several bases, the tangents there, and their longest turn [rad]."""
+    """Return the best of several bases, the tangents there, and the longest of them [rad]."""
     tangents = tangents_along(path.group, samples, anchors)
-    turns = rotation_angles(path.group, tangents).max(axis=(0, 2))
-    best = int(turns.argmin())
-    return samples[anchors[best]], tangents[:, best], float(turns[best])
+    longest = rotation_angles(path.group, tangents).max(axis=(0, 2))
+    best = int(longest.argmin())
+    return samples[anchors[best]], tangents[:, best], float(longest[best])

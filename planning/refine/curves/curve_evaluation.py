@@ -23,13 +23,11 @@ class CurveEvaluation:
         points: Its control points, shape (k, nq).
         derivatives: Its derivatives over the rate bounds.
         path_velocity: Minimum-time squared path velocity b [1/s^2] at the grid, shape (n + 1,).
-        duration: At that path velocity [s].
+        duration: Duration at that path velocity [s].
         distances: Distances of near pairs at the instants.
         clearances: Distances of pairs within reach of the clearance objective, or None.
         objective: Duration plus cost of the clearance objective [s].
         loads: Load evaluation, or None without loads.
-        merit: Merit: `objective` plus the penalties of distances that are too short and of static
-            loads that are too large [s].
     """
 
     points: Array
@@ -43,7 +41,7 @@ class CurveEvaluation:
 
     @cached_property
     def load_linearizations(self) -> tuple[LoadLinearization, ...]:
-        """Load linearizations at that path velocity."""
+        """Load linearizations at `path_velocity`."""
         return (
             ()
             if self.loads is None
@@ -52,7 +50,10 @@ class CurveEvaluation:
 
     @cached_property
     def merit(self) -> float:
-        """Merit of the curve, which the optimisation minimises [s]."""
+        """Merit, which the optimization minimizes [s].
+
+        It is `objective` plus the penalties of short distances and of excessive static loads.
+        """
         static_load_penalty = 0.0 if self.loads is None else self.loads.penalty
         return (
             self.objective

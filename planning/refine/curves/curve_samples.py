@@ -52,9 +52,9 @@ class CurveSamples:
 
     Attributes:
         step: Width of an interval.
-        weights: Of control points.
+        weights: Weights of control points.
         grid_indices: Rows of these weights, shape (m,).
-        intervals: Index of each sample's interval, which has its u, shape (m,).
+        intervals: Index of each sample's interval, on which u is constant, shape (m,).
         fractions: Fraction of the interval before the sample, shape (m,).
         states: r, r' and r'' at the samples, shape (3, m, nq).
         b: Squared path velocity at the samples, shape (m,).
@@ -127,8 +127,8 @@ class CurveSamples:
 
         Args:
             by_q: Derivatives by q, shape (m, rows, nq).
-            by_v: By v, likewise.
-            by_vdot: By vdot, likewise.
+            by_v: Derivatives by v, likewise.
+            by_vdot: Derivatives by vdot, likewise.
         """
         b, u = self.b[:, None, None], self._u[:, None, None]
         by_state = np.stack([by_q, np.sqrt(b) * by_v + u * by_vdot, b * by_vdot])

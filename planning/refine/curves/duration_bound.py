@@ -24,7 +24,7 @@ def duration_lower_bound(
     its displacement, for rotations too.
 
     Args:
-        limits: Of the group.
+        limits: Joint limits of the group.
         displacement: Displacement from start to goal [rad or m].
         jerk: Whether jerk is limited.
         acceleration_bounds: Lowest and highest accelerations in addition [rad/s^2 or m/s^2],
@@ -40,12 +40,10 @@ def duration_lower_bound(
         limits.effort,
         tuple((k,) for k in range(len(distances))),
     )
-    firsts = [block[0] for block in limits.blocks]
-    bounds = RateBounds.of(
-        scalar_limits,
-        jerk=jerk,
-        acceleration_bounds=None if acceleration_bounds is None else acceleration_bounds[:, firsts],
-    )
+    first_indices = [block[0] for block in limits.blocks]
+    if acceleration_bounds is not None:
+        acceleration_bounds = acceleration_bounds[:, first_indices]
+    bounds = RateBounds.of(scalar_limits, jerk=jerk, acceleration_bounds=acceleration_bounds)
     v, a = bounds.velocity, bounds.acceleration
     # Speeding up and slowing down take v / up + v / down; only the sum matters, not the distance.
     down, up = np.abs(bounds.acceleration_range)
@@ -59,7 +57,7 @@ def rest_to_rest_durations(distances: Array, speed: Any, acceleration: Any) -> A
     Args:
         distances: Lengths [rad or m], not negative.
         speed: Bound on speed, infinite for none.
-        acceleration: Bound on acceleration, likewise; one of both is finite.
+        acceleration: Bound on acceleration, likewise; at least one of the two is finite.
     """
     with np.errstate(invalid="ignore"):
         is_short = distances * acceleration < speed * speed

@@ -2,7 +2,7 @@
 
 On each interval of the grid d2s/dt2 is constant, u_i = (b_{i+1} - b_i) / (2 h). At both ends of
 every interval velocity r' sqrt(b) and acceleration r'' b + r' u are bounded: time-optimal path
-parametrisation (Verscheure et al., "Time-optimal path tracking for robots", 2009), which the
+parametrization (Verscheure et al., "Time-optimal path tracking for robots", 2009), which the
 retimer repeats later on a finer grid. Of the jerk only r''' b^(3/2) is bounded, the curve's own
 part at constant ds/dt; the retimer bounds the rest.
 """
@@ -29,7 +29,7 @@ _INTERVALS_PER_SPAN = 4
 _MANY_ROWS, _ROW_STRIDE = 1500, 6
 # Violation above which a row counts as broken, as a share of its bound.
 _ROW_TOLERANCE = 1e-6
-# Least b as a share of its cap, so that the motion stops nowhere between its ends.
+# Least b as a share of its upper bound, so that the motion stops nowhere between its ends.
 _MIN_RELATIVE_VELOCITY = 1e-9
 
 
@@ -58,10 +58,8 @@ def path_grid(num_control_points: int) -> PathGrid:
     """Return the grid for a number of control points."""
     num_intervals = num_spans(num_control_points) * _INTERVALS_PER_SPAN
     spans = np.arange(num_intervals) // _INTERVALS_PER_SPAN
-    low, high = (
-        np.arange(num_intervals) / num_intervals,
-        np.arange(1, num_intervals + 1) / num_intervals,
-    )
+    low = np.arange(num_intervals) / num_intervals
+    high = np.arange(1, num_intervals + 1) / num_intervals
     first, second = (
         np.stack(
             [basis_weights(num_control_points, s, order, spans).values for s in (low, high)], axis=1
@@ -151,14 +149,12 @@ def minimum_time_path_velocity(
     """Return the largest admissible squared path velocity b [1/s^2] at the grid.
 
     It is the largest at every grid point at once (Pham and Pham, "A new approach to time-optimal
-    path parameterization based on reachability analysis", 2018), so that maximising a sum gives it.
+    path parameterization based on reachability analysis", 2018), so that maximizing a sum gives it.
     """
     num_intervals = len(grid.control_points)
-    inner_bounds = (
-        derivatives.path_velocity_bounds()
-        if load_constraints is None
-        else np.minimum(derivatives.path_velocity_bounds(), load_constraints.path_velocity_bounds())
-    )
+    inner_bounds = derivatives.path_velocity_bounds()
+    if load_constraints is not None:
+        inner_bounds = np.minimum(inner_bounds, load_constraints.path_velocity_bounds())
     upper_bounds = np.concatenate([[0.0], inner_bounds, [0.0]])
     at_low, at_high = derivatives.acceleration_gradients(grid)
     values = np.stack(
@@ -181,19 +177,15 @@ def minimum_time_path_velocity(
         np.clip(_maximize(num_intervals - 1, rows, extra), _MIN_RELATIVE_VELOCITY, 1.0)
         * upper_bounds[1:-1]
     )
-    # The solver satisfies rows to its tolerance; b is scaled down as a whole by the worst
-    # violation.
-    max_violation = derivatives.max_acceleration_ratio(grid, b)
-    return b / max(
-        1.0,
-        max_violation
-        if load_constraints is None
-        else max(max_violation, load_constraints.max_value(b)),
-    )
+    # The solver satisfies rows to its tolerance; b as a whole is divided by the largest ratio.
+    max_ratio = derivatives.max_acceleration_ratio(grid, b)
+    if load_constraints is not None:
+        max_ratio = max(max_ratio, load_constraints.max_value(b))
+    return b / max(1.0, max_ratio)
 
 
 def _maximize(num_variables: int, rows: PenaltyRows, extra: PenaltyRows | None) -> Array:
-    """Return the largest x in [0, 1]^size that satisfies rows, each near 1 where nothing binds.
+    """Return the largest x in [0, 1]^num_variables that satisfies rows, near 1 if none binds.
 
     Most rows of a large `extra` bind nowhere: a subset is used at first, then violated rows are
     added.

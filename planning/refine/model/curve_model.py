@@ -1,10 +1,10 @@
 """CurveModel: cost of a curve by its control points, and its local convex model (a QP).
 
 The duration is that of the minimum-time squared path velocity b along the curve, which depends on
-the control points P through bounds that are bilinear in (P, b). They are linearised in both,
-distances in P, and the duration is expanded to second order in b. The model's minimiser within a
+the control points P through bounds that are bilinear in (P, b). They are linearized in both,
+distances in P, and the duration is expanded to second order in b. The model's minimizer within a
 box around P is the next curve, whose own minimum-time path velocity gives its true cost. Distances
-are penalised (exact penalty), not strict; the clearance objective has a variable at every instant:
+are penalized (exact penalty), not strict; the clearance objective has a variable at every instant:
 the shortfall of the nearest pair there.
 """
 
@@ -98,7 +98,7 @@ class CurveModel:
         )
 
     def step(self, evaluation: CurveEvaluation, radius: float) -> tuple[Array, float]:
-        """Return the control points of the model's minimiser, and the predicted decrease [s].
+        """Return the control points of the model's minimizer, and the predicted decrease [s].
 
         Args:
             evaluation: Evaluation of the curve around which the model is.
@@ -122,10 +122,8 @@ class CurveModel:
     def _make_program(self, evaluation: CurveEvaluation, radii: Array) -> PenaltyQp:
         """Return the QP, in units of the duration, of the box, and of b itself."""
         points, path_velocity = self._layout.control_points[1:-1], self._layout.path_velocity[1:-1]
-        c, q = (
-            np.zeros(self._layout.num_variables),
-            np.full(self._layout.num_variables, _PROXIMAL_WEIGHT),
-        )
+        c = np.zeros(self._layout.num_variables)
+        q = np.full(self._layout.num_variables, _PROXIMAL_WEIGHT)
         lower, upper = -np.ones_like(c), np.ones_like(c)
         gradient = (
             duration_gradient(self._grid, evaluation.path_velocity)[1:-1] / evaluation.duration
@@ -155,11 +153,8 @@ class CurveModel:
             cost_per_sample = self._clearance_objective.weight / (
                 len(shortfalls) * evaluation.duration
             )
-            c[shortfalls], q[shortfalls], lower[shortfalls] = (
-                cost_per_sample * self._clearance_objective.distance,
-                0.0,
-                0.0,
-            )
+            c[shortfalls] = cost_per_sample * self._clearance_objective.distance
+            q[shortfalls] = lower[shortfalls] = 0.0
             rows.append(
                 self._clearance_rows(
                     evaluation.clearances,
@@ -226,7 +221,7 @@ class CurveModel:
     def _columns(self, num_path_velocities: int) -> Indices:
         """Return columns of 4 control points and of b at one or both ends of every interval.
 
-        Shape (n, nq, 2, 4 + num_paces), the same for both ends.
+        Shape (n, nq, 2, 4 + num_path_velocities), the same for both ends.
         """
         points = self._layout.control_points[self._grid.control_points].transpose(0, 2, 1)
         path_velocity = both_ends(self._layout.path_velocity)[:, :num_path_velocities]

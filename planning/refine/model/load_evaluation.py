@@ -28,11 +28,11 @@ class LoadEvaluation:
 
     Attributes:
         num_control_points: Number of control points.
-        loads: At least one.
+        loads: The loads, at least one.
         states_by_num_parts: r, r' and r'' at the ends of parts of the grid's intervals, by the
             number of these parts, shape (3, n parts + 1, nq) each.
         path_velocity_constraints: Constraints of all loads on the path velocity.
-        excess: Static load beyond `MOST_HELD`, summed over the samples.
+        excess: Static load beyond `MAX_STATIC_LOAD`, summed over the samples.
     """
 
     num_control_points: int
@@ -59,7 +59,7 @@ class LoadEvaluation:
 
     @property
     def penalty(self) -> float:
-        """Penalty of that excess [s]."""
+        """Penalty of `excess` [s]."""
         return _STATIC_LOAD_PENALTY * self.excess
 
     def load_linearizations(

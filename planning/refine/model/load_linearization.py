@@ -30,14 +30,14 @@ class LoadLinearization:
     Attributes:
         sample_indices: Indices of the samples, shape (m,).
         control_points: Indices of the control points with nonzero weight there, shape (m, 4).
-        intervals: Index of each sample's interval, which has its u, shape (m,).
+        intervals: Index of each sample's interval, on which u is constant, shape (m,).
         ratios: Load ratios, shape (m, rows).
         by_control_point: Their derivatives by coordinates of control points, shape (m, rows, 4,
             nq).
         by_path_velocity: By b at both ends of the interval, times b, shape (m, rows, 2).
         is_selected: Mask of the rows to use, without duplicates, shape (m, rows).
         signs: Signs with a bound: above, or above and below.
-        bound: Of the ratios.
+        bound: Bound of the ratios.
         penalty: Penalty of exceeding the bound by its own size, in durations.
     """
 
@@ -87,18 +87,14 @@ class LoadLinearization:
         samples = samples.selected(selected)
         (by_q,) = difference_quotients(load.static_load, samples.states[0])
         zeros = np.zeros_like(by_q)
-        by_control_point, by_path_velocity = (
+        return cls(
+            samples.grid_indices,
+            samples.control_points,
+            samples.intervals,
+            static_loads[selected],
             samples.by_control_point(by_q, zeros, zeros),
             samples.by_path_velocity(zeros, zeros),
-        )
-        ends = samples.grid_indices, samples.control_points, samples.intervals
-        is_selected = np.ones(by_q.shape[:2], dtype=bool)
-        return cls(
-            *ends,
-            static_loads[selected],
-            by_control_point,
-            by_path_velocity,
-            is_selected,
+            np.ones(by_q.shape[:2], dtype=bool),
             _BOTH_SIGNS,
             MAX_STATIC_LOAD,
             penalty,

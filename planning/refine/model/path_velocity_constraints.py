@@ -34,19 +34,18 @@ class PathVelocityConstraints:
         b_coefficients: Float64[np.ndarray, "m k"],
         num_parts: int,
     ) -> "PathVelocityConstraints":
-        """Return ahead u + bend b <= 1 at both ends of every part of every interval.
+        """Return c_u u + c_b b <= 1 at both ends of every part of every interval.
 
         Within an interval u is constant and b is linear between its ends.
 
         Args:
             step: Width of an interval.
-            u_coefficients: Coefficients of u at the ends of all parts, m = n parts + 1.
-            b_coefficients: Coefficients of b, likewise.
+            u_coefficients: c_u at the ends of all parts, m = n parts + 1.
+            b_coefficients: c_b, likewise.
             num_parts: Number of parts of an interval.
         """
-        indices = np.arange((len(u_coefficients) - 1) // num_parts)[
-            :, None
-        ] * num_parts + np.arange(num_parts + 1)
+        intervals = np.arange((len(u_coefficients) - 1) // num_parts)
+        indices = intervals[:, None] * num_parts + np.arange(num_parts + 1)
         fractions = (np.arange(num_parts + 1) / num_parts)[:, None]
         by_u, by_b = u_coefficients[indices] / (2 * step), b_coefficients[indices]
         low, high = (1 - fractions) * by_b - by_u, fractions * by_b + by_u
@@ -74,7 +73,7 @@ class PathVelocityConstraints:
 
         Args:
             upper_bounds: Upper bounds of b at the grid.
-            columns: Of b at both ends of every interval, shape (n, 2).
+            columns: Columns of b at both ends of every interval, shape (n, 2).
         """
         values = -np.stack(
             [self.low * upper_bounds[:-1, None], self.high * upper_bounds[1:, None]], axis=-1

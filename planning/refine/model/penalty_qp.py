@@ -1,6 +1,6 @@
 """PenaltyQp: convex quadratic program in a box, with linear rows under an exact (L1) penalty.
 
-minimise  c . x + 1/2 sum_i q_i x_i^2 + sum_k price_k max(0, least_k - a_k . x), lower <= x <= upper
+minimize  c . x + 1/2 sum_i q_i x_i^2 + sum_k penalty_k max(0, l_k - a_k . x), lower <= x <= upper
 
 The native kernel has an interior-point solver for it; without the kernel Clarabel solves it.
 """
@@ -23,12 +23,12 @@ _BLOCK_SIZE = 64
 
 @dataclass(frozen=True)
 class PenaltyRows:
-    """Rows a_k . x >= least_k, all with the same number of entries.
+    """Rows a_k . x >= l_k, all with the same number of entries.
 
     Attributes:
-        columns: Of the entries; -1 for none, shape (m, entries).
-        values: Shape (m, entries).
-        lower_bounds: Shape (m,).
+        columns: Columns of the entries of a_k; -1 for none, shape (m, entries).
+        values: The entries, shape (m, entries).
+        lower_bounds: l_k, shape (m,).
         penalty: Penalty per unit of violation, for each row.
     """
 
@@ -46,7 +46,7 @@ class PenaltyRows:
         bounds: Float64[np.ndarray, "2 ..."],
         penalty: float,
     ) -> "PenaltyRows":
-        """Return rows that keep now + values . x between two bounds, a pair for each.
+        """Return rows that keep current + values . x between two bounds, a pair for each.
 
         The rows are in units of the bounds, the first of which is negative and the second positive;
         the other axes of `bounds` are those of `current`, or have length 1.
@@ -60,7 +60,7 @@ class PenaltyRows:
 
     @classmethod
     def stacked(cls, parts: "list[PenaltyRows]") -> "PenaltyRows":
-        """Return the rows of several parts of equal price."""
+        """Return the rows of several parts of equal penalty."""
         columns, values, lower_bounds = (
             np.concatenate(arrays)
             for arrays in zip(*((p.columns, p.values, p.lower_bounds) for p in parts), strict=True)
@@ -98,12 +98,13 @@ class PenaltyQp:
         return smooth_cost + sum(rows.penalty_at(x) for rows in self.rows)
 
     def solve(self, *, use_kernel: bool = True) -> Array:
-        """Return the minimiser, shape (n,)."""
+        """Return the minimizer, shape (n,)."""
         is_entry = [rows.columns >= 0 for rows in self.rows]
         counts = np.concatenate([mask.sum(axis=1) for mask in is_entry])
         starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-        entries = np.concatenate([r.columns[h] for r, h in zip(self.rows, is_entry, strict=True)])
-        values = np.concatenate([r.values[h] for r, h in zip(self.rows, is_entry, strict=True)])
+        masked = list(zip(self.rows, is_entry, strict=True))
+        entries = np.concatenate([rows.columns[mask] for rows, mask in masked])
+        values = np.concatenate([rows.values[mask] for rows, mask in masked])
         lower_bounds = np.concatenate([rows.lower_bounds for rows in self.rows])
         penalties = np.concatenate([
             np.full(len(rows.lower_bounds), rows.penalty) for rows in self.rows

@@ -18,9 +18,9 @@ class VariableLayout:
     """Indices of variables; -1 for none.
 
     Attributes:
-        control_points: Of control points, where the first and last have none, shape (k, nq).
-        path_velocity: Of b at the grid, where the first and last have none, shape (n + 1,).
-        shortfalls: Of the clearance objective's shortfall at every instant, shape (m,).
+        control_points: Indices of control points; the first and last have none, shape (k, nq).
+        path_velocity: Indices of b at the grid; the first and last have none, shape (n + 1,).
+        shortfalls: Indices of the clearance shortfall at every instant, shape (m,).
         num_variables: Number of variables.
     """
 

@@ -41,7 +41,7 @@ _BARRIER_WEIGHT, _BARRIER_FACTOR = 0.1, 0.5
 _MAX_STEP = 0.3
 _ARMIJO_FACTOR, _MIN_STEP_LENGTH = 0.01, 1e-3
 # Largest factor by which a limit exceeded within a phase is tightened for the next round, and the
-# smallest utilization at its ends that the factor is computed with.
+# smallest utilization at its ends from which the factor is computed.
 _MAX_TIGHTENING, _MIN_UTILIZATION = 2.0, 0.3
 
 
@@ -57,7 +57,7 @@ def optimize_profile(
 
     Args:
         smooth_piece: Smooth piece of the path to which the profile belongs.
-        profile: From rest to rest.
+        profile: Profile from rest to rest.
         limits: Limits of velocity, acceleration and jerk.
         deadline: Time limit.
 
@@ -125,7 +125,7 @@ class _ProfileProblem:
         return cls(parameters, np.array(geometry), bounds, np.ones((3, len(pieces))))
 
     def tightened(self, tightening: Array) -> "_ProfileProblem":
-        """Return the task with other divisors of the limits."""
+        """Return the same problem with other divisors of the limits."""
         return _ProfileProblem(self.parameters, self.geometry, self.bounds, tightening)
 
     def utilizations(self, spline: TimingSpline) -> list[Array]:

@@ -107,7 +107,7 @@ def _dp_profile(
             solve_speed_dp(cells, deadline), cells, is_straight, smooth_piece
         )
     if not segments:
-        message = "no speed along the path keeps the jerk limits"
+        message = "no velocity profile along the path satisfies the jerk limits"
         raise RetimingFailed(message, {"method": "ruckig", "num_cells": len(is_straight)})
     whole = SpeedProfile.joined([_segment_profile(segment, cells.edges) for segment in segments])
     return whole.split_at(smooth_piece.breaks[1:-1])
@@ -205,7 +205,7 @@ def _segment_profile(segment: SpeedSegment, edges: Array) -> SpeedProfile:
         v += h * (a + h * j / 2)
         a += h * j
     if abs(s - length) > _MAX_END_ERROR * length or phases.brake.duration > _MIN_PHASE:
-        message = "ruckig misses the end of a piece of path"
+        message = "ruckig's profile does not end at the end of its path segment"
         raise RetimingFailed(message, {"method": "ruckig", "missed": s - length})
     columns = np.array(rows).T
     # The phases add up to the length up to rounding; the parameter is scaled to end exactly.
@@ -241,6 +241,6 @@ def _solve_ruckig(
     except ruckig.RuckigError as fault:
         result = str(fault).strip().splitlines()[0]
     if result not in _SUCCESS_RESULTS:
-        message = f"ruckig answers {result}"
+        message = f"ruckig failed with {result}"
         raise RetimingFailed(message, {"method": "ruckig", "result": result})
     return trajectory.profiles[0][0]

@@ -70,9 +70,7 @@ def _ruckig_input(
 ) -> Any:
     unsupported = [joint.name for joint in joints if joint.type not in _SCALAR_JOINT_TYPES]
     if unsupported:
-        message = (
-            f"joints that shift and turn at once cannot be timed from state to state: {unsupported}"
-        )
+        message = f"planar and floating joints have no state-to-state motions: {unsupported}"
         raise RetimingFailed(message, {"method": "ruckig", "joints": unsupported})
     ruckig_input = ruckig.InputParameter(len(joints))
     ruckig_input.current_position = state.q.tolist()
@@ -96,7 +94,7 @@ def _solve(joints: tuple[Joint, ...], ruckig_input: Any) -> TimedTrajectory:
     except ruckig.RuckigError as fault:
         code, reason = -1, str(fault).strip().splitlines()[0]
     if code < 0:
-        message = f"ruckig finds no motion between the states: {reason}"
+        message = f"ruckig found no motion between the states: {reason}"
         raise RetimingFailed(message, {"method": "ruckig", "result": reason})
     breaks = _breaks(solution, float(solution.duration))
     states = np.array([solution.at_time(float(t)) for t in breaks])

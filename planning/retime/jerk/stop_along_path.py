@@ -1,4 +1,4 @@
-"""Stops along the path of a motion: q(s(t)) with s' falling from 1 to 0.
+"""Stops along the path of a motion: q(s(t)) with ds/dt falling from 1 to 0.
 
 Without limits on jerk s'' is constant on short cells, and on each as low as the rows a u + b x <= 1
 of all limits allow, with x = s'^2 at the cell's beginning (as in toppra's passes; here the only
@@ -31,14 +31,10 @@ _CELL_DURATION, _MAX_CELLS = 4e-3, 600
 _LIMIT_RESERVES = (2e-3, 1e-2, 5e-2)
 # Shortest piece [s], and largest squared rate that counts as rest.
 _MIN_DURATION, _MAX_REST_RATE = 1e-9, 1e-14
-# Durations of S-curves: shortest [s], and ratio of consecutive ones; shares of the duration in
-# which s'' ramps up, and down again; and number of initial delays.
-_MIN_STOP_DURATION, _DURATION_RATIO, _RAMP_SHARES, _NUM_DELAYS = (
-    0.02,
-    1.12,
-    (0.08, 0.2, 0.35, 0.5),
-    8,
-)
+# Durations of S-curves: shortest [s], and ratio of consecutive ones.
+_MIN_STOP_DURATION, _DURATION_RATIO = 0.02, 1.12
+# Shares of the duration in which s'' ramps up, and down again; and number of initial delays.
+_RAMP_SHARES, _NUM_DELAYS = (0.08, 0.2, 0.35, 0.5), 8
 _NUM_SAMPLES, _CHUNK_SIZE = 48, 64
 # Largest number of stops before the last.
 _MAX_STOPS = 12
@@ -158,10 +154,8 @@ def _s_curve_stops(
     candidates = np.array(list(product(delays, durations, range(len(_RAMP_SHARES)))))
     candidates = candidates[candidates[:, :2].sum(axis=1) < remainder.duration]
     candidates = candidates[np.argsort(candidates[:, :2].sum(axis=1), kind="stable")]
-    edges, path = (
-        _edges(remainder),
-        JointSpline(remainder.joints, remainder.breaks, remainder.bases, remainder.coefficients),
-    )
+    edges = _edges(remainder)
+    path = JointSpline(remainder.joints, remainder.breaks, remainder.bases, remainder.coefficients)
     for begin in range(0, len(candidates), _CHUNK_SIZE):
         deadline.check("retime")
         chunk = candidates[begin : begin + _CHUNK_SIZE]

@@ -66,7 +66,7 @@ def rate_bounds(
     is longer than both its ends.
 
     Args:
-        polynomials: From `with_derivatives`, or halves of those.
+        polynomials: Polynomials of `with_derivatives`, or halves of those.
         widths: Lengths of the intervals.
         order: 1 for omega itself, 2 for its first derivative, 3 for its second: the larger of its
             values in the body's frame and in the world's.

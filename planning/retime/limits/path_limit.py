@@ -81,9 +81,9 @@ class PathLimit(Protocol):
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
         """Return a and b of a u + b x <= 1 on every cell, each shape (cells, rows).
 
-        u is constant on a cell and x is the value at its beginning; `path_rows.CellPlaces` converts
-        rows at other parameters of the cells. A limit a u + b x <= c is divided by c, which must be
-        positive: rest must be admissible.
+        u is constant on a cell and x is the value at its beginning; `path_rows.CellSamples`
+        converts rows at other parameters of the cells. A limit a u + b x <= c is divided by c,
+        which must be positive: rest must be admissible.
 
         Raises:
             RetimingFailed: Rest is not admissible.

@@ -41,7 +41,7 @@ class SignedAcceleration:
         return np.zeros(0)
 
     def rows(self, cells: JointSpline) -> tuple[Array, Array]:
-        """Return two rows for every block and place."""
+        """Return two rows for every block and sample."""
         samples = CellSamples.of(cells)
         a, b = (self._bound_ratios(part) for part in samples.derivatives)
         return samples.rows_by_cell(a, b)

@@ -1,7 +1,7 @@
 """ToolRate: a limit on the speed or the acceleration of a frame's origin.
 
 For the retimer the origin's path is one more curve whose three coordinates have a common limit, as
-those of a floating body have: the same rows, caps and audit as for joints.
+those of a floating body have: the same rows, bounds and audit as for joints.
 """
 
 from collections.abc import Mapping

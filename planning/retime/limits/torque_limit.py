@@ -117,17 +117,15 @@ class TorqueLimit:
         fractions = (steps.breaks[pieces] + local) / trajectory.duration
         utilizations: list[PathUtilization] = []
         for name, indices, limit in self._limited:
-            h, d, p = (
+            static, damping, dynamic = (
                 _with_midpoints(part[:, indices])
                 for part in (static_torques, damping_torques, dynamic_torques)
             )
             bound = limit * (1 - HEADROOM)
-            _validate_static_torques(name, norms(h), bound, _with_midpoints(fractions))
-            utilizations.append(
-                PathUtilization(
-                    name, _required_time_scaling(h, d, p, bound), _fraction_function(h, d, p, limit)
-                )
-            )
+            _validate_static_torques(name, norms(static), bound, _with_midpoints(fractions))
+            time_scaling = _required_time_scaling(static, damping, dynamic, bound)
+            fraction_at = _fraction_function(static, damping, dynamic, limit)
+            utilizations.append(PathUtilization(name, time_scaling, fraction_at))
         return tuple(utilizations)
 
     def sampled_utilization(
@@ -172,12 +170,12 @@ def _with_midpoints(values: Array) -> Array:
 
 
 def _required_time_scaling(static: Array, damping: Array, dynamic: Array, bound: float) -> float:
-    """Return a time scaling k from which |held + dragged / k + pushed / k^2| <= bound holds.
+    """Return a time scaling k from which |static + damping / k + dynamic / k^2| <= bound holds.
 
     The bound holds at every instant for k or more. Without damping k is the smallest: the positive
-    root y = 1 / k^2 of |held + y pushed| = bound, in a form without cancellation. With damping the
-    torque is not monotonic in k; the quadratic in z = 1 / k keeps the bound on all of [0, z] if its
-    Bernstein coefficients there do.
+    root y = 1 / k^2 of |static + y dynamic| = bound, in a form without cancellation. With damping
+    the torque is not monotonic in k; the quadratic in z = 1 / k keeps the bound on all of [0, z] if
+    its Bernstein coefficients there do.
     """
     if not damping.any():
         square, along = (np.einsum("ij,ij->i", part, dynamic) for part in (dynamic, static))
@@ -209,8 +207,8 @@ def _validate_static_torques(name: str, torques: Array, bound: float, fractions:
     worst = int(np.argmax(torques))
     if torques[worst] > bound:
         message = (
-            f"{name} cannot be held still on the path: gravity takes {torques[worst]:.4g} N m or N "
-            f"of it at {fractions[worst]:.3f} of the way, and its limit leaves {bound:.4g}"
+            f"the static torque of {name} exceeds its effort limit: {torques[worst]:.4g} N m or N "
+            f"at fraction {fractions[worst]:.3f} of the path, limit {bound:.4g} after reserves"
         )
         evidence = {
             "limit": "torque",

@@ -22,8 +22,9 @@ from planning.retime.polynomials import halved, norms, to_bernstein
 # Distance before the box at which motions are slow already, so that a proof can separate the box
 # from its outside [m].
 _APPROACH_DISTANCE = 1e-4
-# Shares of that distance by which the box is enlarged: for cutting cells, for capping them, and for
-# the audit. They decrease so that a cell that ends at the box is not taken to be in it.
+# Shares of that distance by which the box is enlarged: for cutting cells, for bounding their
+# speeds, and for the audit. They decrease so that a cell that ends at the box is not taken to be in
+# it.
 _CUT_SHARE, _BOUND_SHARE, _AUDIT_SHARE = 1.0, 0.75, 0.5
 # Number of halvings of parts that may be partly in a box.
 _NUM_BISECTIONS = 14

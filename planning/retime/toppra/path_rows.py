@@ -33,8 +33,8 @@ class CellSamples:
 
     Attributes:
         cells: The path in cells.
-        pieces: Index of the cell of each place, shape (n,): the first place of all cells, then the
-            next.
+        pieces: Index of the cell of each sample, shape (n,): the first sample of all cells, then
+            the next.
         local: Path parameter since the beginning of the cell, shape (n,).
     """
 
@@ -57,9 +57,9 @@ class CellSamples:
         return path_derivatives(self.cells, self.pieces, self.local)
 
     def rows_by_cell(self, a: Array, b: Array) -> tuple[Array, Array]:
-        """Return the rows of cells from rows ahead u + bend x(place) <= 1 of their places.
+        """Return the rows of cells from rows a u + b x <= 1 at their samples.
 
-        With x at a cell's beginning, its value at a distance D is x + 2 D u.
+        With x at a cell's beginning, sdot^2 at a distance D into it is x + 2 D u.
         """
         count = len(self.local) // self.cells.num_pieces
         a = a + 2 * self.local[:, None] * b
@@ -105,14 +105,9 @@ def _disc_rows(
     for block, limit in zip(limits.blocks, limits.acceleration, strict=True):
         indices = list(block)
         if len(indices) > 1 and cells.coefficients[:, 1:, indices].any():
-            tangent_length, along, across = _curvature_components(
-                rate[:, indices], curvature[:, indices]
-            )
+            length, along, across = _curvature_components(rate[:, indices], curvature[:, indices])
             radius = limit * _APOTHEM
-            rows.append((
-                cosines * tangent_length / radius,
-                (cosines * along + sines * across) / radius,
-            ))
+            rows.append((cosines * length / radius, (cosines * along + sines * across) / radius))
     return rows
 
 
@@ -126,6 +121,6 @@ def _curvature_components(rate: Array, curvature: Array) -> tuple[Array, Array, 
 
 
 def _cell_rows(rows: Array, num_samples: int) -> Array:
-    """Return the rows of all places of a cell in one row."""
+    """Return the rows of all samples of a cell side by side, shape (cells, samples * rows)."""
     by_sample = rows.reshape(num_samples, -1, rows.shape[1])
     return by_sample.transpose(1, 0, 2).reshape(by_sample.shape[1], -1)

@@ -4,7 +4,7 @@ Pham and Pham, "A new approach to time-optimal path parameterization based on re
 analysis", T-RO 2018. The backward pass computes the controllable sets of squared speeds; the
 forward pass takes the greatest of them. Rest is always controllable, because the limits are
 symmetric: the sets begin at zero, and half of toppra's own linear programs need not be solved.
-    toppra's class has more overhead around every program; only its solver is used here.
+toppra's own class has more overhead around every program; only its solver is used here.
 """
 
 from math import isfinite, isnan
@@ -55,7 +55,7 @@ def squared_speeds(
         else np.array(_UNSPECIFIED)
     )
     if not np.isfinite(x).all():
-        message = "toppra finds no speed profile along the path"
+        message = "toppra found no velocity profile along the path"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(edges)})
     return x
 

@@ -126,7 +126,7 @@ def _profile(
     deadline.check("retime")
     x = squared_speeds(cells.breaks, (a / time_unit**2, b / time_unit**2), caps) / time_unit**2
     if not (lines.is_line | (x[:-1] + x[1:] > 0)).all():
-        message = "toppra's profile stands still on the way"
+        message = "toppra's profile has zero path velocity between start and goal"
         raise RetimingFailed(message, {"method": "toppra", "num_grid_points": len(x)})
     return profile_between(cells.breaks, x, lines)
 
@@ -137,12 +137,8 @@ def _line_accelerations(
     """Return the largest d2s/dt2 and -d2s/dt2 on cells that are lines, where all b are zero."""
     up = down = acceleration
     for a, _ in rows:
-        max_coefficient = np.maximum(a.max(axis=1, initial=0.0), _MIN_COEFFICIENT)
-        max_negative_coefficient = np.maximum(-a.min(axis=1, initial=0.0), _MIN_COEFFICIENT)
-        up, down = (
-            np.minimum(up, 1 / max_coefficient),
-            np.minimum(down, 1 / max_negative_coefficient),
-        )
+        up = np.minimum(up, 1 / np.maximum(a.max(axis=1, initial=0.0), _MIN_COEFFICIENT))
+        down = np.minimum(down, 1 / np.maximum(-a.min(axis=1, initial=0.0), _MIN_COEFFICIENT))
     return up, down
 
 

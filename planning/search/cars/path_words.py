@@ -41,7 +41,7 @@ def shortest_words(
     """Return the shortest word for each goal, of those that end there; the first of equal ones.
 
     Args:
-        lengths: Of w words for each goal, infinite where a word does not exist [radii].
+        lengths: Lengths of w words for each goal, infinite where a word does not exist [radii].
         turns: Turns of the segments of each of the w words.
         goals: x, y [radii] and yaw.
     """

@@ -15,7 +15,7 @@ from planning.search.edges import EdgeChecker
 
 # Tolerance on bounds of x and y [m]; the certifier's is larger.
 _BOUND_TOLERANCE = 1e-9
-# Number of samples per arc or line in the coarse check of `at_a_glance`.
+# Number of samples per arc or line in `check_coarsely`.
 _NUM_COARSE_SAMPLES = 5
 
 

@@ -58,7 +58,7 @@ class SteeringPaths:
         """
         cars = steering_of(group)
         if len(cars) > 1:
-            message = f"one car is planned for at a time, not {sorted(cars)} together"
+            message = f"a group may have one car; this one has {sorted(cars)}"
             raise ProblemInvalid(message, {"field": "group", "cars": sorted(cars)})
         self.manifold = SteeredManifold(group.joints, tuple(cars))
         self.steering = next(iter(cars.values()))

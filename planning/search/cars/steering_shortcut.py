@@ -38,7 +38,7 @@ def shortcut_steering_path(
     None if the given one is blocked and its waypoints lead to no other.
 
     Args:
-        waypoints: Of the path, from start to goal, shape (n, nq).
+        waypoints: Waypoints from start to goal, shape (n, nq).
         edges: Checker of steering paths at the fine resolution.
         is_over: Called at intervals; after an early end the path is as valid as otherwise.
 

@@ -32,10 +32,10 @@ def approximate_solution(
     Args:
         graph: Graph that the planner explored.
         space: State space of the search.
-        goals: Shape (n, nq).
+        goals: Goal configurations, shape (n, nq).
         checker: Checker of edges at the fine resolution, by the oracle.
         oracle: Its oracle.
-        deadline: Of the plan; it may be over.
+        deadline: Deadline of the plan; it may have passed.
 
     Returns:
         `positions` of that configuration, the `path` to it, and the `goal` at the distance

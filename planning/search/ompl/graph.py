@@ -129,7 +129,7 @@ def export_graph(
     """Return a graph for display, which always contains the solution, the starts and the goals.
 
     Args:
-        name: Of the planner.
+        name: Name of the planner.
         graph: Explored graph.
         space: State space of the search.
         solution: Path of the planner, shape (m, nq); m = 0 for none.

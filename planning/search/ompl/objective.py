@@ -1,4 +1,4 @@
-"""Objective: the cost by which paths are compared, and minimised by optimising planners.
+"""Objective: the cost by which paths are compared, and minimized by optimizing planners.
 
     length           sum of |delta|, radians and metres weighing the same
     weighted_length  sum of |W delta|, W the request's weights
@@ -59,7 +59,7 @@ class Objective:
             name: As in the search options.
             group: The joints.
             limits: Their velocity limits count for "duration".
-            weights: Of the group's blocks, for "weighted_length".
+            weights: Weights of the group's blocks, for "weighted_length".
             clearances: Returns distances [m] of configurations to obstacles, for "clearance".
         """
         self.name = name
@@ -120,10 +120,8 @@ class Objective:
                     map(operator.mul, map(abs, map(operator.sub, q1, q0)), self._inverse_velocity)
                 )
             case "clearance":
-                distance_sum = self._obstacle_distance(np.array(q0)) + self._obstacle_distance(
-                    np.array(q1)
-                )
-                return math.dist(q0, q1) / (distance_sum / 2 + _DISTANCE_OFFSET)
+                distances = [self._obstacle_distance(np.array(q)) for q in (q0, q1)]
+                return math.dist(q0, q1) / (sum(distances) / 2 + _DISTANCE_OFFSET)
             case "weighted_length":
                 return math.dist(
                     list(map(operator.mul, q0, self._weight_list)),

@@ -1,6 +1,6 @@
 """PRM and PRMstar, grown by counts on one thread; queries by Dijkstra's algorithm.
 
-OMPL's own `PRM::solve` looks for solutions on a second thread while the first one grows the
+OMPL's own `PRM::solve` searches for solutions on a second thread while the first one grows the
 roadmap, and changes its growth strategy by the clock. With checks in Python the two threads
 deadlock, and without them the result would depend on the scheduler. So OMPL connects the start, the
 goals and the samples, and this module computes the cheapest path through them by Dijkstra's
@@ -30,7 +30,7 @@ def solve_by_roadmap(
 ) -> Array | None:
     """Return the waypoints of a path, shape (n, nq), or None if `termination` came first.
 
-    For PRMstar, an optimising planner, the first roadmap with a path is grown to twice its size.
+    For PRMstar, an optimizing planner, the first roadmap with a path is grown to twice its size.
     """
     information = planner.getSpaceInformation()
     definition = planner.getProblemDefinition()

@@ -48,11 +48,10 @@ class Attempt(Value):
         failure_evidence: Evidence of a failure: `num_vertices` and `num_edges` of its trees or
             roadmap, and `goal_distance`, the least distance to a goal in OMPL's metric, None where
             the planner has no such value. `approximate` and `graph` on request. After a setup that
-            took too
-            long: `reason`, `during`, `budget` and `spent` [s]. Empty with a solution.
+            took too long: `reason`, `during`, `budget` and `spent` [s]. Empty with a solution.
         graph: Explored graph, on request and with a solution.
         has_given_up: Whether it gave up after the allowed number of checked states.
-        is_optimizing: Whether the planner optimises its path, which then is close to obstacles.
+        is_optimizing: Whether the planner optimizes its path, which then is close to obstacles.
     """
 
     status: str
@@ -73,7 +72,7 @@ def run_planner(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) 
         query: Search problem.
         edges: Checker of the planner's motions.
         fine: Checker of the paths in the evidence of a failure.
-        seed: Of OMPL's random numbers, 1 to 2^32 - 1.
+        seed: Seed of OMPL's random numbers, 1 to 2^32 - 1.
 
     Raises:
         Canceled: The request was canceled.
@@ -169,15 +168,9 @@ def _report(query: Query, fine: EdgeChecker, solution: Array, status: str, plann
     distances = query.space.manifold.distance(query.goals, solution[-1])
     row = int(np.argmin(distances))
     if distances[row] >= _GOAL_TOLERANCE:
+        evidence = _failure_evidence(planner, query, fine)
         no_waypoints = np.empty((0, len(query.start)))
-        return Attempt(
-            status,
-            no_waypoints,
-            -1,
-            _failure_evidence(planner, query, fine),
-            None,
-            has_given_up=False,
-        )
+        return Attempt(status, no_waypoints, -1, evidence, None, has_given_up=False)
     path = np.concatenate([query.start[None], solution[1:-1], query.goals[row][None]])
     waypoints = unwrap(path, query.space.manifold)
     if isinstance(query.space, CarSpace):

@@ -1,4 +1,4 @@
-"""SpacePart: a component of a group's compound state space: a vector, a circle or a body's pose."""
+"""SpaceComponent: part of a group's compound state space: a vector, a circle or a body's pose."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ class SpaceComponent:
     Attributes:
         kind: Joint type; REVOLUTE stands for the vector of all scalar coordinates.
         indices: Indices into q of its values, in OMPL's order.
-        weights: Of each value of a vector, of a circle, of the translation and the rotation of a
-            body.
-        turning_radius: Of a car [m]; 0 for all others.
+        weights: Weights of the values of a vector; the weight of a circle; or the weights of the
+            translation and the rotation of a body.
+        turning_radius: Turning radius of a car [m]; 0 for all others.
     """
 
     kind: JointType

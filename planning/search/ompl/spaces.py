@@ -65,7 +65,7 @@ class SearchSpace:
             group: The joints.
             limits: Their position limits.
             anchors: Configurations that must lie inside, the start first, shape (m, nq).
-            weights: Of the group's blocks in OMPL's distances; None for 1.
+            weights: Weights of the group's blocks in OMPL's distances; None for 1.
             held_indices: Coordinates of q that stay as they are at the start: whole rotations.
         """
         self.manifold = manifold_of(group)
@@ -121,7 +121,7 @@ class SearchSpace:
         return read
 
     def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
-        """Return a new OMPL state at q, shape (nq,); quaternions are normalised."""
+        """Return a new OMPL state at q, shape (nq,); quaternions are normalized."""
         q = np.clip(self.manifold.normalized(q), self.lower, self.upper)
         q[self._angles] = np.remainder(q[self._angles] + np.pi, 2 * np.pi) - np.pi
         state = self.ompl.allocState()

@@ -1,10 +1,10 @@
 """TerminationCondition: end of a running planner, by counts of work rather than by the clock.
 
-Planners that only look for a path end with it. Planners that improve it (RRTstar and similar ones,
-BITstar, AORRTC, PRMstar) would use up any time, and their result would depend on the speed of the
-machine. They may do as much work again as their first solution took, and no less than a fixed
-minimum; work is counted in checked states and in evaluations of this condition. The deadline still
-ends all.
+Planners that search for any path end when they have one. Planners that improve it (RRTstar and
+similar ones, BITstar, AORRTC, PRMstar) would use up any time, and their result would depend on the
+speed of the machine. They may do as much work again as their first solution took, and no less than
+a fixed minimum; work is counted in checked states and in evaluations of this condition. The
+deadline still ends all.
 
 OMPL returns a solution when the planner ends, and not if an exception ends it. So from the first
 solution on, the oracle keeps answering after the deadline until the planner evaluates this

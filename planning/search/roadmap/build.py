@@ -71,7 +71,7 @@ class RoadmapBuildRequest(Value):
         start: Float64[np.ndarray, " nq"],
         options: SearchOptions,
     ) -> "RoadmapBuildRequest":
-        """Return the build request for a search's options; of the start held rotations count."""
+        """Return the build request of a search; of its start, only held rotations count."""
         held_indices = held_rotations(group, options.spaces)
         held_values = np.zeros(group.num_positions)
         held_values[held_indices] = start[held_indices]
@@ -115,7 +115,7 @@ def grow_roadmap(
         key: Key of the roadmap; equal keys, equal roadmaps.
         deadline: End of the construction.
         residual: Constraint residual of a set that is too thin to be sampled; states are projected
-            onto it, and edges along it bend: where they do there are more states.
+            onto it, and edges follow it: the waypoints of bent edges are additional states.
 
     Raises:
         Canceled: The request was canceled.

@@ -64,7 +64,7 @@ def shortest_roadmap_path(roadmap: Roadmap, query: Query, edges: EdgeChecker) ->
     """Return the cheapest path from the start to one of the nearest goals that can be connected.
 
     Args:
-        roadmap: Of the query's group and world.
+        roadmap: Roadmap of the query's group and world.
         query: Start, goals and collision oracle.
         edges: Checker of the connections to the roadmap.
 
@@ -88,7 +88,7 @@ def shortest_roadmap_path(roadmap: Roadmap, query: Query, edges: EdgeChecker) ->
             row: _links(roadmap, query.goals[row], local_planner) for row in rows.tolist()
         }
         roadmap_links = _RoadmapLinks(
-            start_links, {row: into for row, into in goal_links.items() if into}
+            start_links, {row: links for row, links in goal_links.items() if links}
         )
         if not roadmap_links.goal_links:
             continue

@@ -1,7 +1,7 @@
 """Repair of a path: its blocked edges are replaced by local searches between their ends.
 
 Usually a planner whose path collides at the fine resolution starts anew with a finer one. After a
-cancel there is no time for that; and optimised paths are so close to obstacles that a finer
+cancel there is no time for that; and optimized paths are so close to obstacles that a finer
 resolution hardly helps. But most of such a path is free: only its blocked edges are replaced, each
 by a path of RRTConnect between their ends.
 """
@@ -35,7 +35,7 @@ def repair_path(
         query: Search problem.
         waypoints: From start to goal.
         edges: Checker of edges at the fine resolution.
-        seed: Of OMPL's random numbers.
+        seed: Seed of OMPL's random numbers.
 
     Raises:
         DeadlineExceeded: The time of the whole search has run out.

@@ -23,7 +23,7 @@ def resample_within_budget(
     Args:
         query: Its options have the time budget.
         edges: Interpolates and checks edges.
-        waypoints: Of a path whose edges are free, shape (n, nq).
+        waypoints: Waypoints of a path whose edges are free, shape (n, nq).
         num_states: Requested number of waypoints.
 
     Raises:
@@ -51,7 +51,7 @@ def resample(edges: EdgeChecker, waypoints: Float64[np.ndarray, "n nq"], num_sta
 
     Args:
         edges: Interpolates edges.
-        waypoints: Shape (n, nq).
+        waypoints: The given waypoints, shape (n, nq).
         num_states: Requested number of waypoints.
     """
     lengths = edges.manifold.distance(waypoints[1:], waypoints[:-1])

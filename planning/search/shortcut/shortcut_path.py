@@ -8,8 +8,8 @@ OMPL's simplifier may leave the valid set and stops by the clock. Here
     cut       corners that still cost much become two waypoints,
 
 and the last two are repeated. The result is deterministic. Relaxation checks at the planner's
-resolution only, since most of its moves are superseded; then it is taken back where a check at the
-fine resolution finds a collision. All the rest is checked at the fine resolution at once, and
+resolution only, since most of its moves are superseded; then it is undone where a check at the fine
+resolution finds a collision. All the rest is checked at the fine resolution at once, and
 pieces of a checked edge are not checked again: so the path is free at the fine resolution after
 every stage.
 """

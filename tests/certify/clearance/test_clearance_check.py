@@ -1,4 +1,4 @@
-"""Clearance: what is proven is true, on any robot, and what touches is refused."""
+"""Clearance: proven motions are free, on any robot, and contacts are refused."""
 
 from dataclasses import replace
 from typing import Any
@@ -36,7 +36,7 @@ pytestmark = pytest.mark.usefixtures("implementation")
 NO_MARGIN = PairMargins(0.0)
 
 
-def judge(
+def certificate_of(
     robot: Robot, trajectory: TimedTrajectory, margins: PairMargins = NO_MARGIN
 ) -> Certificate:
     request = robot.request(trajectory, margins)
@@ -55,18 +55,18 @@ def slider(shape: Shape, obstacle: Shape, at: np.ndarray) -> Robot:
     return builder.build()
 
 
-def test_the_proof_that_is_meant_is_the_one_that_judges(implementation: str) -> None:
+def test_the_chosen_proof_is_the_one_that_runs(implementation: str) -> None:
     robot = slider(Sphere(0.05), Sphere(0.1), np.array([0.2, 0.0, 0.3]))
     assert (kernel_scene_of(robot.model) is not None) is (implementation == "kernel")
 
 
 @given(seed=st.integers(0, 100_000), margin=st.sampled_from([0.0, 0.0, 0.01]))
 @settings(max_examples=num_cases(6))
-def test_random_robots_are_judged_as_a_fine_loop_judges_them(seed: int, margin: float) -> None:
+def test_verdicts_on_random_robots_agree_with_dense_samples(seed: int, margin: float) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=3, num_obstacles=4)
     trajectory = random_trajectory(rng, robot.group, int(rng.integers(1, 4)), 0.25)
-    certificate = judge(robot, trajectory, PairMargins(margin))
+    certificate = certificate_of(robot, trajectory, PairMargins(margin))
     smallest = fine_loop(robot, trajectory)
     check = clearance_of(certificate)
     if check.passed:
@@ -83,7 +83,7 @@ def test_random_robots_are_judged_as_a_fine_loop_judges_them(seed: int, margin: 
 def test_a_sphere_that_passes_a_sphere(at: float, beside: float, length: float) -> None:
     robot = slider(Sphere(0.05), Sphere(0.1), np.array([beside, 0.0, at]))
     q0, q1 = np.array([-length / 2]), np.array([length / 2])
-    certificate = judge(robot, quintic(robot.group, q0, q1, 1.0))
+    certificate = certificate_of(robot, quintic(robot.group, q0, q1, 1.0))
     past = max(abs(at) - length / 2, 0.0)
     smallest = float(np.hypot(beside, past)) - 0.15
     assert certificate.proven == (smallest > 0)
@@ -101,11 +101,11 @@ def test_a_sphere_that_passes_a_sphere(at: float, beside: float, length: float) 
 def test_a_head_on_approach_to_a_graze_is_proven(shape: Shape, gap: float) -> None:
     robot = slider(shape, Box(1.0, 1.0, 0.1), np.array([0.0, 0.0, 0.1 + 0.4]))
     q0, touch = np.array([0.0]), np.array([0.4])
-    certificate = judge(robot, quintic(robot.group, q0, touch - gap, 1.0))
+    certificate = certificate_of(robot, quintic(robot.group, q0, touch - gap, 1.0))
     assert certificate.proven
     assert certificate.observed_clearance == pytest.approx(gap, abs=1e-6)
     for beyond in (0.0, gap):
-        refused = judge(robot, quintic(robot.group, q0, touch + beyond, 1.0))
+        refused = certificate_of(robot, quintic(robot.group, q0, touch + beyond, 1.0))
         assert not refused.proven
         assert clearance_of(refused).where == "robot::link0-thing"
 
@@ -121,7 +121,7 @@ def test_a_contact_that_lasts_is_refused_at_once() -> None:
 def test_a_fast_pass_through_a_thin_plate_is_caught_anywhere() -> None:
     for at in np.linspace(-0.9, 0.9, 13):
         robot = slider(Box(0.02, 0.02, 0.02), Box(1.0, 1.0, 0.001), np.array([0.0, 0.0, at]))
-        certificate = judge(robot, quintic(robot.group, -np.ones(1), np.ones(1), 0.02))
+        certificate = certificate_of(robot, quintic(robot.group, -np.ones(1), np.ones(1), 0.02))
         check = clearance_of(certificate)
         assert not check.passed
         assert check.value <= check.bound
@@ -142,32 +142,32 @@ def test_half_spaces_are_measured_against_every_shape(name: str) -> None:
     shape, below = GROUND_SHAPES[name]
     robot = slider(shape, HalfSpace(), np.array([0.3, 0.2, -1.0]))
     down = quintic(robot.group, np.zeros(1), np.array([-0.5]), 1.0)
-    certificate = judge(robot, down)
+    certificate = certificate_of(robot, down)
     assert certificate.proven
     assert certificate.observed_clearance == pytest.approx(0.5 - below, abs=1e-9)
     deep = quintic(robot.group, np.zeros(1), np.array([-1.0]), 1.0)
-    assert clearance_of(judge(robot, deep)).value == pytest.approx(-below, abs=1e-9)
+    assert clearance_of(certificate_of(robot, deep)).value == pytest.approx(-below, abs=1e-9)
 
 
 def test_pairs_have_their_own_margins() -> None:
     robot = slider(Sphere(0.05), Sphere(0.1), np.array([0.2, 0.0, 0.3]))
     passing = quintic(robot.group, np.zeros(1), np.array([0.6]), 1.0)
     pair = ("robot::link0", "thing")
-    assert judge(robot, passing, PairMargins(0.049)).proven
-    refused = judge(robot, passing, PairMargins(0.051))
+    assert certificate_of(robot, passing, PairMargins(0.049)).proven
+    refused = certificate_of(robot, passing, PairMargins(0.051))
     assert clearance_of(refused).bound == 0.051
     assert clearance_of(refused).value < 0.051
-    assert judge(robot, passing, PairMargins(0.051, {pair: 0.049})).proven
-    assert not judge(robot, passing, PairMargins(0.0, {pair: 0.051})).proven
+    assert certificate_of(robot, passing, PairMargins(0.051, {pair: 0.049})).proven
+    assert not certificate_of(robot, passing, PairMargins(0.0, {pair: 0.051})).proven
     exact = quintic(robot.group, np.array([0.3]), np.array([0.9]), 1.0)
-    assert judge(robot, exact, PairMargins(0.05)).proven
+    assert certificate_of(robot, exact, PairMargins(0.05)).proven
 
 
-def test_what_the_group_does_not_move_is_looked_at_once() -> None:
+def test_static_pairs_are_measured_once() -> None:
     def beside(distance: float) -> Robot:
         builder = Builder()
         builder.link(P, Sphere(0.05))
-        # A second robot that stands still: the mimic joint of nobody in the group.
+        # A second robot that stands still: its mimic joint follows no joint of the group.
         builder.link(P, Sphere(0.05), None, RigidTransform(np.array([2.0, 0.0, 0.0])))
         builder.obstacle(
             "thing", Sphere(0.05), RigidTransform(np.array([2.1 + distance, 0.0, 0.0]))
@@ -179,7 +179,7 @@ def test_what_the_group_does_not_move_is_looked_at_once() -> None:
     for distance, proven in ((0.02, True), (0.005, False), (-0.01, False)):
         robot = beside(distance)
         moving = quintic(robot.group, np.zeros(1), np.ones(1), 1.0)
-        certificate = judge(robot, moving, PairMargins(0.01))
+        certificate = certificate_of(robot, moving, PairMargins(0.01))
         assert certificate.proven is proven
         if not proven:
             check = clearance_of(certificate)
@@ -201,7 +201,7 @@ def test_followers_count_as_moving() -> None:
     for multiplier, proven in ((-0.5, True), (-0.79, True), (-0.81, False), (-2.0, False)):
         robot = jaw(multiplier)
         opening = quintic(robot.group, np.array([0.03]), np.array([0.1]), 1.0)
-        assert judge(robot, opening).proven is proven
+        assert certificate_of(robot, opening).proven is proven
 
 
 @pytest.mark.parametrize("kind", [PLANAR, FLOATING])
@@ -223,13 +223,15 @@ def test_a_bar_that_turns_beside_a_wall(kind: Any) -> None:
         q1 = np.array([0.0, 0.0, 1.2]) if kind is PLANAR else np.concatenate([turned, np.zeros(3)])
         # A corner is nearest to the wall at pi/2 - 0.165 = 1.406 rad; the motion turns 1.68 rad.
         turning = quintic(robot.group, q0, q1, 2.0)
-        certificate = judge(robot, replace(turning, coefficients=turning.coefficients * 1.4))
+        certificate = certificate_of(
+            robot, replace(turning, coefficients=turning.coefficients * 1.4)
+        )
         assert certificate.proven is proven
         if proven:
             assert certificate.observed_clearance == pytest.approx(gap, abs=1e-3)
 
 
-def test_no_time_is_no_verdict() -> None:
+def test_without_time_there_is_no_verdict() -> None:
     robot = slider(Sphere(0.05), Sphere(0.1), np.array([0.2, 0.0, 0.3]))
     request = robot.request(quintic(robot.group, np.zeros(1), np.ones(1), 1.0), NO_MARGIN)
     with pytest.raises(DeadlineExceeded):
@@ -239,7 +241,7 @@ def test_no_time_is_no_verdict() -> None:
 
 
 def test_a_deadline_ends_a_long_proof() -> None:
-    # A wheel that spins beside a wall: nothing comes nearer, but a bound on turning does not know.
+    # A wheel that spins beside a wall: its distance is constant, but the motion bounds grow.
     builder = Builder()
     builder.link(FLOATING, Cylinder(0.1, 0.1))
     builder.obstacle("wall", Box(0.1, 1.0, 1.0), RigidTransform(np.array([0.15001, 0.0, 0.0])))
@@ -249,15 +251,15 @@ def test_a_deadline_ends_a_long_proof() -> None:
     clock = FakeClock(step=0.0625)
     with pytest.raises(DeadlineExceeded):
         certify(robot.model, request, Deadline.after(0.5, clock))
-    # It stopped at the first look at the clock that showed the end.
+    # It stopped at the first check of the clock after the deadline.
     assert clock.now == 0.5625
 
 
-def test_nothing_to_hit_is_infinitely_clear() -> None:
+def test_without_obstacles_clearance_is_infinite() -> None:
     builder = Builder()
     builder.link(P, Sphere(0.05))
     robot = builder.build()
-    certificate = judge(robot, quintic(robot.group, np.zeros(1), np.ones(1), 1.0))
+    certificate = certificate_of(robot, quintic(robot.group, np.zeros(1), np.ones(1), 1.0))
     assert certificate.proven
     assert certificate.observed_clearance == np.inf
     assert certificate.pair == ("", "")
@@ -270,11 +272,11 @@ def test_two_bodies_that_move_towards_each_other(meeting: float, proven: bool) -
         builder.link(P, Sphere(0.05), None, RigidTransform(np.array([0.0, 0.0, at])))
     robot = builder.build()
     together = quintic(robot.group, np.zeros(2), np.array([meeting, -meeting]), 1.0)
-    certificate = judge(robot, together)
+    certificate = certificate_of(robot, together)
     assert certificate.proven is proven
     # There and back: both ends are far apart, and so is every instant but the middle one.
     back = np.concatenate([together.coefficients, together.coefficients])
     back[1] *= -1
     bases = np.stack([np.zeros(2), np.array([meeting, -meeting])])
     there_and_back = TimedTrajectory(together.joints, np.array([0.0, 1.0, 2.0]), bases, back)
-    assert judge(robot, there_and_back).proven is proven
+    assert certificate_of(robot, there_and_back).proven is proven

@@ -1,4 +1,4 @@
-"""What a proof survives: nothing that is nearer than that is ever hit."""
+"""Robustness: errors of obstacles and joints within the reported ones cause no contact."""
 
 from dataclasses import replace
 
@@ -73,7 +73,7 @@ def test_a_pointer_that_turns_towards_a_wall_survives_the_gap_over_its_length(
     assert 0.97 * hits <= found.joint_error < hits
 
 
-def test_what_is_far_from_everything_is_told_up_to_a_bound() -> None:
+def test_large_reserves_are_reported_up_to_a_bound() -> None:
     builder = Builder()
     builder.link(P, Sphere(0.05))
     builder.obstacle("far", Sphere(0.1), RigidTransform(9.0 * DOWN))
@@ -142,7 +142,7 @@ def displaced_hits(world: World, name: str, motion: TimedTrajectory, error: floa
 
 
 @pytest.mark.campaign
-def test_bundled_scenes_survive_what_is_told_and_not_much_more() -> None:
+def test_bundled_scenes_tolerate_the_reported_errors_and_little_more() -> None:
     motions, hit = sound_motions(num_cases(3), 8 + PROFILE.seed), 0
     for sound in motions:
         request = replace(sound.request, options=ASKED)
@@ -159,7 +159,7 @@ def test_bundled_scenes_survive_what_is_told_and_not_much_more() -> None:
     assert hit >= len(motions) / 3
 
 
-def test_nothing_is_told_of_what_is_not_proven_or_not_asked() -> None:
+def test_robustness_is_reported_only_if_proven_and_requested() -> None:
     world = bundled_world("ur5e_pickup")
     (sound,) = sound_motions(1, 8)
     deadline = no_hurry(30.0)

@@ -1,4 +1,4 @@
-"""Where a proof of clearance stops: the first instant, whatever is worst."""
+"""The first unproven instant of a clearance proof, which need not be the worst one."""
 
 from typing import Any
 
@@ -46,7 +46,7 @@ def gauntlet() -> Robot:
 
 
 def when(motion: TimedTrajectory, position: float) -> float:
-    """Return when a motion of one joint that only rises gets there."""
+    """Return the instant at which a rising motion of one joint reaches a height."""
     times = np.linspace(0.0, motion.duration, 400_001)
     return float(np.interp(position, motion.positions(times)[:, 0], times))
 
@@ -68,7 +68,7 @@ def test_it_is_the_first_contact_not_the_deepest(margin: float) -> None:
 
 @given(seed=st.integers(0, 100_000))
 @settings(max_examples=num_cases(3))
-def test_until_then_it_is_proven_and_then_it_is_not(seed: int) -> None:
+def test_the_motion_is_proven_until_then_and_not_after(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=1, num_obstacles=2)
     trajectory = random_trajectory(rng, robot.group, 1, 0.4)
@@ -85,14 +85,14 @@ def test_until_then_it_is_proven_and_then_it_is_not(seed: int) -> None:
             assert quick_clearance(robot.model, request, patient()).check.passed == passes
 
 
-def test_what_begins_in_contact_is_proven_until_its_beginning() -> None:
+def test_a_motion_that_begins_in_contact_is_proven_until_time_zero() -> None:
     robot = gauntlet()
     certificate = located(robot, quintic(robot.group, np.array([1.0]), np.zeros(1), 1.0))
     assert certificate.proven_until == 0
     assert set(certificate.first_unproven.bodies) == {"robot::link0", "block"}
 
 
-def test_short_of_time_it_tells_what_was_proven_until_then() -> None:
+def test_at_the_deadline_the_time_proven_so_far_is_reported() -> None:
     robot = gauntlet()
     motion = quintic(robot.group, np.zeros(1), np.ones(1), 4.0)
     exact = located(robot, motion)

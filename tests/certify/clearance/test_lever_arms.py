@@ -1,4 +1,4 @@
-"""No point moves farther per change of a joint than its lever, whatever the configuration."""
+"""No point moves farther per joint displacement than its lever arm, at any configuration."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ from tests.certify.clearance.test_motion_bounds import poses
 from tests.profiles import num_cases
 
 
-def asked(robot: Robot, reach: float, rng: np.random.Generator) -> CertifyRequest:
+def request_of(robot: Robot, reach: float, rng: np.random.Generator) -> CertifyRequest:
     request = robot.request(random_trajectory(rng, robot.group, 2, 0.3), PairMargins(0.0))
     far = np.full(robot.group.num_positions, reach)
     return replace(request, limits=replace(request.limits, lower=-far, upper=far))
@@ -28,10 +28,10 @@ def asked(robot: Robot, reach: float, rng: np.random.Generator) -> CertifyReques
 
 @given(seed=st.integers(0, 100_000))
 @settings(max_examples=num_cases(8))
-def test_no_pair_comes_nearer_than_levers_say(seed: int) -> None:
+def test_no_pair_approaches_by_more_than_its_lever_arms_allow(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=4, num_obstacles=1)
-    levers = lever_arms_of(robot.model, asked(robot, 2.0, rng))
+    levers = lever_arms_of(robot.model, request_of(robot, 2.0, rng))
     if any(joint.type is FLOATING for joint in robot.group.joints):
         assert np.isinf(levers).any()
         return
@@ -56,7 +56,7 @@ def test_the_lever_of_an_arm_is_its_length() -> None:
     builder.link(R, Sphere(0.05))
     builder.link(P, Sphere(0.05), 0, ahead, axis=np.array([1.0, 0.0, 0.0]))
     builder.link(R, Sphere(0.1), 1, ahead, x_bg=RigidTransform(np.array([0.3, 0.0, 0.0])))
-    request = asked(robot := builder.build(), 0.2, np.random.default_rng(0))
+    request = request_of(robot := builder.build(), 0.2, np.random.default_rng(0))
     levers = lever_arms_of(robot.model, request)
     # 0.4 ahead, at most 0.4 from one limit of the slide to the other, 0.4 and 0.3 more, a radius.
     assert levers == pytest.approx([0.4 + 0.4 + 0.4 + 0.3 + 0.1, 1.0, 0.3 + 0.1])
@@ -64,7 +64,7 @@ def test_the_lever_of_an_arm_is_its_length() -> None:
 
 @given(seed=st.integers(0, 100_000))
 @settings(max_examples=num_cases(8))
-def test_deviations_bound_what_a_fine_loop_sees(seed: int) -> None:
+def test_deviations_bound_those_at_dense_samples(seed: int) -> None:
     rng = np.random.default_rng(seed)
     builder = Builder()
     for kind in (R, P, JointType.PLANAR):

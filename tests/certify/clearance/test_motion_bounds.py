@@ -1,4 +1,4 @@
-"""No point moves farther than its bound, whatever the chain and the motion."""
+"""No point moves farther than its bound, for any chain and motion."""
 
 from typing import Any
 

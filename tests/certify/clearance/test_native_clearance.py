@@ -80,7 +80,7 @@ def placed(robot: Robot, shapes: CollisionShapes, q: np.ndarray) -> tuple[np.nda
 def distance(
     shapes: CollisionShapes, at: tuple[np.ndarray, np.ndarray], a: int, b: int
 ) -> tuple[float, float]:
-    """Return two bounds on a distance, by the Python search, and the spheres' middles' distance."""
+    """Return both bounds on a distance, by the Python search, and the distance of the centres."""
     R_WG, p_wg = at
 
     def support(n: np.ndarray) -> np.ndarray:
@@ -93,11 +93,11 @@ def distance(
 
 
 def check_bounds(robot: Robot, trajectory: TimedTrajectory, halvings: list[int]) -> None:
-    """Hold what is proven on a segment against the distances at some instants in it."""
+    """Compare the bounds on a segment with the distances at some instants in it."""
     request = robot.request(trajectory, PairMargins(0.0))
     scene, shapes = scene_of(robot), collision_shapes(robot.model)
-    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
-    begin, end, middle, rows = judge.bounds(halvings)
+    native_prover = prover(scene, robot.model, request, scene.pair_margins(request.margins))
+    begin, end, middle, rows = native_prover.bounds(halvings)
     assert begin < middle < end
     at_middle = placed(robot, shapes, trajectory.positions(np.array([middle]))[0])
     for q in trajectory.positions(np.linspace(begin, end - 1e-9, 7)):
@@ -123,7 +123,7 @@ def test_no_pair_is_nearer_than_its_bounds(seed: int, halvings: list[int]) -> No
 
 @given(seed=st.integers(0, 100_000), kind=st.sampled_from([P, R, PLANAR, FLOATING]))
 @settings(max_examples=num_cases(6))
-def test_nor_over_many_pieces_that_are_torn_apart(seed: int, kind: JointType) -> None:
+def test_no_pair_is_nearer_than_its_bounds_over_disjoint_pieces(seed: int, kind: JointType) -> None:
     rng = np.random.default_rng(seed)
     builder = Builder()
     builder.link(kind, Box(0.8, 0.05, 0.05))
@@ -158,8 +158,8 @@ def test_a_lever_that_swings_over_a_face_is_bounded_to_second_order(turned: floa
     swing = quintic(robot.group, np.array([-turned]), np.array([turned]), 1.0)
     request = robot.request(swing, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
-    ((_, lower, along),) = judge.bounds([])[3]
+    native_prover = prover(scene, robot.model, request, scene.pair_margins(request.margins))
+    ((_, lower, along),) = native_prover.bounds([])[3]
     nearest = np.cos(turned) - 0.05 - 0.6
     assert nearest - turned**4 <= along <= nearest
     assert lower == pytest.approx(1.0 - 0.05 - 0.6 - 2 * np.sin(turned / 2))
@@ -173,9 +173,9 @@ def test_the_bounds_close_in_on_the_distance(seed: int) -> None:
     trajectory = random_trajectory(rng, robot.group, 2, 0.3)
     request = robot.request(trajectory, PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
+    native_prover = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     # The direct bound halves with the segment, the other one's slack is quartered.
-    coarse, fine = (judge.bounds([0] + [1] * count)[3] for count in (9, 12))
+    coarse, fine = (native_prover.bounds([0] + [1] * count)[3] for count in (9, 12))
     assert (fine[:, 0] <= coarse[:, 0] / 4 + 1e-9).all()
     known = np.isfinite(fine[:, 2])
     assume(known.any())
@@ -192,7 +192,7 @@ def test_both_proofs_agree_on_random_robots(seed: int, margin: float) -> None:
     ours, theirs = natively(robot, request), in_python(robot, request)
     refused = [found.check for found in (ours, theirs) if not found.check.passed]
     if len(refused) == 1:
-        # Only what one of them could not decide may the other one prove.
+        # The verdicts may differ only where one of them is undecided.
         assert refused[0].resolution > 0
     for check in refused:
         assert check.value - check.resolution <= check.bound
@@ -251,7 +251,7 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
     turned = np.array([np.cos(1.0), 0.0, 0.0, np.sin(1.0), 0.0, 0.0, 0.0])
     request = robot.request(quintic(robot.group, np.eye(7)[0], turned, 1.0), PairMargins(0.0))
     scene = scene_of(robot)
-    judge = prover(scene, robot.model, request, scene.pair_margins(request.margins))
+    native_prover = prover(scene, robot.model, request, scene.pair_margins(request.margins))
     calls: list[int] = []
 
     def interrupt() -> None:
@@ -261,10 +261,10 @@ def test_what_the_interruption_raises_ends_the_proof() -> None:
             raise RuntimeError(message)
 
     with pytest.raises(RuntimeError, match="enough"):
-        judge.prove(interrupt)
+        native_prover.prove(interrupt)
     assert len(calls) == 3
     # And the same prover goes on to prove it.
-    assert judge.prove(lambda: None).outcome.name == "PROVEN"
+    assert native_prover.prove(lambda: None).outcome.name == "PROVEN"
 
 
 def test_margins_of_all_pairs_at_once_are_those_of_each() -> None:

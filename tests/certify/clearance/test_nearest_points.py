@@ -20,15 +20,15 @@ from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Robot, random_robot, random_trajectory
 from tests.certify.clearance.test_clearance_check import slider
+from tests.certify.clearance.test_separation import parallel_boxes
 from tests.certify.conftest import quintic, request_for
-from tests.certify.test_separation import parallel_boxes
 from tests.clocks import no_hurry
 from tests.profiles import num_cases
 
 pytestmark = pytest.mark.usefixtures("implementation")
 
 
-def judge(robot: Robot, trajectory: TimedTrajectory) -> Certificate:
+def certificate_of(robot: Robot, trajectory: TimedTrajectory) -> Certificate:
     request = robot.request(trajectory, PairMargins(0.0))
     return certify(robot.model, request, no_hurry(30.0))[0]
 
@@ -59,10 +59,10 @@ def test_they_are_on_both_bodies_and_that_far_apart(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robot = random_robot(rng, num_links=3, num_obstacles=4)
     trajectory = random_trajectory(rng, robot.group, 2, 0.3)
-    certificate = judge(robot, trajectory)
+    certificate = certificate_of(robot, trajectory)
     assert certificate.points.shape == (2, 3)
     apart = float(np.linalg.norm(certificate.points[0] - certificate.points[1]))
-    # What is measured deeper than it is, by either search, is so by little.
+    # Either search may overestimate the depth, by little.
     tolerance = 2e-5 if certificate.observed_clearance > 0 else 5e-3
     assert apart == pytest.approx(abs(certificate.observed_clearance), abs=tolerance)
     assert all(excess(robot, trajectory, certificate, i) < 1e-4 for i in (0, 1))
@@ -70,7 +70,7 @@ def test_they_are_on_both_bodies_and_that_far_apart(seed: int) -> None:
 
 def test_over_a_half_space_they_are_one_above_the_other() -> None:
     robot = slider(Sphere(0.1), HalfSpace(), np.array([0.3, 0.2, -1.0]))
-    certificate = judge(robot, quintic(robot.group, np.zeros(1), np.array([-0.5]), 1.0))
+    certificate = certificate_of(robot, quintic(robot.group, np.zeros(1), np.array([-0.5]), 1.0))
     heights = dict(zip(certificate.pair, certificate.points, strict=True))
     np.testing.assert_allclose(heights["robot::link0"], [0.0, 0.0, -0.6], atol=1e-9)
     np.testing.assert_allclose(heights["thing"], [0.0, 0.0, -1.0], atol=1e-9)
@@ -78,7 +78,7 @@ def test_over_a_half_space_they_are_one_above_the_other() -> None:
 
 def test_a_distance_that_drake_overstates_is_not_shown() -> None:
     robot, pose, true = parallel_boxes()
-    certificate = judge(robot, quintic(robot.group, pose, pose + 1e-9, 1.0))
+    certificate = certificate_of(robot, quintic(robot.group, pose, pose + 1e-9, 1.0))
     apart = np.linalg.norm(certificate.points[0] - certificate.points[1])
     assert apart == pytest.approx(true, abs=1e-6)
     points = dict(zip(certificate.pair, certificate.points, strict=True))
@@ -87,7 +87,7 @@ def test_a_distance_that_drake_overstates_is_not_shown() -> None:
 
 def test_faces_that_face_each_other_have_points_in_both() -> None:
     robot = slider(Box(0.1, 0.1, 0.1), Box(1.0, 1.0, 0.1), np.array([0.0, 0.0, 0.6]))
-    certificate = judge(robot, quintic(robot.group, np.zeros(1), np.array([0.3]), 1.0))
+    certificate = certificate_of(robot, quintic(robot.group, np.zeros(1), np.array([0.3]), 1.0))
     (x, y, _), (other_x, other_y, _) = certificate.points
     assert (x, y) == pytest.approx((other_x, other_y), abs=1e-9)
     assert max(abs(x), abs(y)) <= 0.05 + 1e-9
@@ -107,19 +107,19 @@ def test_our_own_search_finds_those_of_balls(seed: int) -> None:
         for c, r in zip(centers, radii, strict=True)
     ]
     found = closest_points(*balls, -between)
-    wanted = [centers[0] + radii[0] * unit, centers[1] - radii[1] * unit]
-    np.testing.assert_allclose(found, wanted, atol=1e-4)
+    expected = [centers[0] + radii[0] * unit, centers[1] - radii[1] * unit]
+    np.testing.assert_allclose(found, expected, atol=1e-4)
 
 
 def test_without_a_pair_there_are_none() -> None:
     rng = np.random.default_rng(1)
     robot = random_robot(rng, num_links=1, num_obstacles=0)
-    certificate = judge(robot, random_trajectory(rng, robot.group, 1, 0.3))
+    certificate = certificate_of(robot, random_trajectory(rng, robot.group, 1, 0.3))
     assert certificate.points.shape == (0, 3)
 
 
 def test_of_two_bodies_all_shapes_are_measured(urdf_world: Callable[..., World]) -> None:
-    """The proof may have met a pair of shapes of theirs that is not the nearest."""
+    """The proof may have measured a pair of their shapes that is not the nearest."""
     near, far = (
         f'<collision><origin xyz="{x} 0 0"/><geometry><sphere radius="0.1"/></geometry></collision>'
         for x in (0.3, -0.3)
@@ -134,9 +134,9 @@ def test_of_two_bodies_all_shapes_are_measured(urdf_world: Callable[..., World])
         (*model.plant.GetCollisionGeometriesForBody(model.plant.get_body(model.bodies[name])),)
         for name in ("r::a", "o")
     ]
-    told = WitnessPoint((shapes[0][0], shapes[1][0]), ("r::a", "o"), 0.9, 0.0)
-    points, distance = nearest_points(model, request, told)
+    witness = WitnessPoint((shapes[0][0], shapes[1][0]), ("r::a", "o"), 0.9, 0.0)
+    points, distance = nearest_points(model, request, witness)
     assert distance == pytest.approx(0.3, abs=1e-6)
     np.testing.assert_allclose(points[:, 0], [0.4, 0.7], atol=1e-6)
-    back = replace(told, shapes=told.shapes[::-1], bodies=told.bodies[::-1])
+    back = replace(witness, shapes=witness.shapes[::-1], bodies=witness.bodies[::-1])
     np.testing.assert_allclose(nearest_points(model, request, back)[0], points[::-1], atol=1e-6)

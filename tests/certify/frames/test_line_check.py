@@ -1,4 +1,4 @@
-"""The line check: its value bounds what is off at every instant, and is not much more."""
+"""The line check: its value bounds the deviation at every instant, tightly."""
 
 from dataclasses import replace
 
@@ -31,9 +31,9 @@ def checks_of(
     allowed: tuple[float, float] = (0.05, 0.3),
 ) -> dict[str, Check]:
     section = LineSection(line, 0.0, request.trajectory.duration, *allowed)
-    asked = replace(request, lines=(section,))
+    limited = replace(request, lines=(section,))
     deadline = no_hurry(30)
-    return {check.name: check for check in line_checks(world.drake, asked, deadline)}
+    return {check.name: check for check in line_checks(world.drake, limited, deadline)}
 
 
 def between_ends(world: World, name: str, frame: str, motion: TimedTrajectory) -> ToolLine:
@@ -53,8 +53,8 @@ def measured(
     fractions = (x[:, :3, 3] - line.begin.position) @ line.translation / line.length**2
     nearest = line.begin.position + np.clip(fractions, 0, 1)[:, None] * line.translation
     turned = rotation.exp(fractions[:, None] * line.rotation_vector)
-    wanted = rotation.matrix(rotation.multiply(line.begin.quaternion[None], turned))
-    cosines = (np.einsum("nij,nij->n", x[:, :3, :3], wanted) - 1) / 2
+    expected = rotation.matrix(rotation.multiply(line.begin.quaternion[None], turned))
+    cosines = (np.einsum("nij,nij->n", x[:, :3, :3], expected) - 1) / 2
     turns = np.arccos(np.clip(cosines, -1, 1))
     return float(np.linalg.norm(x[:, :3, 3] - nearest, axis=1).max()), float(turns.max())
 
@@ -69,7 +69,7 @@ def measured(
 )
 @given(seed=st.integers(0, 200))
 @settings(max_examples=num_cases(2))
-def test_values_bound_what_is_off_at_every_instant_and_little_more(
+def test_values_bound_the_deviation_at_every_instant_tightly(
     scene: str, name: str, frame: str, size: float, seed: int
 ) -> None:
     world = bundled_world(scene)
@@ -107,7 +107,7 @@ def test_a_motion_on_its_line_passes_and_beside_it_fails() -> None:
     assert bad["line"].value == pytest.approx(2e-3, rel=0.05)
 
 
-def test_a_turn_on_the_spot_must_keep_its_axis() -> None:
+def test_a_pure_rotation_must_keep_its_axis() -> None:
     world = bundled_world("window_3d")
     group = world.group("body")
     manifold, q0 = Manifold(group.joints), world.positions(group)
@@ -120,7 +120,7 @@ def test_a_turn_on_the_spot_must_keep_its_axis() -> None:
     assert found["line rotation"].value > 0.25
 
 
-def test_without_lines_nothing_is_asked_and_with_one_the_certificate_says_so() -> None:
+def test_line_checks_exist_only_with_lines() -> None:
     world = bundled_world("window_3d")
     group = world.group("body")
     q0 = world.positions(group)
@@ -134,7 +134,7 @@ def test_without_lines_nothing_is_asked_and_with_one_the_certificate_says_so() -
     line = between_ends(world, "body", "body::body", motion)
     wrong = ToolLine(line.frame, line.end, line.end)
     section = LineSection(wrong, 0.0, motion.duration, 1e-3, 1e-2)
-    asked = replace(request, lines=(section,))
-    refused, _ = certify(world.drake, asked, deadline)
+    limited = replace(request, lines=(section,))
+    refused, _ = certify(world.drake, limited, deadline)
     assert not refused.proven
     assert [check.name for check in refused.failed] == ["line"]

@@ -1,4 +1,4 @@
-"""Speeds and accelerations of frames: what the checks say bounds what is so at every instant."""
+"""Speeds and accelerations of frames: the values of the checks hold at every instant."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -23,7 +23,7 @@ from planning.domain.robot.joints import JointType
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 from tests.certify.chains import Builder, random_trajectory
-from tests.certify.conftest import judged, quintic, request_for
+from tests.certify.conftest import certificate_of, quintic, request_for
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.profiles import num_cases
@@ -62,8 +62,8 @@ def test_values_bound_the_peaks_and_are_hardly_more(
     scene: str, name: str, frame: str, seed: int
 ) -> None:
     world, request = moving(scene, name, seed)
-    asked = replace(request, tool_limits=(ToolLimit(frame, 50.0, 500.0),))
-    found = checks_of(world, asked)
+    limited = replace(request, tool_limits=(ToolLimit(frame, 50.0, 500.0),))
+    found = checks_of(world, limited)
     times = np.linspace(0, request.trajectory.duration, 4000)
     p = positions(world, request, frame, times)
     speeds = np.linalg.norm(np.diff(p, axis=0), axis=1) / times[1]
@@ -95,7 +95,7 @@ def test_bounds_on_derivatives_hold_at_every_instant(
 
 @given(rate=st.floats(0.1, 5.0), arm=st.floats(0.05, 1.0))
 @settings(max_examples=num_cases(5))
-def test_of_one_arm_that_turns_evenly_the_bounds_are_exact(rate: float, arm: float) -> None:
+def test_bounds_of_one_arm_at_constant_rate_are_exact(rate: float, arm: float) -> None:
     """|p^(m)| = rate^m arm."""
     builder = Builder()
     builder.link(JointType.REVOLUTE, Sphere(0.1), x_bm=RigidTransform(np.array([arm, 0, 0])))
@@ -112,16 +112,16 @@ def test_of_one_arm_that_turns_evenly_the_bounds_are_exact(rate: float, arm: flo
 
 
 @pytest.mark.parametrize("size", [1e30, 1e100, 1e200])
-def test_monstrous_motions_are_refused_and_raise_nothing(size: float) -> None:
+def test_huge_motions_are_refused_without_an_error(size: float) -> None:
     world, request = moving("ur5e_pickup", "arm", 3)
     motion = replace(request.trajectory, coefficients=request.trajectory.coefficients * size)
-    asked = replace(
+    limited = replace(
         request,
         trajectory=motion,
         tool_limits=(ToolLimit("arm::tcp", 1.0, 1.0),),
         speed_zones=(SpeedZone("slow", "arm::tcp", PlacedBox(np.full(3, 9.0)), 1.0),),
     )
-    assert not any(check.passed for check in checks_of(world, asked).values())
+    assert not any(check.passed for check in checks_of(world, limited).values())
 
 
 def test_states_are_the_derivatives_of_positions() -> None:
@@ -153,8 +153,8 @@ def test_a_straight_motion_has_the_speed_of_its_polynomial() -> None:
     world, request = straight(0.4, 2.0)
     peak = 30 / 16 * 0.4 / 2.0
     for limit, passes in ((peak * 1.001, True), (peak * 0.999, False)):
-        asked = replace(request, tool_limits=(ToolLimit("body::body", limit),))
-        check = checks_of(world, asked)["tool_speed body::body"]
+        limited = replace(request, tool_limits=(ToolLimit("body::body", limit),))
+        check = checks_of(world, limited)["tool_speed body::body"]
         assert check.passed is passes
         assert check.value == pytest.approx(peak, rel=2e-3)
         assert check.time == pytest.approx(1.0, abs=0.1)
@@ -167,10 +167,10 @@ def test_a_zone_counts_only_while_the_origin_is_in_it(where: float, passes: bool
     q = request.trajectory.positions(np.array([2.0 * where]))[0]
     box = PlacedBox(np.array([0.02, 0.02, 0.02]), Pose.from_parts(q[4:]))
     zone = SpeedZone("slow", "body::body", box, 0.2)
-    asked = replace(request, speed_zones=(zone,))
-    check = checks_of(world, asked)["speed_zone slow"]
+    limited = replace(request, speed_zones=(zone,))
+    check = checks_of(world, limited)["speed_zone slow"]
     assert check.passed is passes
-    certificate = judged(world, asked)
+    certificate = certificate_of(world, limited)
     assert ("speed_zone slow" in [failed.name for failed in certificate.failed]) is not passes
 
 
@@ -179,8 +179,8 @@ def test_a_zone_that_is_only_grazed_does_not_count() -> None:
     middle = request.trajectory.positions(np.array([1.0]))[0][4:]
     beside = middle + np.array([0.0, 0.0105, 0.0])
     box = PlacedBox(np.array([0.02, 0.02, 0.02]), Pose.from_parts(beside))
-    asked = replace(request, speed_zones=(SpeedZone("slow", "body::body", box, 0.01),))
-    assert checks_of(world, asked)["speed_zone slow"].passed
+    limited = replace(request, speed_zones=(SpeedZone("slow", "body::body", box, 0.01),))
+    assert checks_of(world, limited)["speed_zone slow"].passed
 
 
 def test_acceleration_bounds_count_by_sign() -> None:
@@ -198,7 +198,7 @@ def test_acceleration_bounds_count_by_sign() -> None:
         ((-0.999 * peak, 10.0), False),
         ((-10.0, 0.999 * peak), False),
     ):
-        certificate = judged(world, replace(request, acceleration_bounds={name: bounds}))
+        certificate = certificate_of(world, replace(request, acceleration_bounds={name: bounds}))
         failed = {check.name: check for check in certificate.failed}
         assert ("acceleration" not in failed) is passes
         if not passes:

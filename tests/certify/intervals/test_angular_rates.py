@@ -1,4 +1,4 @@
-"""Angular rates are bounded, and hardly more than bounded."""
+"""Bounds on angular rates hold, and are tight."""
 
 import numpy as np
 import pytest
@@ -54,21 +54,21 @@ def test_the_piece_of_the_peak_is_named() -> None:
     assert 0 <= fraction <= 1
 
 
-def test_a_turn_about_one_axis_has_the_tangents_rates() -> None:
+def test_a_rotation_about_one_axis_has_the_tangents_rates() -> None:
     axis = np.array([1.0, 2.0, 2.0]) / 3
     coefficients = (np.array([0.3, 1.0, 0.5, -0.2])[:, None] * axis)[None]
     bound, _, _ = angular_peak(coefficients, np.ones(1), 1, 1e-8)
     assert bound == pytest.approx(1.0 + 2 * 0.5 * (5 / 6) - 0.6 * (5 / 6) ** 2, abs=1e-6)
 
 
-def test_an_even_turn_of_many_rounds_does_not_speed_up() -> None:
+def test_a_rotation_of_many_turns_at_constant_rate_has_no_acceleration() -> None:
     coefficients = np.array([[[0.0, 0.0, 0.0], [40.0, 1.0, 0.0]]])
     assert angular_peak(coefficients, np.ones(1), 2, 1e-6)[0] == pytest.approx(0, abs=1e-5)
 
 
 @given(seed=st.integers(0, 10_000), far=st.floats(3.0, 60.0))
-def test_far_turns_are_bounded_closely(seed: int, far: float) -> None:
-    """About an axis that moves, from one angle of many rounds to another."""
+def test_large_rotations_are_bounded_tightly(seed: int, far: float) -> None:
+    """About a moving axis, between two angles of many whole turns."""
     rng = np.random.default_rng(seed)
     coefficients = rng.normal(0.0, 1.0, (5, 3))
     coefficients[0] *= far / np.linalg.norm(coefficients[0])
@@ -91,7 +91,7 @@ def exact_rates(coefficients: np.ndarray) -> list[np.ndarray]:
 
 
 @given(seed=st.integers(0, 10_000), angle=st.floats(1.5, 4.5))
-def test_both_series_of_angular_velocity_are_one(seed: int, angle: float) -> None:
+def test_both_series_of_angular_velocity_agree(seed: int, angle: float) -> None:
     delta = np.random.default_rng(seed).normal(size=(1, 9, 3))
     delta[:, 0] *= angle / np.linalg.norm(delta[:, 0])
     summed = velocity_series(skew(delta), delta, -1.0)

@@ -1,4 +1,4 @@
-"""Angular rates of bodies that turn far, or about a slowly moving axis, are never understated."""
+"""Angular rates of large rotations, or about a slowly moving axis, are never underestimated."""
 
 from pathlib import Path
 
@@ -57,7 +57,7 @@ def test_sizes_alone_bound_all_derivatives(seed: int, size: float) -> None:
 
 @given(seed=st.integers(0, 10_000), across=st.sampled_from([0.0, 1e-9, 1e-4, 1e-2]))
 @settings(max_examples=num_cases(6))
-def test_the_drift_of_an_axis_bounds_what_the_tangent_misses(seed: int, across: float) -> None:
+def test_axis_drift_bounds_the_difference_to_tangent_rates(seed: int, across: float) -> None:
     rng = np.random.default_rng(seed)
     axis = rotation.matrix(rotation.exp(rng.normal(size=(1, 3)))[0])[:, 0]
     tangent = rng.normal(0.0, 1.0, 5)[:, None] * axis + across * rng.normal(size=(5, 3))
@@ -79,7 +79,7 @@ def test_the_drift_of_an_axis_bounds_what_the_tangent_misses(seed: int, across: 
 
 
 def slow_turn(joints: tuple, duration: float, begin: float, size: float) -> object:
-    """Return a turn whose axis moves by tiny coefficients over a long piece."""
+    """Return a rotation whose axis moves by tiny coefficients over a long piece."""
     rate = np.polynomial.polynomial.polymul([0.0] * 6 + [1.0], [1.0, -2.0, 1.0])
     turn = np.polynomial.polynomial.polyint(rate)
     turn = turn / turn.sum() * size
@@ -93,10 +93,10 @@ def slow_turn(joints: tuple, duration: float, begin: float, size: float) -> obje
 
 @pytest.mark.parametrize(("duration", "size"), [(1000.0, 12.0), (1000.0, 60.0), (60.0, 12.0)])
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
-def test_a_long_piece_does_not_hide_how_its_axis_moves(
+def test_the_axis_drift_of_a_long_piece_is_detected(
     tmp_path: Path, duration: float, size: float, method: str
 ) -> None:
-    """Coefficients of a long piece are tiny where the turn is not (7.8 times the limit before)."""
+    """Coefficients of a long piece are tiny though its rotation is large (7.8 times the limit)."""
     file = tmp_path / "body.urdf"
     file.write_text(FLOATING)
     robot = {"name": "r", "model": str(file), "positions": [1, 0, 0, 0, 0, 0, 0]}

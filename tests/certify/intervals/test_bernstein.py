@@ -1,4 +1,4 @@
-"""Bernstein bounds enclose, and their peaks are the true ones."""
+"""Bernstein bounds enclose the values, and their peaks are the true ones."""
 
 import numpy as np
 import pytest
@@ -49,9 +49,7 @@ def test_peaks_are_reached(natively: bool, tolerance: float, seed: int, degree: 
 @NATIVELY
 @pytest.mark.parametrize("tolerance", [1e-7, 1e-3, 0.1])
 @given(seed=st.integers(0, 9999))
-def test_the_bound_holds_and_is_as_near_as_is_asked(
-    natively: bool, tolerance: float, seed: int
-) -> None:
+def test_the_bound_holds_within_the_tolerance(natively: bool, tolerance: float, seed: int) -> None:
     """The highest of three peaks is flat and not at an end, where others are higher."""
     rng = np.random.default_rng(seed)
     peaks = rng.uniform(0.4, 0.6, 3)
@@ -68,7 +66,7 @@ def test_the_bound_holds_and_is_as_near_as_is_asked(
 def test_with_and_without_the_native_code_peaks_are_the_same(
     seed: int, degree: int, decades: int
 ) -> None:
-    """Of rows of all sizes, some of which reach the same height within the tolerance."""
+    """Rows of all sizes, some of which have the same peak within the tolerance."""
     rng = np.random.default_rng(seed)
     forms = polynomials(seed, 8, degree, 1)[:, :, 0] * 10.0**decades
     forms[:, [0, -1]] -= 3 * 10.0**decades  # so that they peak between their ends
@@ -79,7 +77,7 @@ def test_with_and_without_the_native_code_peaks_are_the_same(
     )
     assert abs(ours - theirs) <= tolerance
     for which, fraction in ((row, at), (other, there)):
-        # The place is an end of the interval that has the peak.
+        # The fraction is an end of the interval that contains the peak.
         assert value_at(forms[which], fraction) >= max(ours, theirs) - 100 * tolerance
 
 

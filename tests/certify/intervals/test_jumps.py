@@ -1,4 +1,4 @@
-"""Jumps between pieces add up, and the proof of clearance goes where they go."""
+"""Jumps between pieces add up, and the clearance proof covers the way between them."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -45,7 +45,7 @@ def slider() -> Robot:
 
 
 def stairs(robot: Robot, order: int, jump: float, count: int, gap: float) -> TimedTrajectory:
-    """Return a motion of which the order-th derivative only jumps: up, and for rates to 0 again."""
+    """Return a motion whose order-th derivative alone jumps: up, and for rates back to 0."""
     levels = np.arange(count) * jump
     if order:
         levels = np.concatenate([levels, levels[::-1]])
@@ -90,8 +90,8 @@ def test_small_jumps_that_add_up_are_refused(
     assert all(checks[other].passed for other in others)
 
 
-def test_rounding_that_does_not_add_up_is_none() -> None:
-    """A million times what rounding does, both ways in turn."""
+def test_rounding_that_cancels_is_no_jump() -> None:
+    """A million jumps of the size of rounding, in alternating directions."""
     robot = slider()
     count = 10_000
     bases = np.where(np.arange(count) % 2, 0.9e-6, 0.0)[:, None]
@@ -106,7 +106,7 @@ CONTINUOUS = (Joint("g::c", JointType.CONTINUOUS), Joint("g::p", JointType.PLANA
 
 
 @given(st.integers(0, 9999))
-def test_anchors_lose_their_turns_and_nothing_else(seed: int) -> None:
+def test_unwrapping_changes_bases_by_whole_turns_only(seed: int) -> None:
     rng = np.random.default_rng(seed)
     joints = (*CONTINUOUS, Joint("g::f", JointType.FLOATING), Joint("g::r", JointType.REVOLUTE))
     powers = rng.normal(size=(5, 4, 11))
@@ -150,7 +150,7 @@ def across(kind: JointType) -> tuple[Robot, TimedTrajectory]:
     return robot, TimedTrajectory(robot.group.joints, np.arange(3.0), bases, powers)
 
 
-# To give up on a jump takes Drake all segments that it may look at: half a millisecond each.
+# Drake's proof of a jump fails only after its last segment: half a millisecond each.
 SEGMENTS = num_cases(400, 20_000)
 
 
@@ -163,8 +163,8 @@ def proof_of(robot: Robot, motion: TimedTrajectory, implementation: str) -> Clea
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("kind", [R, P, PLANAR, FLOATING])
-def test_what_is_in_the_way_of_a_jump_is_seen(implementation: str, kind: JointType) -> None:
-    """No place before or after is near: what is hit is on the way from the one to the other."""
+def test_an_obstacle_in_the_way_of_a_jump_is_detected(implementation: str, kind: JointType) -> None:
+    """Neither side of the jump is near the obstacle, which is on the way between them."""
     robot, motion = across(kind)
     assert not proof_of(robot, motion, implementation).check.passed
     for begin, end in pairwise(motion.breaks):

@@ -1,4 +1,4 @@
-"""What rounding may hide is bounded, against exact arithmetic, and refused where it is much."""
+"""Rounding errors are bounded, against exact arithmetic, and refused where they are large."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -58,7 +58,7 @@ def exact_value(powers: np.ndarray, t: float) -> Fraction:
 
 
 def wild(rng: np.random.Generator, degree: int) -> np.ndarray:
-    """Return powers that cancel one another, of a polynomial within 1 that rests at both ends."""
+    """Return coefficients that cancel each other: within 1, at rest at both ends."""
     controls = rng.uniform(-1, 1, degree + 1)
     controls[:2], controls[-2:] = 0.0, controls[-1]
     return powers_of(controls)
@@ -70,7 +70,7 @@ def wild(rng: np.random.Generator, degree: int) -> np.ndarray:
     width=st.sampled_from([1.0, 1.0 / 3.0, 7.0, 1e-3]),
     is_wild=st.booleans(),
 )
-def test_forms_halves_and_values_are_off_by_less(
+def test_errors_of_forms_halves_and_values_are_within_their_bounds(
     seed: int, degree: int, width: float, *, is_wild: bool
 ) -> None:
     rng = np.random.default_rng(seed)
@@ -96,12 +96,12 @@ def test_forms_halves_and_values_are_off_by_less(
         t = begin if rng.random() < 0.5 else begin + step
         value = form[0, 0, 0] if t == begin else form[0, -1, 0]
         assert abs(float(Fraction(float(value)) - exact_value(powers, t))) <= hidden
-        told = curve.positions(np.array([t]))[0, 0]
-        assert abs(float(Fraction(float(told)) - exact_value(powers, t))) <= hidden
+        computed = curve.positions(np.array([t]))[0, 0]
+        assert abs(float(Fraction(float(computed)) - exact_value(powers, t))) <= hidden
 
 
 @given(st.integers(0, 9999), st.integers(1, 12))
-def test_of_low_degree_little_is_hidden(seed: int, degree: int) -> None:
+def test_rounding_bounds_of_low_degree_are_small(seed: int, degree: int) -> None:
     powers = wild(np.random.default_rng(seed), max(degree, 4))[None, :, None]
     form = bernstein.from_power(powers, np.ones(1))
     largest = np.abs(form).max(axis=1)
@@ -131,14 +131,14 @@ def checks_of(robot: Robot, motion: TimedTrajectory, limit: float) -> dict[str, 
 @pytest.mark.usefixtures("implementation")
 @pytest.mark.parametrize("degree", [15, 25, 30, 35])
 def test_a_bound_on_positions_is_true_of_the_exact_polynomial_or_refused(degree: int) -> None:
-    """Powers of degree 35 may be half a radian off what they say."""
+    """At degree 35 rounding errors may reach half a radian."""
     robot, rng = arm(), np.random.default_rng(degree)
     for _ in range(8):
         powers = wild(rng, degree)
         checks = checks_of(robot, moving(robot, powers), 2.0)
         if "position" not in checks:
             assert not checks["form"].passed
-            assert "rounding may hide" in checks["form"].where
+            assert "rounding error" in checks["form"].where
             assert "robot::j0" in checks["form"].where
             assert str(degree) in checks["form"].where
             continue
@@ -164,8 +164,8 @@ def test_segments_hold_the_exact_polynomial(degree: int) -> None:
 
 @pytest.mark.skipif(native() is None, reason="the native code is not built")
 @pytest.mark.parametrize("degree", [15, 25, 30])
-def test_the_kernel_makes_room_for_rounding(degree: int) -> None:
-    """The shorter a segment, the less its own way counts: what is left is what rounding hides."""
+def test_the_kernel_includes_rounding(degree: int) -> None:
+    """In the limit of short segments the bounds are those of rounding errors alone."""
     robot = arm()
     powers = wild(np.random.default_rng(degree), degree)
     motion = moving(robot, powers)

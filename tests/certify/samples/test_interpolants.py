@@ -1,4 +1,4 @@
-"""What is said of samples is what the certifier says of the motion that they stand for."""
+"""The proof of interpolated samples agrees with the certificate of the interpolated motion."""
 
 from dataclasses import replace
 from functools import cache
@@ -51,11 +51,11 @@ def verdicts_on(world: World, request: CertifyRequest, samples, clearance: float
     return prove_interpolants(world.drake, request, samples, clearance, limit, errors)
 
 
-def asked_again(world: World, request: CertifyRequest, samples, kind: str):
-    """Return the certificate of what a receiver makes of samples."""
+def certified_again(world: World, request: CertifyRequest, samples, kind: str):
+    """Return the certificate of the motion that a receiver interpolates from samples."""
     made = replace(request, trajectory=interpolate_samples(samples, kind))
-    judge = certify_polyline if kind == "linear" else certify
-    return judge(world.drake, made, no_hurry(60.0))[0]
+    certifier = certify_polyline if kind == "linear" else certify
+    return certifier(world.drake, made, no_hurry(60.0))[0]
 
 
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])
@@ -77,7 +77,7 @@ def test_a_verdict_is_the_certifiers(method, sampling):
     verdicts = verdicts_on(world, request, samples, clearance)
     assert tuple(verdict.kind for verdict in verdicts) == KINDS
     for verdict in verdicts:
-        certificate = asked_again(world, request, samples, verdict.kind)
+        certificate = certified_again(world, request, samples, verdict.kind)
         assert verdict.proven == certificate.proven
         assert {check.name for check in verdict.failed} == {c.name for c in certificate.failed}
         assert ("acceleration" in verdict.unchecked) == (verdict.kind == "linear")
@@ -105,7 +105,10 @@ def test_up_to_its_period_an_interpolation_is_proven(method):
             period = verdict.up_to_period * share
             if period > 1e-3:
                 others = of(request, Sampling(period))
-                assert asked_again(world, request, others, verdict.kind).proven, (verdict, share)
+                assert certified_again(world, request, others, verdict.kind).proven, (
+                    verdict,
+                    share,
+                )
 
 
 def over_a_wall(drop: float) -> tuple[World, CertifyRequest]:
@@ -127,7 +130,7 @@ objects:
 
 
 def near_a_wall(gap: float) -> tuple[World, CertifyRequest, float]:
-    """Return a way over a wall that is proven free by so much, and its clearance."""
+    """Return a path over a wall with a proven clearance, and that clearance."""
     drop = 0.3
     for _ in range(6):
         found = certify(*_model(over_a_wall(drop)), no_hurry(60.0))[0]
@@ -143,7 +146,7 @@ def _model(of_world):
     return world.drake, request
 
 
-def test_two_points_of_a_way_around_something_are_not_proven():
+def test_two_samples_of_a_path_around_an_obstacle_are_not_proven():
     world, request, clearance = near_a_wall(0.01)
     for verdict in verdicts_on(world, request, of(request, Sampling(num_points=2)), clearance):
         assert not verdict.proven
@@ -154,17 +157,17 @@ def test_two_points_of_a_way_around_something_are_not_proven():
 
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=num_cases(6))
-def test_what_follows_from_the_motions_clearance_is_true(seed):
-    """Few points cut the way over a wall short, by as much as it has to spare or so."""
+def test_clearance_derived_from_that_of_the_motion_holds(seed):
+    """Few samples cut the path over a wall short, by about its clearance."""
     rng = np.random.default_rng(seed)
     world, request, clearance = near_a_wall(10.0 ** rng.uniform(-4, -1.5))
     samples = of(request, Sampling(num_points=2 * int(rng.integers(2, 20))))
     for verdict in verdicts_on(world, request, samples, clearance):
-        again = asked_again(world, request, samples, verdict.kind)
+        again = certified_again(world, request, samples, verdict.kind)
         assert verdict.proven == again.proven
 
 
-def test_what_there_is_no_time_for_is_not_proven():
+def test_interpolants_are_not_proven_after_the_deadline():
     world, request, _ = motion("toppra")
     samples = of(request, Sampling())
     late = verdicts_on(world, request, samples, -np.inf, after_looks(1))
@@ -174,19 +177,21 @@ def test_what_there_is_no_time_for_is_not_proven():
 
 def test_default_samples_cost_no_second_proof_of_clearance(monkeypatch):
     world, request, clearance = motion("toppra")
-    asked = []
+    clearance_calls = []
     prove = interpolants.check_clearance
     monkeypatch.setattr(
-        interpolants, "check_clearance", lambda *given: asked.append(given) or prove(*given)
+        interpolants,
+        "check_clearance",
+        lambda *given: clearance_calls.append(given) or prove(*given),
     )
     samples = of(request, Sampling())
     verdicts_on(world, request, samples, clearance)
-    assert asked == []
+    assert clearance_calls == []
     verdicts_on(world, request, samples, -np.inf)
-    assert len(asked) == len(KINDS)
+    assert len(clearance_calls) == len(KINDS)
 
 
-def test_samples_of_what_floats_can_only_be_followed_straight():
+def test_samples_of_floating_joints_are_interpolated_linearly_only():
     world = world_from("""
 robots: [{name: body, model: free_l}]
 """)

@@ -70,7 +70,7 @@ def detour(
 
 
 def just_strong_enough(world: World, request: CertifyRequest) -> CertifyRequest:
-    """Return the request with motors that the motion, and standing still, use nearly all of."""
+    """Return the request with effort limits just above what motion and rest need."""
     motion = request.trajectory
     times = np.linspace(0.0, motion.duration, 1000)
     rates = motion.positions(times), motion.velocities(times), motion.accelerations(times)
@@ -86,7 +86,7 @@ type Ride = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def ridden(cells: MotionCells, first: int) -> tuple[Ride, float]:
-    """Ride the hardest stop from a cell on: instants of the motion, s'^2 and x, and the time.
+    """Follow the hardest stop from a cell on: instants of the motion, s'^2 and x, and the time.
 
     The time is infinite where the ride meets a cell that leaves no way on.
     """
@@ -151,15 +151,15 @@ def test_hardest_stops_keep_them_at_every_instant(
         first = int(start * len(cells.begins))
         ride, clock = ridden(cells, first)
         assert use(world, request, ride) <= ALLOWED
-        told = float(hardest_stops(cells).times[first])
+        reported = float(hardest_stops(cells).times[first])
         left = request.trajectory.duration - float(cells.begins[first])
-        assert told == pytest.approx(min(clock, left), rel=1e-9)
+        assert reported == pytest.approx(min(clock, left), rel=1e-9)
 
     kept()
 
 
 @pytest.mark.parametrize("effort", [True, False])
-def test_a_stop_that_knows_no_such_limit_breaks_it(effort: bool) -> None:
+def test_stops_without_these_constraints_violate_them(effort: bool) -> None:
     world, request = detour(3, "toppra", effort=effort)
     cells = loaded(world, request)
     use = torque_use if effort else frame_use
@@ -171,7 +171,7 @@ def test_a_stop_that_knows_no_such_limit_breaks_it(effort: bool) -> None:
         kept = max(kept, use(world, request, ridden(cells, first)[0]))
     assert kept <= ALLOWED
     assert worst > 1.05
-    # They use what there is.
+    # They use the full limits.
     assert kept > 0.97
 
 
@@ -233,8 +233,8 @@ def pendulum(urdf_world: Callable[..., World], damping: float) -> tuple[World, C
 
 
 def found(world: World, request: CertifyRequest, most: float | None = None) -> StopReport:
-    wanted = CertifyOptions(stop_anywhere=True, max_stopping_time=most)
-    certificate, report = certify(world.drake, replace(request, options=wanted), soon())
+    options = CertifyOptions(stop_anywhere=True, max_stopping_time=most)
+    certificate, report = certify(world.drake, replace(request, options=options), soon())
     assert report.stop is not None
     assert {check.name for check in certificate.failed} <= {"stop"}
     check = certificate.checks[-1]
@@ -268,7 +268,7 @@ def test_no_stop_ends_where_the_motor_is_too_weak_and_the_report_says_where(
     assert strong.time < 0.7 * report.time
 
 
-def test_rides_of_a_weak_pendulum_end_where_it_can_be_held(
+def test_stops_of_a_weak_pendulum_end_where_it_can_be_held(
     urdf_world: Callable[..., World],
 ) -> None:
     world, request = pendulum(urdf_world, 0.02)
@@ -292,7 +292,7 @@ def test_rides_of_a_weak_pendulum_end_where_it_can_be_held(
     assert waited > 10
 
 
-def test_of_what_overflows_nothing_is_known() -> None:
+def test_overflow_leaves_no_admissible_braking() -> None:
     form = np.ones((3, 2, 1, 1))
     form[1, 0] = np.inf
     form[2, 1] = np.nan

@@ -1,4 +1,4 @@
-"""Stops along the path: within limits at every instant, and as soon over as is reported."""
+"""Stops along the path: within limits at every instant, with the reported duration."""
 
 from dataclasses import replace
 
@@ -54,7 +54,7 @@ def held(
 
 
 def slide(length: float, method: str = "toppra", bounds: BySign = None) -> CertifyRequest:
-    """Return a slide at 2 m/s under 10 m/s^2 and 100 m/s^3, as quick as may be."""
+    """Return the fastest translation within 2 m/s, 10 m/s^2 and 100 m/s^3."""
     builder = Builder()
     builder.link(P, Sphere(0.05))
     robot = builder.build()
@@ -76,7 +76,7 @@ def detour(seed: int, method: str, bounds: BySign = None) -> tuple[World, Certif
     return world, held(request_for(world, "arm", resting), spline, method, bounds)
 
 
-def judged(world: World, request: CertifyRequest) -> tuple[Certificate, CertifyReport]:
+def certify_request(world: World, request: CertifyRequest) -> tuple[Certificate, CertifyReport]:
     return certify(world.drake, request, no_hurry(30.0))
 
 
@@ -98,7 +98,7 @@ def use(request: CertifyRequest, rates: np.ndarray, order: int) -> float:
 
 
 def ridden(request: CertifyRequest, first: int, cells_at: int = 600) -> tuple[float, float]:
-    """Ride the hardest stop from a cell on, in small steps; return its time and the worst use."""
+    """Follow the hardest stop from a cell on, in small steps; return its time and utilization."""
     cells = motion_cells(request, cells_at)
     y, clock, worst, at = 1.0, 0.0, 0.0, first
     while y > 1e-12 and at < len(cells.begins):
@@ -123,11 +123,11 @@ def test_one_joint_stops_as_quickly_as_it_can_brake(length: float) -> None:
     stops = hardest_stops(cells)
     longest = float((cells.widths + stops.times[1:]).max())
     top = min(2.0, np.sqrt(length * 10.0))
-    # Full speed takes top / a to lose, and a few cells are what is not known better.
+    # Braking from full speed takes top / a, and the resolution is a few cells.
     assert top / 10.0 - 1e-6 <= longest <= top / 10.0 + 3 * cells.widths.max()
 
 
-def test_what_is_reported_of_one_joint_is_what_is_known() -> None:
+def test_the_report_of_one_joint_is_the_analytic_one() -> None:
     request = replace(slide(4.0), options=STOPS)
     builder = Builder()
     builder.link(P, Sphere(0.05))
@@ -166,9 +166,9 @@ def test_hardest_stops_keep_the_limits_at_every_instant(
     first = int(start * len(cells.begins))
     clock, worst = ridden(request, first)
     assert worst <= ALLOWED
-    told = hardest_stops(cells).times[first]
+    reported = hardest_stops(cells).times[first]
     left = request.trajectory.duration - cells.begins[first]
-    assert told == pytest.approx(min(clock, left), rel=1e-9)
+    assert reported == pytest.approx(min(clock, left), rel=1e-9)
 
 
 @given(seed=st.integers(0, 1000), start=st.floats(0.05, 0.9))
@@ -185,9 +185,9 @@ def test_an_execution_that_brakes_step_by_step_is_hardly_quicker(seed: int, star
         rate, clock = after, clock + period
     cells = motion_cells(request, 600)
     cell = int(np.searchsorted(cells.begins, start * motion.duration, side="right")) - 1
-    told = float(cells.widths[cell] + hardest_stops(cells).times[cell + 1])
+    reported = float(cells.widths[cell] + hardest_stops(cells).times[cell + 1])
     quickest = min(clock, (1 - start) * motion.duration)
-    assert 0.98 * quickest - 2e-3 <= told <= 1.15 * quickest + 0.01
+    assert 0.98 * quickest - 2e-3 <= reported <= 1.15 * quickest + 0.01
 
 
 @given(seed=st.integers(0, 1000), bounds=EITHER_WAY)
@@ -245,23 +245,23 @@ def test_a_turning_body_stops_too(method: str) -> None:
             assert ridden(request, first, 200)[1] <= ALLOWED
 
 
-def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
+def test_stops_are_a_check_only_if_requested() -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q0 = world.positions(group)
     motion = quintic(group, q0, q0 + np.array([-1.2, 0.2, -0.3, 0.1, 0.2, 0.4]), 2.5)
     request = request_for(world, "arm", motion)
-    silent, report = judged(world, request)
+    silent, report = certify_request(world, request)
     assert report.stop is None
     assert "stop" not in {check.name for check in silent.checks}
-    certificate, report = judged(world, replace(request, options=STOPS))
+    certificate, report = certify_request(world, replace(request, options=STOPS))
     assert certificate.checks[:-1] == silent.checks
     check, stop = certificate.checks[-1], report.stop
     assert certificate.proven
     assert stop is not None
     assert (check.name, check.value, check.bound) == ("stop", stop.time, np.inf)
     assert 0 < stop.time < motion.duration
-    # Some stop begins there: until it is over the tool goes no farther than its fastest would.
+    # Until that stop is over the tool moves no farther than at its largest speed.
     times = np.linspace(0, motion.duration, 500)
     poses = world.frame_poses(stop.frame, world.embed(group, motion.positions(times)))
     speed = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1).max() / times[1]
@@ -269,13 +269,13 @@ def test_stops_are_a_check_only_where_they_are_asked_for() -> None:
     assert 0.2 * speed * stop.time < stop.tool_distance < 1.01 * speed * stop.time + 0.01
     for most, proven in ((stop.time * 1.001, True), (stop.time * 0.999, False)):
         bounded = CertifyOptions(stop_anywhere=True, max_stopping_time=most)
-        again, _ = judged(world, replace(request, options=bounded))
+        again, _ = certify_request(world, replace(request, options=bounded))
         assert again.proven is proven
         assert {failed.name for failed in again.failed} == (set() if proven else {"stop"})
 
 
 @pytest.mark.parametrize("jerk", [False, True])
-def test_a_motion_that_goes_nowhere_stands_already(jerk: bool) -> None:
+def test_a_motion_without_displacement_has_stopped_already(jerk: bool) -> None:
     request = replace(slide(0.4), jerk=jerk)
     still = replace(request.trajectory, coefficients=0 * request.trajectory.coefficients)
     cells = motion_cells(replace(request, trajectory=still), 50)

@@ -17,7 +17,7 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def drake_efforts(robot: Robot, trajectory: TimedTrajectory, times: np.ndarray) -> np.ndarray:
-    """Return the generalized forces by Drake, followers' burden on their leaders."""
+    """Return the generalized forces by Drake, with those of followers added to their leaders."""
     model, plant = robot.model, robot.model.plant
     context, forces = plant.CreateDefaultContext(), MultibodyForces(plant)
     own = model.velocity_indices(robot.group)
@@ -39,7 +39,7 @@ def drake_efforts(robot: Robot, trajectory: TimedTrajectory, times: np.ndarray) 
 
 
 @given(seed=st.integers(0, 10_000), num_links=st.integers(1, 6))
-def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
+def test_series_agree_with_drakes_torques_within_their_error_bounds(
     seed: int, num_links: int
 ) -> None:
     rng = np.random.default_rng(seed)
@@ -55,7 +55,7 @@ def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
     scale = 1e-9 * (1 + np.abs(found.taylor[:, 0]).max())
     for share in (-1.0, -0.6, 0.0, 0.3, 1.0):
         times = trajectory.breaks[pieces] + middles + share * halves
-        wanted = drake_efforts(robot, trajectory, times)
+        expected = drake_efforts(robot, trajectory, times)
         powers = (share * width) ** np.arange(TERMS)
         got = np.einsum("k,nkv->nv", powers, found.taylor)
         begin = 0
@@ -67,15 +67,15 @@ def test_series_are_drakes_torques_to_within_what_they_say_they_miss(
                     # In the world's axes here, in the parent's there: the length is the same.
                     away = np.abs(
                         np.linalg.norm(got[:, block], axis=1)
-                        - np.linalg.norm(wanted[:, block], axis=1)
+                        - np.linalg.norm(expected[:, block], axis=1)
                     )
                 else:
-                    away = np.linalg.norm(got[:, block] - wanted[:, block], axis=1)
+                    away = np.linalg.norm(got[:, block] - expected[:, block], axis=1)
                 assert (away <= missed).all()
             begin += joint.num_velocities
 
 
-def test_what_is_missed_falls_with_the_fifth_power_of_the_width() -> None:
+def test_the_error_bound_falls_with_the_fifth_power_of_the_width() -> None:
     rng = np.random.default_rng(5)
     robot = random_robot(rng, 4, 0, mass=1.0)
     trajectory = random_trajectory(rng, robot.group, 1, spread=0.5)

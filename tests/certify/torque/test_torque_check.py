@@ -1,4 +1,4 @@
-"""The torque check: a bound that holds, is near, and refuses what is too quick."""
+"""The torque check: its bound holds, is tight, and refuses motions that are too fast."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,7 +33,7 @@ PENDULUM = """<robot name="p"><link name="base"/><link name="bob"><inertial>
 </robot>"""
 
 
-def judged(model: DrakeModel, request: CertifyRequest, **budget: float) -> Check:
+def torque_check_of(model: DrakeModel, request: CertifyRequest, **budget: float) -> Check:
     return torque_check(model, replace(request, effort=True), no_hurry(), **budget)
 
 
@@ -59,7 +59,7 @@ def test_the_bound_is_above_every_sample_and_near_the_largest(seed: int) -> None
     robot = random_robot(rng, int(rng.integers(1, 5)), 0, mass=1.0)
     trajectory = random_trajectory(rng, robot.group, 2, spread=0.3)
     peak = sampled_peak(robot, trajectory)
-    check = judged(robot.model, with_efforts(robot, trajectory, 2 * peak))
+    check = torque_check_of(robot.model, with_efforts(robot, trajectory, 2 * peak))
     assert check.passed
     assert check.value + 1e-9 >= 0.5
     assert check.value <= 0.5 * 1.01
@@ -75,17 +75,17 @@ def test_a_motion_just_within_is_proven_and_one_that_is_too_quick_is_not(seed: i
     robot = random_robot(rng, 3, 0, mass=1.0)
     trajectory = random_trajectory(rng, robot.group, 2, spread=0.4).time_scaled(0.5)
     limit = sampled_peak(robot, trajectory)
-    check = judged(robot.model, with_efforts(robot, trajectory, 1.002 * limit))
+    check = torque_check_of(robot.model, with_efforts(robot, trajectory, 1.002 * limit))
     assert check.passed
     assert check.value == pytest.approx(1 / 1.002, rel=2e-3)
-    assert not judged(robot.model, with_efforts(robot, trajectory, limit / 1.0001)).passed
+    assert not torque_check_of(robot.model, with_efforts(robot, trajectory, limit / 1.0001)).passed
     quick = trajectory.time_scaled(1 / 1.05)
     assume(sampled_peak(robot, quick) > 1.01 * limit)
-    assert not judged(robot.model, with_efforts(robot, quick, 1.002 * limit)).passed
+    assert not torque_check_of(robot.model, with_efforts(robot, quick, 1.002 * limit)).passed
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0])
-def test_a_pendulum_takes_what_it_is_known_to_take(
+def test_the_torque_of_a_pendulum_is_the_analytic_one(
     urdf_world: Callable[..., World], damping: float
 ) -> None:
     world = urdf_world(PENDULUM.format(damping=damping))
@@ -96,14 +96,14 @@ def test_a_pendulum_takes_what_it_is_known_to_take(
         for rows in (motion.positions(times), motion.velocities(times), motion.accelerations(times))
     )
     torque = np.abs(0.5 * vdot + 9.81 * np.sin(q) + damping * v)
-    check = judged(world.drake, request_for(world, "r", motion))
+    check = torque_check_of(world.drake, request_for(world, "r", motion))
     assert check.value == pytest.approx(torque.max() / 20, rel=1.1e-3)
     assert check.value >= torque.max() / 20
     assert check.where == "r::swing"
     assert check.time == pytest.approx(times[torque.argmax()], abs=0.02)
 
 
-def test_a_payload_weighs_as_much_as_the_same_thing_held(
+def test_a_payload_counts_as_much_as_the_same_held_object(
     urdf_world: Callable[..., World],
 ) -> None:
     size, mass = np.array([0.1, 0.2, 0.3]), 3.0
@@ -120,24 +120,24 @@ def test_a_payload_weighs_as_much_as_the_same_thing_held(
     carried = urdf_world(PENDULUM.format(damping=0), objects=[{**thing, "mass": None}])
     motion = quintic(held.group("r"), np.array([-0.5]), np.array([1.3]), 0.8)
     values = [
-        judged(world.drake, replace(request_for(world, "r", motion), payload=load)).value
+        torque_check_of(world.drake, replace(request_for(world, "r", motion), payload=load)).value
         for world, load in ((held, None), (carried, payload), (carried, None))
     ]
     assert values[0] == pytest.approx(values[1], rel=1e-9)
     assert values[0] > 1.2 * values[2]
 
 
-def test_a_budget_that_is_used_up_refuses() -> None:
+def test_an_exhausted_budget_refuses() -> None:
     world = bundled_world("ur5e_pickup")
     q = world.positions(world.group("arm"))
     request = request_for(world, "arm", quintic(world.group("arm"), q, q + 0.5, 1.0))
-    assert judged(world.drake, request).passed
-    refused = judged(world.drake, request, max_segments=2, max_joint_motion=9.0)
+    assert torque_check_of(world.drake, request).passed
+    refused = torque_check_of(world.drake, request, max_segments=2, max_joint_motion=9.0)
     assert not refused.passed
     assert refused.value > 1
 
 
-def test_time_that_is_over_and_bodies_of_no_weight_are_refused() -> None:
+def test_expired_deadlines_and_bodies_without_mass_are_refused() -> None:
     world = bundled_world("ur5e_pickup")
     q = world.positions(world.group("arm"))
     request = request_for(world, "arm", quintic(world.group("arm"), q, q + 0.5, 1.0))
@@ -146,19 +146,21 @@ def test_time_that_is_over_and_bodies_of_no_weight_are_refused() -> None:
     rng = np.random.default_rng(0)
     robot = random_robot(rng, 2, 0)
     weightless = random_trajectory(rng, robot.group, 1, spread=0.1)
-    with pytest.raises(ModelInvalid, match="weighs"):
-        judged(robot.model, with_efforts(robot, weightless, 1.0))
+    with pytest.raises(ModelInvalid, match="no mass or inertia"):
+        torque_check_of(robot.model, with_efforts(robot, weightless, 1.0))
 
 
 @pytest.mark.parametrize("size", [3e4, 1e60, 1e200])
-def test_motions_beyond_all_numbers_are_refused(size: float) -> None:
+def test_motions_that_overflow_are_refused(size: float) -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     q = world.positions(group)
     wild = quintic(group, q, q + 1e-3, 1.0)
     coefficients = np.array(wild.coefficients)
     coefficients[0, 3:] *= size
-    check = judged(world.drake, request_for(world, "arm", replace(wild, coefficients=coefficients)))
+    check = torque_check_of(
+        world.drake, request_for(world, "arm", replace(wild, coefficients=coefficients))
+    )
     assert not check.passed
     assert not check.value <= 1
 
@@ -176,7 +178,7 @@ def test_many_short_pieces_leave_a_budget_for_halving() -> None:
         smooth.velocities(times),
         smooth.accelerations(times),
     )
-    whole = judged(world.drake, request_for(world, "arm", smooth))
-    check = judged(world.drake, request_for(world, "arm", motion), max_segments=20)
+    whole = torque_check_of(world.drake, request_for(world, "arm", smooth))
+    check = torque_check_of(world.drake, request_for(world, "arm", motion), max_segments=20)
     assert check.passed
     assert check.value == pytest.approx(whole.value, rel=2e-3)

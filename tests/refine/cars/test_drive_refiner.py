@@ -40,9 +40,9 @@ class Drive:
 
     def __init__(self, problem: CarProblem) -> None:
         self.world: World = problem.world
-        asked = problem.problem(0, refine=RefineOptions("none"))
+        unrefined = problem.problem(0, refine=RefineOptions("none"))
         soon = no_hurry(30.0)
-        self.path: JointPath = planning.plan(asked, self.world, deadline=soon).path
+        self.path: JointPath = planning.plan(unrefined, self.world, deadline=soon).path
         self.limits = self.world.limits(self.path.group)
 
     def request(self, **fields: object) -> RefineRequest:
@@ -117,7 +117,7 @@ def test_the_same_request_gives_the_same_bytes(drive_of: Callable[[str], Drive])
 def test_the_deadline_is_kept_and_the_best_so_far_is_given(
     drive_of: Callable[[str], Drive],
 ) -> None:
-    """A clock that is asked often enough to be over after some steps."""
+    """By a deadline that passes after a number of reads of the clock."""
     drive = drive_of("parked")
     taken: list[int] = []
     for patience, is_quicker in ((3, False), (40, False), (100, True)):
@@ -127,37 +127,37 @@ def test_the_deadline_is_kept_and_the_best_so_far_is_given(
         if curve is not None:
             assert drive.are_free(curve).all()
             assert drive.duration(curve) < drive.duration(drive.path.spline)
-        # Every step looks at the clock.
+        # Every step reads the clock.
         assert report.rounds <= patience
         taken.append(report.rounds)
     assert taken == sorted(taken)
     assert taken[0] <= 3 < taken[2]
     curve, report = drive.refined(0.0)
     assert curve is None
-    assert report.reason == "no time was left"
+    assert report.reason == "the deadline passed before refinement began"
 
 
-class Blind:
-    """Sees no obstacle."""
+class NoObstacles:
+    """Distance query without any pair."""
 
     def within(self, qs: np.ndarray, influence_distance: float) -> DistanceRows:
         return DistanceRows(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros((0, 3)))
 
 
-def test_what_would_collide_is_refused(drive_of: Callable[[str], Drive]) -> None:
-    """A model that sees no obstacle finds drives through them; none of them goes on."""
+def test_colliding_paths_are_rejected(drive_of: Callable[[str], Drive]) -> None:
+    """A model without obstacles finds paths through them; the audit rejects all of them."""
     drive = drive_of("parked")
     deadline, jerk = no_hurry(), drive.request().jerk
-    task = DriveSolver.of(drive.world, drive.request(), deadline)
-    times = SegmentTimes.of(task.limits, task.problem.car_index, jerk=jerk)
-    model = DriveModel(task.problem, Blind(), task.limits, times, None)
-    found = replace(task, model=model, trust_region=DriveTrustRegion(model, deadline)).run()
+    solver = DriveSolver.of(drive.world, drive.request(), deadline)
+    times = SegmentTimes.of(solver.limits, solver.problem.car_index, jerk=jerk)
+    model = DriveModel(solver.problem, NoObstacles(), solver.limits, times, None)
+    found = replace(solver, model=model, trust_region=DriveTrustRegion(model, deadline)).run()
     assert found.path is None
-    assert "too near" in found.reason
+    assert "violates a collision margin" in found.reason
 
 
 def test_position_limits_are_kept(drive_of: Callable[[str], Drive]) -> None:
-    """They leave only what the given path uses, so that what is quicker has to stay there."""
+    """The limits leave only the range of the given path, in which the faster one must stay."""
     drive = drive_of("yard")
     free, _ = drive.refined()
     assert free is not None
@@ -176,32 +176,32 @@ def test_position_limits_are_kept(drive_of: Callable[[str], Drive]) -> None:
         assert moved[:, i].max() < high + 1e-6
 
 
-def test_predicates_say_no(drive_of: Callable[[str], Drive]) -> None:
+def test_predicates_reject_a_path(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("passed")
-    seen = drive.path.spline.positions(np.linspace(0, 1, 4001))
+    positions = drive.path.spline.positions(np.linspace(0, 1, 4001))
 
     def is_on_the_path(q: np.ndarray) -> bool:
-        return bool(np.linalg.norm(seen - q, axis=1).min() < 2e-3)
+        return bool(np.linalg.norm(positions - q, axis=1).min() < 2e-3)
 
     constraint = PathPredicate(is_on_the_path, 0.05, "there")
-    rules = PathConstraints.compiled(drive.world, drive.path.group, (constraint,), seen[0])
+    rules = PathConstraints.compiled(drive.world, drive.path.group, (constraint,), positions[0])
     curve, report = drive.refined(constraints=rules)
     assert curve is None
     assert "predicate" in report.reason
 
 
-def test_clearance_is_weighed(drive_of: Callable[[str], Drive]) -> None:
+def test_the_clearance_objective_is_weighed(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("yard")
-    wish = ClearanceObjective(0.15, 40.0)
+    objective = ClearanceObjective(0.15, 40.0)
     group, margins = drive.path.group, drive.world.margins()
-    judge = make_clearance_objective(drive.world, group, margins, wish)
-    assert judge is not None
+    clearance_cost = make_clearance_objective(drive.world, group, margins, objective)
+    assert clearance_cost is not None
     quick, _ = drive.refined()
-    wide, _ = drive.refined(options=RefineOptions(clearance=wish))
+    wide, _ = drive.refined(options=RefineOptions(clearance=objective))
     assert quick is not None
     assert wide is not None
     times = [retime(c, drive.limits, RetimeOptions())[0] for c in (quick, wide)]
-    assert judge.mean_shortfall(times[1]) < judge.mean_shortfall(times[0])
+    assert clearance_cost.mean_shortfall(times[1]) < clearance_cost.mean_shortfall(times[0])
     assert times[1].duration >= times[0].duration
 
 
@@ -209,7 +209,7 @@ def test_none_and_auto(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("passed")
     curve, report = drive.refined(options=RefineOptions("none"))
     assert curve is None
-    assert report.reason == "not asked for"
+    assert report.reason == "refine.method is none"
     curve, report = drive.refined(0.3, options=RefineOptions("auto"))
     assert curve is None
     assert "less than" in report.reason
@@ -217,7 +217,7 @@ def test_none_and_auto(drive_of: Callable[[str], Drive]) -> None:
     assert curve is not None
 
 
-def test_several_cars_are_left_alone(drive_of: Callable[[str], Drive]) -> None:
+def test_groups_of_several_cars_are_not_refined(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("passed")
     group = drive.path.group
     joint = group.joints[0]

@@ -1,4 +1,4 @@
-"""Durations of letters beside those of the retimers."""
+"""Durations of arc segments compared with those of the retimers."""
 
 import numpy as np
 import pytest
@@ -19,29 +19,29 @@ GROUP = steered(
 @pytest.mark.parametrize(
     ("method", "short", "long"), [("toppra", 0.97, 1.01), ("ruckig", 0.8, 1.1)]
 )
-def test_letters_take_what_the_retimer_says(method: str, short: float, long: float) -> None:
+def test_segments_take_as_long_as_with_the_retimer(method: str, short: float, long: float) -> None:
     limits = limits_of(GROUP)
     times = SegmentTimes.of(limits, 1, jerk=method == "ruckig")
     rng = np.random.default_rng(4)
     for _ in range(8):
-        way = 10 ** rng.uniform(-2.5, 0.2) * rng.choice([-1, 1])
-        turn = np.clip(way * rng.uniform(-1, 1) / 0.3, -2.5, 2.5) * rng.choice([0, 1, 1])
+        length = 10 ** rng.uniform(-2.5, 0.2) * rng.choice([-1, 1])
+        turn = np.clip(length * rng.uniform(-1, 1) / 0.3, -2.5, 2.5) * rng.choice([0, 1, 1])
         moves = rng.uniform(-0.6, 0.6, 2) * rng.choice([0, 1])
         q0 = np.zeros(5)
-        q1 = manifold_of(GROUP).plus(q0, np.array([moves[0], way, 0.0, turn, moves[1]]))
+        q1 = manifold_of(GROUP).plus(q0, np.array([moves[0], length, 0.0, turn, moves[1]]))
         path = JointPath(GROUP, np.stack([q0, q1]))
         timed, _ = retime(path.spline, limits, RetimeOptions(method=method))
-        found = times.durations(np.array([way]), np.array([turn]), moves[None])[0]
+        found = times.durations(np.array([length]), np.array([turn]), moves[None])[0]
         assert short < found / timed.duration < long
 
 
-def test_shorter_letters_take_less_time_but_more_for_every_metre() -> None:
+def test_shorter_segments_take_less_time_but_more_per_metre() -> None:
     times = SegmentTimes.of(limits_of(GROUP), 1, jerk=False)
-    ways = np.linspace(0.0, 1.0, 30)
-    took = times.durations(ways, ways / 0.3, np.zeros((30, 2)))
-    assert took[0] == pytest.approx(0.0, abs=1e-5)
-    assert (np.diff(took) > 0).all()
-    assert (np.diff(took, 2) < 1e-3 * took[-1]).all()
+    lengths = np.linspace(0.0, 1.0, 30)
+    durations = times.durations(lengths, lengths / 0.3, np.zeros((30, 2)))
+    assert durations[0] == pytest.approx(0.0, abs=1e-5)
+    assert (np.diff(durations) > 0).all()
+    assert (np.diff(durations, 2) < 1e-3 * durations[-1]).all()
 
 
 def test_joints_that_move_while_the_car_stands_take_time() -> None:

@@ -1,4 +1,4 @@
-"""A clearance that is wished for is weighed against the duration, and against nothing else."""
+"""The clearance objective is weighed against the duration, and against nothing else."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -44,15 +44,15 @@ def refined(case: Case, distance: float, weight: float) -> tuple[float, float]:
 
 @pytest.fixture(scope="module")
 def bargain(thin_wall: Case) -> Callable[[float], tuple[float, float]]:
-    """Return what a weight buys beside the thin wall, refining once for each."""
+    """Return duration and shortfall by weight beside the thin wall, refining once for each."""
     return cache(partial(refined, thin_wall, DISTANCE))
 
 
 def test_more_weight_buys_more_clearance_for_more_time(bargain):
     bought = [bargain(weight) for weight in (1e-3, 1.0, 10.0, 1e3)]
-    for (soon, lack), (later, less) in pairwise(bought):
-        assert later > soon - 0.01
-        assert less < lack + 1e-4
+    for (duration, shortfall), (other_duration, other_shortfall) in pairwise(bought):
+        assert other_duration > duration - 0.01
+        assert other_shortfall < shortfall + 1e-4
     assert bought[0][1] > 0.01
     assert bought[-1][1] < 1e-3
     assert bought[-1][0] > bought[0][0] + 0.05
@@ -60,10 +60,10 @@ def test_more_weight_buys_more_clearance_for_more_time(bargain):
 
 @pytest.mark.parametrize("weight", [1.0, 10.0, 100.0])
 def test_no_other_weight_has_a_better_bargain(bargain, weight):
-    soon, lack = bargain(weight)
+    duration, shortfall = bargain(weight)
     for other in (1e-3, weight / 10, weight * 10):
-        later, less = bargain(other)
-        assert soon + weight * lack < (later + weight * less) * 1.01
+        other_duration, other_shortfall = bargain(other)
+        assert duration + weight * shortfall < (other_duration + weight * other_shortfall) * 1.01
 
 
 @pytest.fixture(scope="module")
@@ -77,40 +77,44 @@ def walled(tmp_path_factory) -> dict[bool, World]:
     distance=st.floats(0.03, 0.5),
     ends=st.lists(st.floats(-0.9, -0.1), min_size=4, max_size=4),
 )
-def test_the_shortfall_is_the_mean_of_what_is_lacking(walled, kernel, distance, ends):
+def test_the_shortfall_is_a_mean_over_the_motion(walled, kernel, distance, ends):
     world = walled[kernel]
     group = world.group("puck")
     start, goal = np.array(ends[:2]), np.array([ends[2], 1.4 + ends[3]])
     trajectory: TimedTrajectory = trajectory_through(
         group.joints, np.array([0.0, 2.0]), np.array([start, goal]), np.zeros((2, 2))
     )
-    wish = make_clearance_objective(
+    clearance_cost = make_clearance_objective(
         world, group, world.margins(), ClearanceObjective(distance, 1.0)
     )
-    assert wish is not None
+    assert clearance_cost is not None
     qs = trajectory.positions(np.linspace(0, 2, 5001))
     lacks = np.maximum(distance - clearance(qs), 0)
-    # Inside of the wall it is not the analytic formula that is asked.
+    # Inside the wall the analytic formula does not hold.
     assume(clearance(qs).min() > 0)
     # The mean of 201 samples is off by half of one at each end, at most.
-    assert wish.mean_shortfall(trajectory) == pytest.approx(lacks.mean(), abs=distance / 200)
+    assert clearance_cost.mean_shortfall(trajectory) == pytest.approx(
+        lacks.mean(), abs=distance / 200
+    )
 
 
 def test_links_of_one_robot_may_be_near_one_another(arm):
     alone = load_world(replace(arm.world.scene, objects=()), arm.world.library)
     group = alone.group("arm")
-    wish = make_clearance_objective(alone, group, alone.margins(), ClearanceObjective(1.0, 1.0))
-    assert wish is not None
+    clearance_cost = make_clearance_objective(
+        alone, group, alone.margins(), ClearanceObjective(1.0, 1.0)
+    )
+    assert clearance_cost is not None
     folded = np.array([[0.0, 2.4, 2.4], [1.0, 2.4, 2.4]])
     trajectory = trajectory_through(group.joints, np.array([0.0, 1.0]), folded, np.zeros((2, 3)))
-    assert wish.mean_shortfall(trajectory) == 0
+    assert clearance_cost.mean_shortfall(trajectory) == 0
 
 
 def test_a_plan_pays_for_its_clearance_and_says_so():
     world = bundled_world("panda_shelf")
     target = planning.PoseTarget(planning.Pose.identity(), "lower")
     goal = planning.PoseGoal((target,), "", np.zeros(3), np.zeros(3))
-    plain, wished = (
+    plain, cautious = (
         planning.plan(
             planning.PlanningProblem(
                 "panda",
@@ -124,10 +128,10 @@ def test_a_plan_pays_for_its_clearance_and_says_so():
         for clearance in (None, ClearanceObjective(0.1, 30.0))
     )
     assert plain.stages.refine.shortfall is None
-    assert wished.stages.refine.shortfall == pytest.approx(0, abs=1e-3)
-    assert wished.trajectory.duration > plain.trajectory.duration
-    assert wished.certificate.proven
-    assert wished.certificate.min_clearance > plain.certificate.min_clearance + 0.02
+    assert cautious.stages.refine.shortfall == pytest.approx(0, abs=1e-3)
+    assert cautious.trajectory.duration > plain.trajectory.duration
+    assert cautious.certificate.proven
+    assert cautious.certificate.min_clearance > plain.certificate.min_clearance + 0.02
 
 
 @pytest.mark.parametrize(
@@ -140,7 +144,7 @@ def test_a_plan_pays_for_its_clearance_and_says_so():
         (RefineOptions("none", ClearanceObjective(0.05, 1.0)), "refine.clearance"),
     ],
 )
-def test_a_wish_that_makes_no_sense_is_refused(options, field):
+def test_invalid_clearance_objectives_are_refused(options, field):
     world = bundled_world("panda_shelf")
     goal = planning.ConfigurationGoal("ready")
     problem = planning.PlanningProblem("panda", goal, refine=options)

@@ -1,4 +1,4 @@
-"""No pair is asked for what it does not have at the start and at the goal."""
+"""Buffers: the required distance of a pair is satisfied at the start and at the goal."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -35,7 +35,7 @@ def test_links_of_one_robot_are_audited_at_their_own_margin(spare, margin):
     links = ("arm::forearm", "arm::hand")
     buffers = DistanceBuffers(PairMargins(margin), {links: spare})
     assert buffers.audit_margins.of(*links) == 0.0
-    # The ends can always meet what the optimiser demands.
+    # The ends always satisfy the required distances.
     assert buffers.threshold(*links) < max(spare, 1e-12)
     assert DistanceBuffers(PairMargins(margin)).threshold(*links) > 0
 

@@ -22,7 +22,7 @@ def place(request: pytest.FixtureRequest, world_of: Callable[[str], World]):
     return world, sorted(world.groups, key=lambda group: group.name)[which]
 
 
-def nearness(world: World, group: JointGroup, *, kernel: bool) -> DistanceQuery:
+def distance_query_of(world: World, group: JointGroup, *, kernel: bool) -> DistanceQuery:
     chosen = load_world(world.scene, world.library, kernel=kernel)
     return make_distance_query(chosen, group, DistanceBuffers(chosen.margins()))
 
@@ -34,24 +34,24 @@ def configurations(world: World, group: JointGroup, count: int) -> np.ndarray:
     return rng.uniform(low, high, (count, len(low)))
 
 
-def least(measure: DistanceQuery, qs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the smallest spare of every configuration, and its gradient."""
-    near = measure.within(qs, REACH)
-    spares, gradients = np.full(len(qs), REACH), np.zeros_like(qs)
+def least(query: DistanceQuery, qs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the smallest signed margin of every configuration, and its gradient."""
+    near = query.within(qs, REACH)
+    margins, gradients = np.full(len(qs), REACH), np.zeros_like(qs)
     for i in range(len(qs)):
         rows = np.flatnonzero(near.sample_indices == i)
         if len(rows):
             row = rows[np.argmin(near.signed_margins[rows])]
-            spares[i], gradients[i] = near.signed_margins[row], near.gradients[row]
-    return spares, gradients
+            margins[i], gradients[i] = near.signed_margins[row], near.gradients[row]
+    return margins, gradients
 
 
-def test_the_kernel_and_drake_see_the_same_nearest_pairs(place):
+def test_the_kernel_and_drake_find_the_same_nearest_pairs(place):
     world, group = place
     qs = configurations(world, group, 40)
-    ours, slopes = least(nearness(world, group, kernel=True), qs)
-    theirs, other_slopes = least(nearness(world, group, kernel=False), qs)
-    # Shapes that overlap deeply may have several ways out that are nearly as short.
+    ours, slopes = least(distance_query_of(world, group, kernel=True), qs)
+    theirs, other_slopes = least(distance_query_of(world, group, kernel=False), qs)
+    # Shapes that overlap deeply may have several separations of nearly the same depth.
     apart = ours > -0.001
     assert apart.any()
     np.testing.assert_allclose(ours[apart], theirs[apart], atol=2e-5)
@@ -63,29 +63,29 @@ def test_the_kernel_and_drake_see_the_same_nearest_pairs(place):
 @BOTH
 def test_the_gradient_is_the_slope(place, kernel):
     world, group = place
-    measure = nearness(world, group, kernel=kernel)
+    query = distance_query_of(world, group, kernel=kernel)
     qs = configurations(world, group, 25)
-    spares, gradients = least(measure, qs)
-    qs, gradients = (rows[(spares > 1e-3) & (spares < REACH - 1e-3)] for rows in (qs, gradients))
-    way = np.random.default_rng(8).normal(size=qs.shape)
+    margins, gradients = least(query, qs)
+    qs, gradients = (rows[(margins > 1e-3) & (margins < REACH - 1e-3)] for rows in (qs, gradients))
+    direction = np.random.default_rng(8).normal(size=qs.shape)
     h = 1e-5
-    slopes = (least(measure, qs + h * way)[0] - least(measure, qs - h * way)[0]) / (2 * h)
+    slopes = (least(query, qs + h * direction)[0] - least(query, qs - h * direction)[0]) / (2 * h)
     assert len(qs) > 2
     # Where the nearest pair or feature changes there is no slope.
-    assert np.mean(np.abs(slopes - (gradients * way).sum(axis=1)) < 2e-3) > 0.8
+    assert np.mean(np.abs(slopes - (gradients * direction).sum(axis=1)) < 2e-3) > 0.8
 
 
 @BOTH
-def test_the_gradient_leads_out_of_what_overlaps(kernel, world_of):
+def test_the_gradient_leads_out_of_collisions(kernel, world_of):
     world = world_of("panda_shelf")
     group = min(world.groups, key=lambda group: group.name)
-    measure = nearness(world, group, kernel=kernel)
+    query = distance_query_of(world, group, kernel=kernel)
     qs = configurations(world, group, 60)
-    spares, gradients = least(measure, qs)
-    qs, gradients, spares = (rows[spares < -1e-3] for rows in (qs, gradients, spares))
-    near = measure.within(qs, REACH)
+    margins, gradients = least(query, qs)
+    qs, gradients, margins = (rows[margins < -1e-3] for rows in (qs, gradients, margins))
+    near = query.within(qs, REACH)
     steps = 1e-4 * gradients / np.linalg.norm(gradients, axis=1, keepdims=True)
-    moved = measure.within(qs + steps, REACH)
+    moved = query.within(qs + steps, REACH)
     deepest = [near.signed_margins[near.sample_indices == i].min() for i in range(len(qs))]
     after = [moved.signed_margins[moved.sample_indices == i].min() for i in range(len(qs))]
     assert len(qs) > 5
@@ -93,20 +93,22 @@ def test_the_gradient_leads_out_of_what_overlaps(kernel, world_of):
 
 
 @BOTH
-def test_what_the_group_does_not_move_is_not_measured(make_puck, kernel):
+def test_pairs_that_the_group_does_not_move_are_left_out(make_puck, kernel):
     wall = ([0.2, 0.2, 0.2], [0.0, 0.0, 0.0])
     world = make_puck([wall, ([0.2, 0.2, 0.02], [3.0, 0.0, -0.0301])], idle=[3.0, 0.0, 0.0])
-    measure = nearness(world, world.group("puck"), kernel=kernel)
-    near = measure.within(np.array([[-0.15, 0.0], [0.9, 0.9]]), REACH)
+    query = distance_query_of(world, world.group("puck"), kernel=kernel)
+    near = query.within(np.array([[-0.15, 0.0], [0.9, 0.9]]), REACH)
     np.testing.assert_array_equal(near.sample_indices, [0])
-    demanded = DistanceBuffers(world.margins()).threshold("puck::puck", "wall0")
-    assert near.signed_margins[0] == pytest.approx(0.05 - 0.02 - demanded, abs=1e-6)
+    required = DistanceBuffers(world.margins()).threshold("puck::puck", "wall0")
+    assert near.signed_margins[0] == pytest.approx(0.05 - 0.02 - required, abs=1e-6)
     np.testing.assert_allclose(near.gradients, [[-1.0, 0.0]], atol=1e-6)
 
 
 @BOTH
 def test_nothing_near_is_nothing(make_puck, kernel):
     world = make_puck([])
-    near = nearness(world, world.group("puck"), kernel=kernel).within(np.zeros((3, 2)), REACH)
+    near = distance_query_of(world, world.group("puck"), kernel=kernel).within(
+        np.zeros((3, 2)), REACH
+    )
     assert near.sample_indices.shape == (0,)
     assert near.gradients.shape == (0, 2)

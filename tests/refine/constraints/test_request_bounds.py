@@ -1,4 +1,4 @@
-"""What loads say of a motion is true, and so are their slopes."""
+"""Loads of a motion, their derivatives, linearizations and bounds on the path velocity."""
 
 import numpy as np
 import pytest
@@ -35,13 +35,16 @@ EACH = pytest.mark.parametrize(("name", "kind"), pairs(list(ARMS), KINDS))
 SOME = settings(max_examples=num_cases(4))
 
 
-def lengths(felt: LoadEvaluation, pace: np.ndarray) -> np.ndarray:
+def lengths(evaluation: LoadEvaluation, path_velocity: np.ndarray) -> np.ndarray:
     """Return the loads at both ends of every interval, shape (m, balls)."""
-    (load,) = felt.loads
-    moments = CurveSamples.of(
-        felt.num_control_points, felt.states_by_num_parts[load.num_parts], pace, load.num_parts
+    (load,) = evaluation.loads
+    samples = CurveSamples.of(
+        evaluation.num_control_points,
+        evaluation.states_by_num_parts[load.num_parts],
+        path_velocity,
+        load.num_parts,
     )
-    return np.linalg.norm(load.load_ratios(*moments.motion), axis=2)
+    return np.linalg.norm(load.load_ratios(*samples.motion), axis=2)
 
 
 @EACH
@@ -52,9 +55,9 @@ def test_slopes_are_those_of_the_vectors(name, kind, seed):
     (load,) = bounds_under(name, limits_of(name, kind)).loads
     points = curve_points(name, rng)
     state = np.stack([points, rng.normal(size=points.shape), 3 * rng.normal(size=points.shape)])
-    way, h = rng.normal(size=state.shape), 1e-5
-    change = load.load_ratios(*(state + h * way)) - load.load_ratios(*(state - h * way))
-    expected = np.einsum("kmbdj,kmj->mbd", load.derivatives(*state), way)
+    direction, h = rng.normal(size=state.shape), 1e-5
+    change = load.load_ratios(*(state + h * direction)) - load.load_ratios(*(state - h * direction))
+    expected = np.einsum("kmbdj,kmj->mbd", load.derivatives(*state), direction)
     scale = 1 + np.abs(expected).max()
     off = np.sort(np.abs(change / (2 * h) - expected).max(axis=(1, 2)) / scale)
     if kind != "zone":
@@ -68,50 +71,58 @@ def test_slopes_are_those_of_the_vectors(name, kind, seed):
 @EACH
 @SOME
 @given(seed=SEEDS)
-def test_strains_tell_what_another_curve_at_another_pace_feels(name, kind, seed):
+def test_linearizations_predict_the_loads_of_nearby_motions(name, kind, seed):
     rng = np.random.default_rng(seed)
     bounds = bounds_under(name, limits_of(name, kind))
     points = curve_points(name, rng)
-    _, pace, felt = path_velocity_along(points, bounds)
-    (strain,) = [s for s in felt.load_linearizations(pace, 1.0) if s.bound == 1.0]
-    assume(len(strain.sample_indices) > 0)
-    moved, faster, h = rng.normal(size=points.shape), rng.normal(size=len(pace)), 1e-6
+    _, path_velocity, evaluation = path_velocity_along(points, bounds)
+    (linearization,) = [
+        s for s in evaluation.load_linearizations(path_velocity, 1.0) if s.bound == 1.0
+    ]
+    assume(len(linearization.sample_indices) > 0)
+    moved, faster, h = rng.normal(size=points.shape), rng.normal(size=len(path_velocity)), 1e-6
     after = LoadEvaluation.of(points + h * moved, bounds.loads)
     before = LoadEvaluation.of(points - h * moved, bounds.loads)
-    change = lengths(after, pace * (1 + h * faster)) - lengths(before, pace * (1 - h * faster))
-    change /= 2 * h
-    told = np.einsum("mrkj,mkj->mr", strain.by_control_point, moved[strain.control_points])
-    told += np.einsum(
-        "mre,me->mr", strain.by_path_velocity, faster[strain.intervals[:, None] + [0, 1]]
+    change = lengths(after, path_velocity * (1 + h * faster)) - lengths(
+        before, path_velocity * (1 - h * faster)
     )
-    place = strain.intervals + strain.sample_indices
-    # Of every ball the first plane touches it where the vector points; torques have a sign.
+    change /= 2 * h
+    predicted = np.einsum(
+        "mrkj,mkj->mr", linearization.by_control_point, moved[linearization.control_points]
+    )
+    predicted += np.einsum(
+        "mre,me->mr",
+        linearization.by_path_velocity,
+        faster[linearization.intervals[:, None] + [0, 1]],
+    )
+    place = linearization.intervals + linearization.sample_indices
+    # The first plane of a ball is tangent in the vector's direction; torques have a sign.
     balls = change.shape[1]
-    told = told.reshape(len(place), balls, -1)[:, :, 0]
-    now = strain.ratios.reshape(len(place), balls, -1)[:, :, 0]
+    predicted = predicted.reshape(len(place), balls, -1)[:, :, 0]
+    now = linearization.ratios.reshape(len(place), balls, -1)[:, :, 0]
     large = np.abs(now) > 0.1
-    signed = np.sign(now) * told
-    scale = 1 + np.abs(told).max()
+    signed = np.sign(now) * predicted
+    scale = 1 + np.abs(predicted).max()
     np.testing.assert_allclose(signed[large], change[place][large], atol=1e-3 * scale)
 
 
 @EACH
 @SOME
 @given(seed=SEEDS)
-def test_the_pace_keeps_loads_and_meets_something_everywhere(name, kind, seed):
+def test_the_path_velocity_keeps_loads_and_meets_a_bound_everywhere(name, kind, seed):
     bounds = bounds_under(name, limits_of(name, kind))
     points = curve_points(name, np.random.default_rng(seed))
-    rates, pace, felt = path_velocity_along(points, bounds)
+    rates, path_velocity, evaluation = path_velocity_along(points, bounds)
     grid = path_grid(len(points))
-    loads = lengths(felt, pace)
+    loads = lengths(evaluation, path_velocity)
     assert loads.max() <= 1 + 1e-6
-    assert rates.max_acceleration_ratio(grid, pace) <= 1 + 1e-9
+    assert rates.max_acceleration_ratio(grid, path_velocity) <= 1 + 1e-9
     shares = np.maximum(
-        np.abs(rates.accelerations(grid, pace)).max(axis=(1, 2)),
+        np.abs(rates.accelerations(grid, path_velocity)).max(axis=(1, 2)),
         loads.max(axis=1).reshape(len(grid.control_points), -1).max(axis=1),
     )
     used = np.maximum(
-        pace[1:-1] / rates.path_velocity_bounds(), np.maximum(shares[1:], shares[:-1])
+        path_velocity[1:-1] / rates.path_velocity_bounds(), np.maximum(shares[1:], shares[:-1])
     )
     assert used.min() > 0.97
 
@@ -124,7 +135,7 @@ def test_the_duration_is_what_the_retimer_finds(name, kind, seed):
     others = limits_of(name, kind)
     bounds = bounds_under(name, others)
     points = curve_points(name, np.random.default_rng(seed), 14)
-    _, pace, _ = path_velocity_along(points, bounds)
+    _, path_velocity, _ = path_velocity_along(points, bounds)
     options = RetimeOptions(
         tool_limits=others.tool_limits,
         speed_zones=others.speed_zones,
@@ -133,28 +144,28 @@ def test_the_duration_is_what_the_retimer_finds(name, kind, seed):
     )
     curve: JointSpline = joint_spline(group.joints, make_bspline(points))
     timed, _ = retime(curve, world.limits(group), options, path_limits(world, group, options))
-    # This grid is coarser: a pace changes less freely on it, and a zone begins before its faces.
-    found = duration_of(path_grid(len(points)), pace)
+    # This grid is coarser: the path velocity changes less freely on it; zones begin before faces.
+    found = duration_of(path_grid(len(points)), path_velocity)
     most = 1.35 if kind == "zone" else 1.13
     assert 0.98 * timed.duration < found < most * timed.duration
 
 
-def test_what_is_not_asked_for_is_not_felt():
+def test_without_limits_on_loads_there_are_no_loads():
     bounds = bounds_under("ur5e", MotionLimits())
     assert bounds.loads == ()
     np.testing.assert_array_equal(bounds.acceleration_range, [[-1.0] * 6, [1.0] * 6])
-    _, _, felt = path_velocity_along(curve_points("ur5e", np.random.default_rng(0)), bounds)
-    assert felt is None
+    _, _, evaluation = path_velocity_along(curve_points("ur5e", np.random.default_rng(0)), bounds)
+    assert evaluation is None
 
 
 def test_a_load_that_is_nowhere_near_makes_no_rows():
     others = MotionLimits((ToolLimit("arm::tcp", speed=100.0, acceleration=1e4),))
     bounds = bounds_under("ur5e", others)
     points = curve_points("ur5e", np.random.default_rng(1))
-    _, pace, felt = path_velocity_along(points, bounds)
-    for strain in felt.load_linearizations(pace, 1.0):
-        numbers = np.arange(points.size).reshape(points.shape), np.arange(len(pace))
-        assert len(strain.rows(*numbers, np.ones(6)).lower_bounds) == 0
+    _, path_velocity, evaluation = path_velocity_along(points, bounds)
+    for linearization in evaluation.load_linearizations(path_velocity, 1.0):
+        numbers = np.arange(points.size).reshape(points.shape), np.arange(len(path_velocity))
+        assert len(linearization.rows(*numbers, np.ones(6)).lower_bounds) == 0
 
 
 def test_joints_that_float_leave_loads_to_the_retimer():
@@ -168,19 +179,21 @@ def test_joints_that_float_leave_loads_to_the_retimer():
 
 @given(seed=SEEDS)
 @SOME
-def test_what_gravity_takes_too_much_of_costs_and_is_told(seed):
+def test_excessive_static_loads_cost_and_are_linearized(seed):
     rng = np.random.default_rng(seed)
     others = limits_of("panda", "torque")
     (load,) = bounds_under("panda", others).loads
     points = curve_points("panda", rng)
     weak = type(load)(load.dynamics, load.columns, load.efforts * 0.3)
-    felt = LoadEvaluation.of(points, (weak,))
-    held = np.abs(weak.static_load(felt.states_by_num_parts[1][0]))
-    assert felt.excess == pytest.approx(np.maximum(held - MAX_STATIC_LOAD, 0).sum())
-    assert felt.excess > 0
-    _, strain = felt.load_linearizations(np.ones(len(felt.states_by_num_parts[1][0])), 1.0)
+    evaluation = LoadEvaluation.of(points, (weak,))
+    static_loads = np.abs(weak.static_load(evaluation.states_by_num_parts[1][0]))
+    assert evaluation.excess == pytest.approx(np.maximum(static_loads - MAX_STATIC_LOAD, 0).sum())
+    assert evaluation.excess > 0
+    _, linearization = evaluation.load_linearizations(
+        np.ones(len(evaluation.states_by_num_parts[1][0])), 1.0
+    )
     moved, h = rng.normal(size=points.shape), 1e-6
-    at = strain.sample_indices
+    at = linearization.sample_indices
     change = weak.static_load(
         LoadEvaluation.of(points + h * moved, (weak,)).states_by_num_parts[1][0][at]
     )
@@ -191,6 +204,6 @@ def test_what_gravity_takes_too_much_of_costs_and_is_told(seed):
         )
     ) / (2 * h)
     owners = np.minimum(at // 4, len(points) - 4)[:, None] + np.arange(4)
-    told = np.einsum("mrkj,mkj->mr", strain.by_control_point, moved[owners])
-    np.testing.assert_allclose(told, change, atol=1e-4 * (1 + np.abs(change).max()))
-    assert not strain.by_path_velocity.any()
+    predicted = np.einsum("mrkj,mkj->mr", linearization.by_control_point, moved[owners])
+    np.testing.assert_allclose(predicted, change, atol=1e-4 * (1 + np.abs(change).max()))
+    assert not linearization.by_path_velocity.any()

@@ -65,7 +65,7 @@ def test_the_ends_of_a_curve_are_those_of_the_path() -> None:
     assert manifold.distance(ends, path.waypoints[[0, -1]]).max() < 1e-12
 
 
-def test_what_does_not_float_has_its_positions_as_coordinates() -> None:
+def test_joints_that_do_not_float_have_positions_as_coordinates() -> None:
     world = bundled_world("maze_2d")
     group = world.group("body")
     path = JointPath(group, np.array([[0.0, 0.0, 3.0], [0.1, 0.0, -3.0]]))
@@ -109,7 +109,7 @@ def test_a_body_that_floats_flies_quicker_refined(seed: int) -> None:
     assert smallest_distance(world, refined.trajectory, "body", 0.004) >= -2e-6
 
 
-def test_what_the_search_kept_from_turning_does_not_turn() -> None:
+def test_held_rotations_stay_fixed() -> None:
     world = bundled_world("maze_2d")
     group = world.group("body")
     start = world.positions(group)
@@ -140,7 +140,7 @@ def test_coordinates_follow_far_turns(turns: list[float], seed: int) -> None:
     deltas = chart.waypoints
     turned = np.linalg.norm(deltas[:, :3], axis=1)
     assert turned.max() <= 4.5
-    # What is a small step along the path is one in coordinates, however far from the base.
+    # A small step along the path is a small one in coordinates, at any distance from the base.
     assert np.linalg.norm(np.diff(deltas, axis=0), axis=1).max() < 0.3
     manifold = path.spline.manifold
     ends = chart.positions(deltas[[0, -1]])
@@ -150,7 +150,9 @@ def test_coordinates_follow_far_turns(turns: list[float], seed: int) -> None:
 
 @pytest.mark.parametrize("kernel", [True, False])
 @pytest.mark.parametrize("far", [5.5, 12.0])
-def test_who_turned_far_takes_the_short_way_if_it_is_free(far: float, kernel: bool) -> None:
+def test_a_winding_path_is_replaced_by_the_short_one_if_that_is_free(
+    far: float, kernel: bool
+) -> None:
     world = bundled_world("window_3d")
     world = load_world(world.scene, world.library, kernel=kernel)
     path = path_turning(np.linspace(0.0, far, 12).tolist())
@@ -166,7 +168,7 @@ def test_who_turned_far_takes_the_short_way_if_it_is_free(far: float, kernel: bo
     assert refined.duration < 0.5 * plain.duration
 
 
-def test_what_must_turn_far_does_so_quicker() -> None:
+def test_a_path_that_must_wind_becomes_faster() -> None:
     """A descent near the path winds as it does."""
     world = bundled_world("window_3d")
     path = path_turning([0.0, 1.5, 1.0, 2.5, 4.0, 3.5, 5.5])

@@ -1,4 +1,4 @@
-"""The pace is the fastest that the bounds allow: by hand on lines, by the retimer on curves."""
+"""The path velocity is the greatest within bounds: by hand on lines, by the retimer on curves."""
 
 import numpy as np
 import pytest
@@ -70,9 +70,9 @@ def test_the_bounds_are_kept_and_met(seed, jerk):
     bounds = RateBounds.of(limits_of(rng, 3), jerk=jerk)
     points, grid = curve_of(rng, 12, 3), path_grid(12)
     rates = NormalizedDerivatives.of(grid, points, bounds)
-    pace = minimum_time_path_velocity(grid, rates)
-    accelerations = np.abs(rates.accelerations(grid, pace)).max(axis=(1, 2))
-    used = pace[1:-1] / rates.path_velocity_bounds()
+    path_velocity = minimum_time_path_velocity(grid, rates)
+    accelerations = np.abs(rates.accelerations(grid, path_velocity)).max(axis=(1, 2))
+    used = path_velocity[1:-1] / rates.path_velocity_bounds()
     assert accelerations.max() <= 1 + 1e-9
     assert used.max() <= 1 + 1e-9
     # Bang-bang: at every grid point one of them binds, but for the solver's tolerance.
@@ -115,7 +115,7 @@ def test_coordinates_that_are_limited_together_share_the_bound():
 
 
 @given(seed=SEEDS)
-def test_haste_is_the_slope_of_the_duration(seed):
+def test_the_duration_gradient_is_the_slope_of_the_duration(seed):
     grid = path_grid(9)
     b = np.append(0.0, np.append(np.random.default_rng(seed).uniform(1, 2, 23), 0.0))
     i, h = 7, 1e-6
@@ -141,30 +141,30 @@ def test_bounds_of_either_sign_are_kept_and_met(seed, jerk):
     assert (highest <= np.minimum(signed[1], limits.acceleration) * (1 + 1e-12)).all()
     points, grid = curve_of(rng, 12, 3), path_grid(12)
     rates = NormalizedDerivatives.of(grid, points, bounds)
-    pace = minimum_time_path_velocity(grid, rates)
-    accelerations = rates.accelerations(grid, pace) * bounds.acceleration
+    path_velocity = minimum_time_path_velocity(grid, rates)
+    accelerations = rates.accelerations(grid, path_velocity) * bounds.acceleration
     shares = np.maximum(accelerations / lowest, accelerations / highest).max(axis=(1, 2))
     assert shares.max() <= 1 + 1e-9
     nearby = np.maximum(shares[1:], shares[:-1])
-    assert np.maximum(pace[1:-1] / rates.path_velocity_bounds(), nearby).min() > 0.98
+    assert np.maximum(path_velocity[1:-1] / rates.path_velocity_bounds(), nearby).min() > 0.98
 
 
 @settings(max_examples=num_cases(6))
 @given(seed=SEEDS)
 def test_speeding_up_and_slowing_down_differ_by_hand(seed):
     rng = np.random.default_rng(seed)
-    limits, way = limits_of(rng, 1), rng.uniform(0.05, 3.0)
+    limits, length = limits_of(rng, 1), rng.uniform(0.05, 3.0)
     signed = signed_of(rng, 1)
     down, up = np.minimum(np.abs(signed[:, 0]), limits.acceleration)
-    top = min(limits.velocity[0], np.sqrt(2 * way * up * down / (up + down)))
-    expected = way / top + top / 2 * (1 / up + 1 / down)
-    for moved in (way, -way):
+    top = min(limits.velocity[0], np.sqrt(2 * length * up * down / (up + down)))
+    expected = length / top + top / 2 * (1 / up + 1 / down)
+    for moved in (length, -length):
         least = duration_lower_bound(
             limits, np.array([moved]), jerk=False, acceleration_bounds=signed
         )
         assert least == pytest.approx(expected)
     bounds = RateBounds.of(limits, jerk=False, acceleration_bounds=signed)
-    assert duration(greville_abscissae(14)[:, None] * way, bounds) == pytest.approx(
+    assert duration(greville_abscissae(14)[:, None] * length, bounds) == pytest.approx(
         expected, rel=0.02
     )
 
@@ -174,14 +174,14 @@ def test_speeding_up_and_slowing_down_differ_by_hand(seed):
 def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
     rng = np.random.default_rng(seed)
     limits, points = limits_of(rng, 3), curve_of(rng, 12, 3)
-    world = bundled_world("ur5e_pickup")  # Bounds of joints want nothing of it.
+    world = bundled_world("ur5e_pickup")  # Bounds of joints do not use it.
     joints = tuple(Joint(f"g::j{i}", JointType.REVOLUTE) for i in range(3))
     group = JointGroup("g", joints, ())
-    asked = {"g::j0": (-2.0, 9.0), "g::j2": (-8.0, 1.5)}
-    options = RetimeOptions(acceleration_bounds=asked)
+    by_joint = {"g::j0": (-2.0, 9.0), "g::j2": (-8.0, 1.5)}
+    options = RetimeOptions(acceleration_bounds=by_joint)
     spline = joint_spline(joints, make_bspline(points))
     timed, _ = retime(spline, limits, options, path_limits(world, group, options))
-    signed = signed_accelerations(group, asked)
+    signed = signed_accelerations(group, by_joint)
     found = duration(points, RateBounds.of(limits, jerk=False, acceleration_bounds=signed))
     assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
     moved = points[-1] - points[0]
@@ -195,6 +195,6 @@ def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
     ("speed", "acceleration", "seconds"),
     [(2.0, np.inf, 1.5), (np.inf, 3.0, 2.0), (1.0, 1.0, 4.0), (1.0, 0.1, 2 * np.sqrt(30.0))],
 )
-def test_the_least_time_of_a_way_by_hand(speed, acceleration, seconds):
+def test_the_least_time_of_a_line_by_hand(speed, acceleration, seconds):
     assert rest_to_rest_durations(np.array([3.0]), speed, acceleration)[0] == pytest.approx(seconds)
     assert rest_to_rest_durations(np.zeros(1), speed, acceleration)[0] == 0.0

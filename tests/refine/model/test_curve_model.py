@@ -1,4 +1,4 @@
-"""The model promises what a small step truly brings."""
+"""The model predicts the decrease that a small step achieves."""
 
 import numpy as np
 import pytest
@@ -14,35 +14,37 @@ from planning.refine.model.curve_model import CurveModel
 NUM_INSTANTS = 60
 
 
-def model_of(case, wish=None) -> tuple[CurveModel, np.ndarray, RateBounds]:
+def model_of(case, objective=None) -> tuple[CurveModel, np.ndarray, RateBounds]:
     path, limits = case.request.path, case.request.limits
     waypoints = unwrapped_waypoints(path)
     bounds = RateBounds.of(limits, jerk=case.request.jerk)
     ends = case.world.embed(path.group, waypoints[[0, -1]])
     buffers = DistanceBuffers.from_ends(case.world, case.request.margins, ends)
-    nearness = make_distance_query(case.world, path.group, buffers)
+    distance_query = make_distance_query(case.world, path.group, buffers)
     guess = fit_control_points(waypoints, bounds.velocity)
-    wished = make_clearance_objective(case.world, path.group, case.request.margins, wish)
-    model = CurveModel(nearness, limits, bounds, len(guess), NUM_INSTANTS, wished)
+    clearance_cost = make_clearance_objective(
+        case.world, path.group, case.request.margins, objective
+    )
+    model = CurveModel(distance_query, limits, bounds, len(guess), NUM_INSTANTS, clearance_cost)
     return model, guess, bounds
 
 
-@pytest.mark.parametrize("wish", [None, ClearanceObjective(0.08, 5.0)])
+@pytest.mark.parametrize("objective", [None, ClearanceObjective(0.08, 5.0)])
 @pytest.mark.parametrize("box", [0.001, 0.004])
-def test_a_small_step_brings_what_it_promises(case, box, wish):
-    model, points, _ = model_of(case, wish)
+def test_a_small_step_achieves_what_the_model_predicts(case, box, objective):
+    model, points, _ = model_of(case, objective)
     for _ in range(3):
-        seen = model.evaluate(points)
-        points, promised = model.step(seen, box)
-        brought = seen.merit - model.evaluate(points).merit
-        assert promised > 0
-        assert 0.3 * promised < brought < 3 * promised
+        before = model.evaluate(points)
+        points, predicted = model.step(before, box)
+        achieved = before.merit - model.evaluate(points).merit
+        assert predicted > 0
+        assert 0.3 * predicted < achieved < 3 * predicted
 
 
 def test_a_step_stays_in_its_box_and_holds_the_ends(case):
     model, points, bounds = model_of(case)
-    seen = model.evaluate(points)
-    after, _ = model.step(seen, 0.05)
+    before = model.evaluate(points)
+    after, _ = model.step(before, 0.05)
     np.testing.assert_array_equal(after[[0, -1]], points[[0, -1]])
     assert (np.abs(after - points) <= 0.05 * bounds.velocity * (1 + 1e-9)).all()
     limits = case.request.limits
@@ -58,9 +60,9 @@ def test_distances_that_are_too_short_cost(thin_wall):
     broken = model.evaluate(through)
     assert broken.duration < free.duration
     assert broken.merit > broken.duration
-    seen = model.evaluate(through)
+    before = model.evaluate(through)
     model.add_samples(np.array([0.5, 0.501]))
-    assert model.evaluate(through).merit > seen.merit
+    assert model.evaluate(through).merit > before.merit
 
 
 def test_a_violated_distance_is_repaired(thin_wall):
@@ -70,6 +72,6 @@ def test_a_violated_distance_is_repaired(thin_wall):
     low[[0, -1]] = points[[0, -1]]
     while (model.evaluate(low).distances.signed_margins > -0.002).all():
         low[1:-1, 1] -= 0.01
-    seen = model.evaluate(low)
-    after = model.evaluate(model.step(seen, 0.05)[0])
-    assert after.distances.signed_margins.min() > seen.distances.signed_margins.min()
+    before = model.evaluate(low)
+    after = model.evaluate(model.step(before, 0.05)[0])
+    assert after.distances.signed_margins.min() > before.distances.signed_margins.min()

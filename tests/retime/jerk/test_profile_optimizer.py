@@ -1,4 +1,4 @@
-"""Polished profiles: quicker than what they were made of, within limits, and never far off."""
+"""Optimized profiles: faster than the given ones, within limits, and near the optimum."""
 
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_derivatives_are_those_of_the_passage(seed: int) -> None:
     rng = np.random.default_rng(seed)
     h = rng.uniform(0.5, 1.5, 9)
     places = np.append(0.0, np.cumsum(rng.uniform(0.5, 1.5, 9)))
-    told = TimingSpline.through(h, places).derivatives()
+    derivatives = TimingSpline.through(h, places).derivatives()
     for k in range(9):
         moved = [
             TimingSpline.through(h * np.exp(step * (np.arange(9) == k)), places)
@@ -84,10 +84,10 @@ def test_derivatives_are_those_of_the_passage(seed: int) -> None:
         for end in range(2):
             both = [np.stack([p.v[end : 9 + end], p.a[end : 9 + end], p.j]) for p in moved]
             measured = (both[1] - both[0]) / 2e-6
-            np.testing.assert_allclose(told[end, :, :, k], measured.T, atol=1e-7)
+            np.testing.assert_allclose(derivatives[end, :, :, k], measured.T, atol=1e-7)
 
 
-def test_what_cannot_be_polished_stays() -> None:
+def test_a_profile_that_cannot_be_optimized_is_returned() -> None:
     spline = blend_corners(JointPath(SPACE, random_waypoints(SPACE, 2, 4)), 0.1, 2)
     profile = slow_profile(spline)
     assert optimize_profile(spline, profile, limits_of(SPACE)) is profile

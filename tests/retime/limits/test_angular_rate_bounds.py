@@ -60,7 +60,7 @@ def test_bounds_close_in_on_short_intervals() -> None:
     assert gaps[1] < gaps[0] / 10
 
 
-def test_a_fixed_axis_is_told_from_a_moving_one() -> None:
+def test_fixed_and_moving_axes_are_distinguished() -> None:
     axis = np.array([0.3, -0.4, 0.5])
     straight = np.array([0.1, 2.0, -1.0])[:, None] * axis
     bent = straight + np.array([[0, 0, 0], [0, 0, 0], [1e-6, 0, 0]])

@@ -52,8 +52,8 @@ def test_bounds_hold_and_some_limit_is_met(method: str, seed: int, deviation: fl
     path = JointPath(group, random_waypoints(group, seed, 4))
     spline = blend_corners(path, deviation, SMOOTHNESS[method])
     motion, report = retime(spline, limits_of(group), RetimeOptions(method=method), [limit])
-    seen = motion.tangents(motion.sample_times(0.001), 2)[:, [0, 4]]
-    for column, (low, high) in zip(seen.T, bounds.values(), strict=True):
+    accelerations = motion.tangents(motion.sample_times(0.001), 2)[:, [0, 4]]
+    for column, (low, high) in zip(accelerations.T, bounds.values(), strict=True):
         assert low <= column.min()
         assert column.max() <= high
     assert 1 - 1e-5 < max(report.utilisation.values()) <= 1
@@ -71,7 +71,7 @@ def test_bounds_as_wide_as_the_limits_change_nothing() -> None:
     assert bound.duration == pytest.approx(plain.duration, rel=1e-6)
 
 
-def test_what_more_of_a_bound_saves_is_told() -> None:
+def test_the_explanation_has_the_saving_by_a_larger_bound() -> None:
     group = group_of(JointType.PRISMATIC)
     path = JointPath(group, np.array([[0.0], [0.5]]))
     limit = SignedAcceleration({"g::j0": (-2.0, 1.0)}, (0,))

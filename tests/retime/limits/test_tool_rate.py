@@ -87,7 +87,7 @@ def test_a_tool_on_a_circle_takes_the_time_of_its_arc(angle: float, speed: float
     assert best <= motion.duration <= 1.01 * best
 
 
-def test_explanation_names_the_frame_and_what_more_speed_saves() -> None:
+def test_explanation_names_the_frame_and_the_saving() -> None:
     world = bundled_world("ur5e_pickup")
     group = world.group("arm")
     options = RetimeOptions(tool_limits=(ToolLimit("arm::tcp", 0.2),))

@@ -55,7 +55,7 @@ def arm_path(world: World, group: JointGroup, seed: int) -> np.ndarray:
 def independent_efforts(
     world: World, group: JointGroup, motion: TimedTrajectory, times: np.ndarray, payload: Payload
 ) -> np.ndarray:
-    """Return M vdot + C v - tau_g of what is held, shape (m, nv).
+    """Return M vdot + C v - tau_g with the payload, shape (m, nv).
 
     By Drake's mass matrix, bias and gravity, and a payload as a point mass by virtual work.
     """
@@ -117,7 +117,7 @@ def test_a_pendulum_swings_in_the_least_time_of_its_torque(
 
 
 @pytest.mark.parametrize("method", sorted(RETIMERS))
-def test_a_swing_that_cannot_be_held_still_on_its_way_is_refused(
+def test_a_swing_whose_static_torque_exceeds_its_limit_is_refused(
     urdf_world: Callable[..., World], method: str
 ) -> None:
     world = urdf_world(PENDULUM.format(effort=9))
@@ -168,7 +168,7 @@ def test_torques_hold_ten_times_finer_by_other_means(name: str, method: str, see
     path = arm_path(world, group, seed)
     free, _ = timed(world, arm, path, RetimeOptions(method=method))
     limits = world.limits(group).effort
-    # Crept along, the arm takes what holds it.
+    # A very slow motion takes the static torques alone.
     crept = free.time_scaled(1e4)
     held = independent_efforts(
         world, group, crept, crept.sample_times(crept.duration / 500), payload
@@ -201,7 +201,7 @@ def test_more_payload_is_never_quicker_and_at_last_too_much() -> None:
     assert (np.diff(durations) >= -1e-3).all()
     assert durations[-1] > 1.05 * durations[0]
     payload = Payload.from_parts(group.tool_frames[0], 30.0)
-    with pytest.raises(RetimingFailed, match="cannot be held still"):
+    with pytest.raises(RetimingFailed, match="static torque of"):
         timed(world, "panda", path, RetimeOptions(effort=True, payload=payload))
 
 

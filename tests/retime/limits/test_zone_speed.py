@@ -38,7 +38,7 @@ def are_inside(zone: SpeedZone, points: np.ndarray) -> np.ndarray:
     speed=st.floats(0.05, 0.3),
 )
 @settings(max_examples=num_cases(6))
-def test_a_straight_way_through_a_zone_takes_the_known_time(
+def test_a_straight_line_through_a_zone_takes_the_known_time(
     length: float, share: float, speed: float
 ) -> None:
     """A body slides along x: up, down to the zone's speed, through, up and down again."""
@@ -59,10 +59,10 @@ def test_a_straight_way_through_a_zone_takes_the_known_time(
     options = RetimeOptions(speed_zones=(zone,))
     spline = JointPath(group, np.stack([q0, q1])).spline
     motion, report = retime(spline, limits, options, path_limits(world, group, options))
-    way = (length - share * length) / 2
-    peak = min(top, float(np.sqrt(push * way + speed**2 / 2)))
+    run_up = (length - share * length) / 2
+    peak = min(top, float(np.sqrt(push * run_up + speed**2 / 2)))
     ramps = peak / push + (peak - speed) / push
-    cruise = (way - peak**2 / push + speed**2 / (2 * push)) / peak
+    cruise = (run_up - peak**2 / push + speed**2 / (2 * push)) / peak
     best = 2 * (ramps + cruise) + share * length / speed
     assert best <= motion.duration <= 1.006 * best
     assert report.utilisation["speed_zone"] == pytest.approx(1, abs=3e-3)

@@ -1,4 +1,4 @@
-"""The two passes against toppra's own class, and against what must hold of any answer."""
+"""The two passes against toppra's own class, and against properties of every profile."""
 
 import numpy as np
 import pytest
@@ -64,6 +64,6 @@ def test_a_line_takes_all_it_may_in_one_cell() -> None:
 def test_limits_that_cannot_be_kept_are_refused() -> None:
     grid = np.array([0.0, 1.0, 2.0, 3.0])
     rows = np.ones((3, 2)), np.zeros((3, 2))
-    with pytest.raises(RetimingFailed, match="no speed profile") as caught:
+    with pytest.raises(RetimingFailed, match="no velocity profile") as caught:
         squared_speeds(grid, rows, np.array([1.0, -1.0, 1.0, 1.0]))
     assert caught.value.evidence == {"method": "toppra", "num_grid_points": 4}

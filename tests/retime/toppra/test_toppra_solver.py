@@ -1,4 +1,4 @@
-"""The door to toppra is shut until something is asked of it, and then it opens all the way."""
+"""The import of the toppra package is deferred until an attribute of it is used."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""What a planner explored is told truly, and what it nearly reached is never called a solution."""
+"""Exported graphs are those that planners explored; approximate solutions are no solutions."""
 
 from dataclasses import replace
 from functools import partial

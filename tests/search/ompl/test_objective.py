@@ -1,4 +1,4 @@
-"""Objectives are norms where they say so, and OMPL hears of them."""
+"""Objectives are norms (but for clearance), and OMPL's objectives have the same costs."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_the_least_time_is_that_of_the_slowest_block(make_group, make_limits):
     assert objective_of("duration", group, limits).cost(q) == pytest.approx(1.0 + 0.6)
 
 
-def test_clearance_prefers_the_way_that_stays_away(plane):
+def test_clearance_prefers_the_path_farther_from_obstacles(plane):
     group, limits = plane
     objective = objective_of("clearance", group, limits, lambda qs: np.abs(qs[:, 1]))
     near = np.array([[-1.0, 0.1], [1.0, 0.1]])
@@ -67,7 +67,7 @@ def test_clearance_prefers_the_way_that_stays_away(plane):
 
 
 @pytest.mark.parametrize("name", ["length", "weighted_length", "duration", "clearance"])
-def test_ompl_is_told_the_same_costs(make_group, make_limits, name):
+def test_ompl_s_objective_has_the_same_costs(make_group, make_limits, name):
     group = make_group(JointType.REVOLUTE, JointType.PRISMATIC)
     limits = make_limits(group)
     objective = objective_of(name, group, limits, lambda qs: np.abs(qs[:, 1]) + 0.05)
@@ -75,11 +75,11 @@ def test_ompl_is_told_the_same_costs(make_group, make_limits, name):
     space = SearchSpace(group, limits, np.zeros((1, 2)), weights)
     information = ob.SpaceInformation(space.ompl)
     information.setup()
-    told = objective.make_ompl_objective(information, space, "RRTstar")
-    if told is None:
-        told = ob.PathLengthOptimizationObjective(information)
+    ompl_objective = objective.make_ompl_objective(information, space, "RRTstar")
+    if ompl_objective is None:
+        ompl_objective = ob.PathLengthOptimizationObjective(information)
     for q0, q1 in np.random.default_rng(0).uniform(-1, 1, (20, 2, 2)):
-        cost = told.motionCost(space.write(q0), space.write(q1)).value()
+        cost = ompl_objective.motionCost(space.write(q0), space.write(q1)).value()
         assert cost == pytest.approx(objective.edge_costs(q0[None], q1[None])[0])
 
 

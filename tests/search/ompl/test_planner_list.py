@@ -34,7 +34,7 @@ NOT_SETTABLE = {
     ("BITstar", "use_strict_queue_ordering"),
 }
 
-# What OMPL does only together with other settings.
+# Parameters that OMPL accepts only together with others.
 NOT_ALONE = {("BITstar", "use_just_in_time_sampling")}
 
 
@@ -153,13 +153,13 @@ def information_of(reach):
         (0.1, {}, 0.2 * 0.2 * 7**0.5),
     ],
 )
-def test_steps_of_rrtconnect_are_short_unless_others_are_asked_for(reach, parameters, expected):
+def test_steps_of_rrtconnect_are_short_by_default(reach, parameters, expected):
     planner = make_planner(information_of(reach), "RRTConnect", parameters)
     planner.setup()
     assert planner.getRange() == pytest.approx(expected)
 
 
-def test_what_was_accepted_once_does_not_vouch_for_its_like():
+def test_a_cached_check_does_not_accept_equal_values_of_other_types():
     check_planner("RRT", {"intermediate_states": True})
     check_planner("RRT", {"intermediate_states": "1"})
     for _ in range(2):

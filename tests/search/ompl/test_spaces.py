@@ -102,7 +102,7 @@ def weighed(make_group, make_limits, kinds, held=()):
 def test_ompl_interpolates_on_our_geodesics_within_bounds(
     make_group, make_limits, kinds, is_weighed, seed, share
 ):
-    """What OMPL calls the way between two states is what is checked, shortened and delivered."""
+    """OMPL's interpolation between two states is the edge that is checked."""
     build = weighed if is_weighed else make
     space = build(make_group, make_limits, kinds)
     q0, q1 = random_qs(space.manifold, np.random.default_rng(seed), 2)
@@ -160,7 +160,7 @@ def test_weights_stretch_the_metric(make_group, make_limits):
         ((JointType.CONTINUOUS, JointType.FLOATING, JointType.PLANAR), [1, 2, 3, 4, 10]),
     ],
 )
-def test_what_is_held_is_no_dimension(make_group, make_limits, kinds, held):
+def test_held_rotations_are_no_dimensions(make_group, make_limits, kinds, held):
     space = weighed(make_group, make_limits, kinds, held)
     rest = random_qs(space.manifold, np.random.default_rng(9), 1)[0]
     assert space.ompl.getDimension() == space.manifold.num_velocities - len(held) + sum(

@@ -1,4 +1,4 @@
-"""Roadmaps: grown from a recipe alone, every edge free, on every kind of space."""
+"""Roadmap construction: by the build request alone, every edge free, on every kind of space."""
 
 from dataclasses import replace
 
@@ -17,14 +17,14 @@ from tests.search.conftest import beyond_wall, l_in_slit
 SMALL = RoadmapOptions(states=100, neighbours=6)
 
 
-def recipe_of(group, limits, start=None, **options):
+def request_of(group, limits, start=None, **options):
     options.setdefault("roadmap", SMALL)
     at = np.zeros(group.num_positions) if start is None else start
     return RoadmapBuildRequest.from_search(group, limits, at, SearchOptions(**options))
 
 
 def grown(group, limits, oracle, deadline, **options):
-    return grow_roadmap(recipe_of(group, limits, **options), oracle, "key", deadline)
+    return grow_roadmap(request_of(group, limits, **options), oracle, "key", deadline)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_every_state_and_edge_is_free_on_every_space(kinds, make_group, make_lim
     assert len(np.unique(roadmap.edges, axis=0)) == len(roadmap.edges)
 
 
-def test_a_recipe_and_nothing_else_decides(plane, make_oracle, soon):
+def test_the_request_alone_determines_the_roadmap(plane, make_oracle, soon):
     a, b = (grown(*plane, make_oracle(beyond_wall), soon) for _ in range(2))
     assert a.digest == b.digest
     assert a.num_states_checked == b.num_states_checked > 0
@@ -80,13 +80,13 @@ def test_a_recipe_and_nothing_else_decides(plane, make_oracle, soon):
 def test_a_held_rotation_is_the_same_in_every_state(make_group, make_limits, make_oracle, soon):
     group = make_group(JointType.PLANAR)
     start = np.array([0.0, 0.0, 0.7])
-    recipe = recipe_of(group, make_limits(group), start, spaces={"r::j0": "position"})
-    roadmap = grow_roadmap(recipe, make_oracle(l_in_slit), "key", soon)
+    request = request_of(group, make_limits(group), start, spaces={"r::j0": "position"})
+    roadmap = grow_roadmap(request, make_oracle(l_in_slit), "key", soon)
     assert (roadmap.states[:, 2] == 0.7).all()
-    elsewhere = recipe_of(
+    elsewhere = request_of(
         group, make_limits(group), np.array([0.5, 0.5, 0.7]), spaces={"r::j0": "position"}
     )
-    assert elsewhere == recipe
+    assert elsewhere == request
 
 
 def test_where_nothing_is_free_there_are_no_states(plane, make_oracle, soon, crossing):
@@ -119,8 +119,8 @@ def test_a_path_through_the_roadmap_needs_few_checks(plane, make_oracle, soon, c
 
 
 @pytest.mark.parametrize("objective", ["length", "weighted_length", "duration", "clearance"])
-def test_the_way_is_the_cheapest_that_the_graph_has(plane, make_oracle, soon, crossing, objective):
-    """What A* finds in the roadmap, Bellman and Ford find too."""
+def test_the_path_is_the_cheapest_of_the_graph(plane, make_oracle, soon, crossing, objective):
+    """A* and the Bellman-Ford algorithm find paths of the same cost."""
     from planning.search.query import make_query
     from planning.search.roadmap import shortest_roadmap_path as roadmap_way
     from planning.search.verified_path import fine_checker
@@ -161,7 +161,7 @@ def test_goals_that_cannot_be_joined_are_left_to_the_planner(plane, make_oracle,
 
 
 def test_a_roadmap_of_another_world_delivers_no_collision(plane, make_oracle, soon, crossing):
-    """Whoever passes a stale roadmap loses time, never safety."""
+    """A roadmap of another world costs time, but its path is checked."""
     roadmap = grown(*plane, make_oracle(lambda qs: np.ones(len(qs), bool)), soon)
     found = search(*plane, make_oracle(beyond_wall), replace(crossing(3), roadmap=roadmap), soon)
     manifold = Manifold(plane[0].joints)

@@ -32,7 +32,7 @@ DETOUR = np.array([
     [0.6, 0.2],
     [0.8, -0.8],
 ])
-# Around the wall's top there is no shorter way than this.
+# The shortest path around the wall's top.
 TAUT = np.array([[-0.8, -0.8], [-0.1, 0.6], [0.1, 0.6], [0.8, -0.8]])
 
 KINDS = {
@@ -147,7 +147,7 @@ def test_every_stage_keeps_a_sound_path_sound_and_short(sieve, kinds, seed):
 
 
 @pytest.mark.campaign
-def test_waypoints_give_way_only_to_where_both_neighbours_are_in_sight(plane, make_oracle, soon):
+def test_waypoints_move_only_where_both_edges_are_free(plane, make_oracle, soon):
     """Random free paths among balls: for some of them to see one neighbour is not enough."""
     manifold, tried = Manifold(plane[0].joints), 0
     for seed in seeds(100):
@@ -168,7 +168,7 @@ def test_waypoints_give_way_only_to_where_both_neighbours_are_in_sight(plane, ma
 
 
 def test_an_edge_that_only_a_closer_look_finds_blocked_is_gone_around(plane, make_oracle, soon):
-    """The way from 1 to 2 hits a thin rod, that from 0 to 3 a ball; 1 sees 3."""
+    """The edge from 1 to 2 hits a thin rod, that from 0 to 3 a ball; that from 1 to 3 is free."""
 
     def are_free(qs):
         is_in_rod = (np.abs(qs[:, 0] - 0.31) < 0.006) & (qs[:, 1] > 0.1)
@@ -200,7 +200,7 @@ def test_a_dead_end_is_left_again(plane, make_oracle, soon):
     assert skip_vertices(path, fine, never).tolist() == path[[0, 1, 3]].tolist()
 
 
-def test_what_is_too_bold_steps_back_only_as_far_as_it_must(checkers):
+def test_backtracking_moves_back_only_as_far_as_needed(checkers):
     fine = checkers[1]
     sound = np.array([[-0.8, -0.8], [-0.2, 0.9], [0.2, 0.9], [0.8, -0.8]])
     bold = np.array([[-0.8, -0.8], [-0.2, 0.58], [0.2, 0.58], [0.8, -0.8]])
@@ -213,7 +213,7 @@ def test_what_is_too_bold_steps_back_only_as_far_as_it_must(checkers):
     assert np.array_equal(backtrack(moved, moved, fine), moved)
 
 
-def test_whenever_time_runs_out_what_is_free_by_then_is_left(plane, wall):
+def test_at_every_deadline_the_path_so_far_is_free(plane, wall):
     """By a clock that shows more at every look: the more it is looked at the shorter the path."""
     manifold, lengths = Manifold(plane[0].joints), []
     for looks in (3, 8, 12, 20, 40, 80, 10_000):
@@ -236,7 +236,7 @@ def test_whenever_time_runs_out_what_is_free_by_then_is_left(plane, wall):
 @pytest.mark.parametrize("kinds", KINDS)
 @given(seed=st.integers(0, 10_000), pieces=st.integers(1, 6))
 @WITH_FIXTURES
-def test_what_is_left_of_an_edge_has_the_same_samples(sieve, kinds, seed, pieces):
+def test_parts_of_an_edge_have_the_same_samples(sieve, kinds, seed, pieces):
     _, fine = sieve(KINDS[kinds], seed)
     manifold = fine.manifold
     q0, q1 = manifold.normalized(

@@ -65,8 +65,8 @@ def test_every_option_arrives():
     np.testing.assert_array_equal(made.start, [0.5, 1.0])
 
 
-def test_a_clearance_is_not_wished_of_nobody():
-    with pytest.raises(ValidationError, match="method trajopt or auto"):
+def test_a_clearance_objective_without_refinement_is_refused():
+    with pytest.raises(ValidationError, match="requires method 'trajopt' or 'auto'"):
         problem(
             goal={"type": "joint", "positions": [1, 2]},
             refine={"method": "none", "clearance": {"distance": 0.05, "weight": 2}},

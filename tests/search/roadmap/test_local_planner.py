@@ -1,4 +1,4 @@
-"""Roadmaps whose ways are no straight lines: of cars, and along sets too thin to be sampled."""
+"""Roadmaps without straight edges: of cars, and along sets too thin to be sampled."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -28,7 +28,7 @@ RADIUS, WIDTH = 0.7, 0.01
 
 @dataclass(frozen=True)
 class Ring:
-    """How far a point of the plane is from a ring, twice as far inside as it has to be."""
+    """Distance of a point of the plane from a ring of half the allowed width."""
 
     size = 1
 
@@ -49,13 +49,13 @@ def on_open_ring(qs):
 def ring_roadmap(soon, states=40, seed=0):
     group = group_of(JointType.PRISMATIC, JointType.PRISMATIC)
     options = SearchOptions(roadmap=RoadmapOptions(states, 6, seed), resolution=0.1)
-    recipe = RoadmapBuildRequest.from_search(group, limits_of(group), np.zeros(2), options)
-    return group, grow_roadmap(recipe, Oracle(on_open_ring), "key", soon, Ring())
+    request = RoadmapBuildRequest.from_search(group, limits_of(group), np.zeros(2), options)
+    return group, grow_roadmap(request, Oracle(on_open_ring), "key", soon, Ring())
 
 
 @settings(max_examples=num_cases(6))
 @given(st.floats(-1, 1), st.floats(-1, 1))
-def test_what_is_projected_is_on_the_set_and_no_farther_than_it_must_be(x, y):
+def test_a_projection_is_on_the_set_and_about_the_nearest_point(x, y):
     q = np.array([x, y])
     length = float(np.linalg.norm(q))
     if length < 1e-3:
@@ -65,10 +65,10 @@ def test_what_is_projected_is_on_the_set_and_no_farther_than_it_must_be(x, y):
     assert np.linalg.norm(found - q) <= max(0.0, abs(length - RADIUS) - WIDTH / 2) + 1e-5
 
 
-def test_every_way_of_a_roadmap_follows_a_thin_set(soon):
+def test_every_edge_of_a_roadmap_follows_a_thin_set(soon):
     _, roadmap = ring_roadmap(soon)
     assert on_open_ring(roadmap.states).all()
-    assert len(roadmap.states) > 40  # ways bend: there are states between states
+    assert len(roadmap.states) > 40  # edges bend: their waypoints are states too
     for i, j in roadmap.edges:
         steps = np.linspace(0.0, 1.0, 200)[:, None]
         between = roadmap.states[i] + steps * (roadmap.states[j] - roadmap.states[i])
@@ -111,16 +111,16 @@ def test_growing_along_a_thin_set_minds_its_deadline():
 
 
 @pytest.mark.parametrize("arm", [(), (JointType.REVOLUTE,)])
-def test_a_car_finds_its_way_in_a_roadmap_of_drives(arm):
+def test_a_car_finds_a_path_in_a_roadmap_of_steering_paths(arm):
     group = steered(group_of(JointType.PLANAR, *arm), {"r::j0": Steering(0.3, reverse=True)})
     start = np.array([-0.8, 0.0, 0.0, *([0.1] * len(arm))])
     goal = np.array([0.8, 0.0, 0.0, *([-0.4] * len(arm))])
     oracle, limits = Oracle(beyond_disc, group), limits_of(group)
     options = SearchOptions(roadmap=FEW)
     deadline = no_hurry(30.0)
-    recipe = RoadmapBuildRequest.from_search(group, limits, start, options)
-    roadmap = grow_roadmap(recipe, oracle, "key", deadline)
-    assert grow_roadmap(recipe, oracle, "key", deadline) == roadmap
+    request = RoadmapBuildRequest.from_search(group, limits, start, options)
+    roadmap = grow_roadmap(request, oracle, "key", deadline)
+    assert grow_roadmap(request, oracle, "key", deadline) == roadmap
     task = SearchTask(start, goal[None], options, 0.05, 0.0, 0, roadmap=roadmap)
     found = search(group, limits, oracle, task, deadline)
     assert found.report.roadmap.used, found.report.roadmap.reason
@@ -131,15 +131,17 @@ def test_a_car_finds_its_way_in_a_roadmap_of_drives(arm):
     assert (found.path.waypoints[-1] == goal).all()
 
 
-def test_the_way_back_of_every_drive_of_a_roadmap_is_free_as_well():
+def test_every_steering_path_of_a_roadmap_is_free_in_reverse_too():
     group = steered(group_of(JointType.PLANAR), {"r::j0": Steering(0.3, reverse=True)})
     oracle, limits = Oracle(beyond_disc, group), limits_of(group)
-    recipe = RoadmapBuildRequest.from_search(group, limits, np.zeros(3), SearchOptions(roadmap=FEW))
+    request = RoadmapBuildRequest.from_search(
+        group, limits, np.zeros(3), SearchOptions(roadmap=FEW)
+    )
     deadline = no_hurry(30.0)
-    roadmap = grow_roadmap(recipe, oracle, "key", deadline)
+    roadmap = grow_roadmap(request, oracle, "key", deadline)
     assert len(roadmap.edges) > 20
-    drives = recipe.space.steering_paths
+    steering_paths = request.space.steering_paths
     for i, j in roadmap.edges:
         for a, b in ((i, j), (j, i)):
-            way = drives.steer(roadmap.states[a], roadmap.states[b]).waypoints
-            assert_drivable(group, way, beyond_disc)
+            waypoints = steering_paths.steer(roadmap.states[a], roadmap.states[b]).waypoints
+            assert_drivable(group, waypoints, beyond_disc)

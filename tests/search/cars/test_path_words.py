@@ -1,4 +1,4 @@
-"""The shortest ways of a car: OMPL's lengths, known cases, and what makes them geodesics."""
+"""Dubins and Reeds-Shepp words: OMPL's lengths, known cases, and geodesic properties."""
 
 import numpy as np
 import pytest
@@ -89,14 +89,14 @@ def test_known_lengths(goal, dubins, reeds_shepp):
 
 
 @given(goal=goals)
-def test_who_may_reverse_never_drives_farther(goal):
+def test_a_reversing_car_never_drives_farther(goal):
     forwards, either = (lengths_of(words, [goal])[0] for words in BOTH)
     assert either <= forwards + 1e-9
     assert either >= np.hypot(*goal[:2]) - 1e-9
 
 
 @given(goal=goals)
-def test_the_way_back_is_as_long_for_who_may_reverse(goal):
+def test_the_reverse_path_of_a_reversing_car_is_as_long(goal):
     x, y, yaw = goal
     c, s = np.cos(yaw), np.sin(yaw)
     back = (-c * x - s * y, s * x - c * y, -yaw)
@@ -106,8 +106,8 @@ def test_the_way_back_is_as_long_for_who_may_reverse(goal):
 
 @pytest.mark.parametrize("words", BOTH)
 @given(seed=st.integers(0, 10_000), share=st.floats(0.02, 0.98))
-def test_distance_adds_up_along_the_way(words, seed, share):
-    """A place on the way divides the length: the way is a geodesic of the space."""
+def test_distance_adds_up_along_the_path(words, seed, share):
+    """A point on the path divides its length: the path is a geodesic of the space."""
     goal = np.random.default_rng(seed).uniform([-6, -6, -PI], [6, 6, PI])
     word = words(np.array([goal], dtype=float))
     sizes = np.abs(word.lengths[0])

@@ -1,4 +1,4 @@
-"""Joints that follow others are held to their own limits, and seen where they really are."""
+"""Followers (mimic joints) keep their own limits, and clearance uses their own positions."""
 
 from collections.abc import Callable
 
@@ -27,10 +27,10 @@ RATES = ("velocity", "acceleration", "jerk")
 def chain(rng: np.random.Generator) -> tuple[str, list[tuple[float, ...]]]:
     """Return a robot of three joints, and (scale, offset, low, high, velocity) of both that follow.
 
-    Whatever one follows, its position is scale times that of the first, and offset.
+    The position of each follower is scale times that of the first joint, plus offset.
     """
     joints = [JOINT.format("a", "revolute", 0, -3, 3, 1.0, "")]
-    scale, offset, told = 1.0, 0.0, []
+    scale, offset, followers = 1.0, 0.0, []
     for z, (name, leader) in enumerate(("ba", "cb"), start=1):
         m, b = float(rng.choice([-1, 1]) * rng.uniform(0.3, 3)), float(rng.uniform(-0.5, 0.5))
         scale, offset = m * scale, m * offset + b
@@ -39,15 +39,15 @@ def chain(rng: np.random.Generator) -> tuple[str, list[tuple[float, ...]]]:
         velocity = float(rng.uniform(0.2, 2.0) * abs(scale))
         mimic = MIMIC.format(leader, m, b)
         joints.append(JOINT.format(name, "revolute", z, low, high, velocity, mimic))
-        told.append((scale, offset, low, high, velocity))
-    return f'<robot name="r"><link name="base"/>{"".join(joints)}</robot>', told
+        followers.append((scale, offset, low, high, velocity))
+    return f'<robot name="r"><link name="base"/>{"".join(joints)}</robot>', followers
 
 
 @pytest.mark.campaign
-def test_what_a_follower_does_is_held_against_its_limits(
+def test_follower_motions_are_checked_against_follower_limits(
     urdf_world: Callable[..., World],
 ) -> None:
-    """An oracle of samples: the peaks of a quintic are known to be met by them."""
+    """The oracle is dense samples, which contain the peaks of a quintic."""
     verdicts = set[bool]()
     for seed in seeds(12):
         rng = rng_of(seed)
@@ -114,7 +114,7 @@ def in_two_pieces(world: World, jump: float) -> TimedTrajectory:
 
 
 @pytest.mark.parametrize(("multiplier", "is_free"), [(0.5, False), (2.0, True)])
-def test_a_turn_of_the_leader_is_a_jump_of_what_follows_by_half(
+def test_a_whole_turn_of_the_leader_is_a_jump_of_a_half_rate_follower(
     urdf_world: Callable[..., World], multiplier: float, *, is_free: bool
 ) -> None:
     world, turn = urdf_world(TURN.format(multiplier)), 2 * np.pi
@@ -134,8 +134,8 @@ def test_a_turn_of_the_leader_is_a_jump_of_what_follows_by_half(
     ].proven
 
 
-def test_ends_count_as_far_off_as_what_follows_is(urdf_world: Callable[..., World]) -> None:
-    """Of a follower by 1,000 the start is a micrometre off if its leader's is a nanometre."""
+def test_end_distances_count_the_followers(urdf_world: Callable[..., World]) -> None:
+    """With a multiplier of 1,000 the start is a micrometre off if the leader is a nanometre off."""
     joints = JOINT.format("a", "prismatic", 0, -3, 3, 1, "")
     joints += JOINT.format("b", "prismatic", 1, -3e3, 3e3, 1e3, MIMIC.format("a", 1000, 0))
     world = urdf_world(f'<robot name="r"><link name="base"/>{joints}</robot>')

@@ -1,4 +1,4 @@
-"""What the kernel's bounds do not decide, Drake's distances do, before a motion is refused."""
+"""Where the kernel's bounds are undecided, Drake's distances decide before a refusal."""
 
 from dataclasses import replace
 from typing import Any
@@ -21,9 +21,9 @@ pytestmark = pytest.mark.skipif(native() is None, reason="the native code is not
 ENDS = pytest.mark.parametrize(("end", "passes"), [(0.3, True), (0.5, False)])
 
 
-def undecided(*asked: Any) -> ClearanceResult:
-    """Do as the kernel does where its bounds are no good: refuse, of no pair that is too near."""
-    found = quick_clearance(*asked)
+def undecided(*arguments: Any) -> ClearanceResult:
+    """Return the result of an undecided kernel: refused, without a violated margin."""
+    found = quick_clearance(*arguments)
     return replace(found, check=replace(found.check, passed=False), is_decided=False)
 
 
@@ -48,7 +48,7 @@ def test_drake_decides_what_the_kernel_does_not(end: float, passes: bool) -> Non
 
 
 @ENDS
-def test_what_is_decided_is_not_looked_at_again(end: float, passes: bool) -> None:
+def test_a_decided_proof_is_not_repeated(end: float, passes: bool) -> None:
     robot, request = towards_a_wall(end)
     alone = quick_clearance(robot.model, request, no_hurry())
     assert alone.is_decided

@@ -1,11 +1,17 @@
-"""The clearance of a certificate: a lower bound that is true, and what was observed."""
+"""The clearance of a certificate: its lower bound holds, and the observed one is measured."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.certify.conftest import judged, quintic, request_for, smallest_distance, world_from
+from tests.certify.conftest import (
+    certificate_of,
+    quintic,
+    request_for,
+    smallest_distance,
+    world_from,
+)
 from tests.profiles import num_cases
 
 BALL = """
@@ -22,7 +28,7 @@ def test_the_smallest_distance_lies_between_what_is_proven_and_observed(seed: in
     q0 = np.array([-0.25, rng.uniform(-0.2, 0.2), rng.uniform(-3, 3)])
     q1 = np.array([0.25, rng.uniform(-0.2, 0.2), q0[2] + rng.normal(0, 0.8)])
     motion = quintic(world.group("body"), q0, q1, 30.0)
-    certificate = judged(world, request_for(world, "body", motion))
+    certificate = certificate_of(world, request_for(world, "body", motion))
     smallest = smallest_distance(world, motion, "body", 5e-4)
     if certificate.proven:
         assert certificate.min_clearance <= smallest + 1e-7

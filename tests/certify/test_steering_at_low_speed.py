@@ -1,4 +1,4 @@
-"""Cars are held to what they can drive however slowly they move."""
+"""The steering check holds at any speed, however low."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def steering(world: World, motion: TimedTrajectory) -> Check:
         ((1.0, 3 * SLIP_TOLERANCE, 0.0), "sideways"),
     ],
 )
-def test_what_no_car_can_do_is_refused_at_any_speed(
+def test_motions_that_a_car_cannot_drive_are_refused_at_any_speed(
     world: World, duration: float, ends: tuple[float, ...], where: str
 ) -> None:
     check = steering(world, driven(world, duration, *ends))
@@ -60,7 +60,7 @@ def test_what_no_car_can_do_is_refused_at_any_speed(
 @pytest.mark.parametrize(
     "ends", [(1.0, 0.0, 0.0), (-3.0, 0.0, 0.0), (1.0, 0.3 * SLIP_TOLERANCE, 0.0)]
 )
-def test_what_a_car_can_do_is_proven_at_any_speed(
+def test_motions_that_a_car_can_drive_are_proven_at_any_speed(
     world: World, duration: float, ends: tuple[float, ...]
 ) -> None:
     check = steering(world, driven(world, duration, *ends))
@@ -76,7 +76,7 @@ def test_a_planned_drive_is_proven_however_slowed(world: World, slowness: float)
     assert steering(world, slow).passed
     radius = world.group("c").steering["c::base_joint"].turning_radius
     assert_driven(found.trajectory, radius, reverse=True, at=(0, 0))
-    # A turn of a thousandth more than was driven: too tight where it is tightest.
+    # A yaw change of a thousandth more than was driven: too tight where it is tightest.
     tighter = np.array(slow.coefficients)
     tighter[:, :, 2] *= 1.002
     bases = np.array(slow.bases)
@@ -85,8 +85,8 @@ def test_a_planned_drive_is_proven_however_slowed(world: World, slowness: float)
     assert not steering(world, broken).passed
 
 
-def test_a_drive_whose_speed_rounding_hides_is_not_proven(world: World) -> None:
-    """Straight on, by powers that cancel: the speed is off by more than counts as nothing."""
+def test_a_drive_slower_than_its_rounding_error_is_not_proven(world: World) -> None:
+    """Straight on, with cancelling terms: the rounding error exceeds the neglected speed."""
     powers = growing(np.random.default_rng(3), 30, 1.0)
     joints = world.group("c").joints
     coefficients = powers[None, :, None] * np.array([1.0, 0.0, 0.0])

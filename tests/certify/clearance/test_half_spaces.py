@@ -1,4 +1,4 @@
-"""Half spaces, at rest and on links that turn: what is proven is true, and what is free is."""
+"""Clearance of half spaces, at rest and on links that turn, against closed formulas."""
 
 from itertools import product
 
@@ -21,13 +21,13 @@ from planning.domain.report.certificate import Certificate
 from planning.world.collision.margins import PairMargins
 from planning.world.kernel.kernel_scene import kernel_scene
 from tests.certify.chains import PLANAR, Builder, P, R, Robot, random_trajectory
-from tests.certify.clearance.test_clearance_check import NO_MARGIN, clearance_of, judge
+from tests.certify.clearance.test_clearance_check import NO_MARGIN, certificate_of, clearance_of
 from tests.certify.conftest import quintic
 from tests.certify.half_spaces import Heights, Place
 from tests.clocks import no_hurry
 from tests.profiles import num_cases, pairs
 
-JUDGED = pytest.mark.usefixtures("implementation")
+BOTH_PROOFS = pytest.mark.usefixtures("implementation")
 
 
 def random_motion(place: Place) -> tuple[Robot, TimedTrajectory]:
@@ -35,10 +35,10 @@ def random_motion(place: Place) -> tuple[Robot, TimedTrajectory]:
     return robot, random_trajectory(np.random.default_rng(place.seed + 1), robot.group, 1, 0.1)
 
 
-@JUDGED
+@BOTH_PROOFS
 @given(seed=st.integers(0, 2**31), is_carried=st.booleans())
 @settings(max_examples=num_cases(3))
-def test_what_stays_above_is_proven_and_what_does_not_is_refused(
+def test_motions_above_are_proven_and_motions_into_it_are_refused(
     seed: int, is_carried: bool
 ) -> None:
     robot, motion = random_motion(Place(seed, is_carried))
@@ -47,7 +47,7 @@ def test_what_stays_above_is_proven_and_what_does_not_is_refused(
         robot, motion = random_motion(Place(seed, is_carried, gap - smallest))
         least = Heights(robot).along(motion)
         assert least == pytest.approx(gap, abs=1e-9)
-        certificate = judge(robot, motion)
+        certificate = certificate_of(robot, motion)
         assert certificate.proven is (gap > 0)
         if certificate.proven:
             check = clearance_of(certificate)
@@ -57,7 +57,7 @@ def test_what_stays_above_is_proven_and_what_does_not_is_refused(
 
 @given(seed=st.integers(0, 2**31), is_carried=st.booleans())
 @settings(max_examples=num_cases(6))
-def test_nothing_comes_nearer_than_its_bound(seed: int, is_carried: bool) -> None:
+def test_no_pair_approaches_by_more_than_its_bound(seed: int, is_carried: bool) -> None:
     """The bound on a pair's approach, on random segments of random motions."""
     robot, motion = random_motion(Place(seed, is_carried))
     heights, rng = Heights(robot), np.random.default_rng(seed + 2)
@@ -90,8 +90,8 @@ def test_the_kernels_bounds_hold_on_every_segment(seed: int, is_carried: bool) -
     heights, rng = Heights(robot), np.random.default_rng(seed + 2)
     order = {pair: row for row, pair in enumerate(scene.pairs)}
     rows = [order.get(pair, order.get(pair[::-1])) for pair in heights.pairs]
-    demands = scene.pair_margins(NO_MARGIN)
-    proof = prover(scene, robot.model, robot.request(motion, NO_MARGIN), demands)
+    margins = scene.pair_margins(NO_MARGIN)
+    proof = prover(scene, robot.model, robot.request(motion, NO_MARGIN), margins)
     for depth in range(5):
         begin, end, time, found = proof.bounds(rng.integers(2, size=depth).tolist())
         approach, lower, along = found[rows].T
@@ -133,7 +133,7 @@ def test_a_micrometre_decides_far_from_the_origin(
         ends = np.array([[-1.0, 0.0, 0.0], [1.0, 0.5, 0.3]])
         if implementation == "drake":
             ends = np.array([[0.0, 0.0, 0.0], [0.0, 1e-4, 0.0]])
-        certificate = judge(robot, quintic(robot.group, *ends, 1.0))
+        certificate = certificate_of(robot, quintic(robot.group, *ends, 1.0))
         assert certificate.proven is (gap > 0)
         assert clearance_of(certificate).value == pytest.approx(gap, abs=1e-8)
 
@@ -154,11 +154,11 @@ def tilted(robot: Robot, angle: float) -> TimedTrajectory:
 TOUCH = float(np.arccos(0.1 / np.hypot(0.4, 0.5)) - np.arctan2(0.5, 0.4))
 
 
-@JUDGED
+@BOTH_PROOFS
 @pytest.mark.parametrize(("before", "proven"), [(1e-4, True), (-1e-6, False), (-0.3, False)])
 def test_a_half_space_that_turns_is_proven_up_to_touch(before: float, proven: bool) -> None:
     robot = tilting()
-    certificate = judge(robot, tilted(robot, TOUCH - before))
+    certificate = certificate_of(robot, tilted(robot, TOUCH - before))
     assert certificate.proven is proven
     if proven:
         slope = 0.4 * np.sin(TOUCH) + 0.5 * np.cos(TOUCH)
@@ -168,28 +168,28 @@ def test_a_half_space_that_turns_is_proven_up_to_touch(before: float, proven: bo
         assert certificate.points.shape == (2, 3)
 
 
-@JUDGED
+@BOTH_PROOFS
 def test_margins_hold_over_a_half_space_that_turns() -> None:
     robot = tilting()
     angle = TOUCH - 0.05
     height = 0.4 * np.cos(angle) - 0.5 * np.sin(angle) - 0.1
-    assert judge(robot, tilted(robot, angle), PairMargins(height - 1e-5)).proven
-    assert not judge(robot, tilted(robot, angle), PairMargins(height + 1e-5)).proven
+    assert certificate_of(robot, tilted(robot, angle), PairMargins(height - 1e-5)).proven
+    assert not certificate_of(robot, tilted(robot, angle), PairMargins(height + 1e-5)).proven
 
 
-@JUDGED
+@BOTH_PROOFS
 def test_two_half_spaces_always_overlap() -> None:
     builder = Builder()
     builder.link(P, HalfSpace())
     builder.obstacle("ground", HalfSpace(), RigidTransform(np.array([0.0, 0.0, -5.0])))
     robot = builder.build()
-    certificate = judge(robot, quintic(robot.group, np.zeros(1), np.ones(1), 1.0))
+    certificate = certificate_of(robot, quintic(robot.group, np.zeros(1), np.ones(1), 1.0))
     assert not certificate.proven
     assert clearance_of(certificate).value == -np.inf
     assert clearance_of(certificate).where == "robot::link0-ground"
 
 
-@JUDGED
+@BOTH_PROOFS
 def test_robustness_under_a_half_space_that_turns() -> None:
     robot = tilting()
     motion = tilted(robot, 0.1)
