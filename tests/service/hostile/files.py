@@ -97,7 +97,7 @@ ROBOTS = {
         urdf(limit=limits(velocity=-1)), INVALID, "joint 'j': limit velocity -1 must not be"
     ),
     "effort below zero": robot(urdf(limit=limits(effort=-1)), INVALID, "limit effort -1"),
-    "effort of a word": robot(urdf(limit=limits(effort="much")), INVALID, "effort must be a number"),
+    "effort of a word": robot(urdf(limit=limits(effort="much")), INVALID, "effort must be a"),
     "limit of NaN": robot(urdf(limit=limits(lower="nan")), INVALID, "limit lower must be a finite"),
     "scope in a link": robot(urdf(link="a::b"), INVALID, "link 'a::b'"),
     "box of no size": robot(urdf('<box size="0 1 1"/>'), INVALID, "box size must be positive"),
