@@ -1,31 +1,31 @@
-"""Every way in which Wayproof can say no.
+"""Errors of Wayproof: every failure is a class with a stable code and evidence.
 
 WayproofError                 code, detail, evidence; pickles, so it crosses processes
-├── InputError                the request cannot be meant; nothing was computed
+├── InputError                the request is invalid; nothing was computed
 │   ├── SceneInvalid          scene_invalid          a scene document with a fault, and where
-│   ├── SceneEditImpossible   scene_edit_impossible  an operation that this scene does not admit
-│   ├── AssetNotFound         asset_not_found        a robot or mesh file that is not there
+│   ├── SceneEditImpossible   scene_edit_impossible  an operation that does not apply to this scene
+│   ├── AssetNotFound         asset_not_found        a robot or mesh file that does not exist
 │   ├── ModelInvalid          model_invalid          a robot file that is unsafe or does not load
 │   ├── ProblemInvalid        problem_invalid        wrong counts, NaN, contradictory options
 │   └── UnknownName           unknown_name           a name that does not exist, and those that do
-├── PlanningFailure           stage; a plan that was tried and has no motion to give
+├── PlanningFailure           stage; planning was tried and found no motion
 │   ├── StartInCollision      start_in_collision     the pairs and depths at the start
 │   ├── StartTooNear          start_too_near         the pairs and margins at the start
 │   ├── StartOutOfLimits      start_out_of_limits    the joints, values and bounds
 │   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
 │   ├── GoalInCollision       goal_in_collision      every goal configuration collides
 │   ├── GoalTooNear           goal_too_near          free goal configurations break a margin
-│   ├── GoalUnreachable       goal_unreachable       the funnel, the nearest pose, what would do
+│   ├── GoalUnreachable       goal_unreachable       the funnel, the nearest pose, the relaxation
 │   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
 │   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which, and the least
 │   ├── ApproachBlocked       approach_blocked       the funnel, and what stopped the lines
 │   ├── LineBlocked           line_blocked           how far the line goes, and what stops it
 │   ├── NoPathFound           no_path_found          the planner, its attempts and checks
-│   ├── DeadlineExceeded      deadline_exceeded      how long it had, and where it stood
-│   ├── Canceled              canceled               somebody asked for it
+│   ├── DeadlineExceeded      deadline_exceeded      the time allowed, and the stage at its end
+│   ├── Canceled              canceled               the caller canceled the plan
 │   ├── RetimingFailed        retiming_failed        the retimer and why
 │   └── NotCertified          not_certified          the checks that failed
-└── ExecutionFailure          a motion that was started and did not end well
+└── ExecutionFailure          an execution that was started and failed
     ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
     ├── TrackingLost          tracking_lost          the error and its bound
     └── Contact               contact                the pair, the time
@@ -39,12 +39,12 @@ type Evidence = Mapping[str, Any]
 
 
 class WayproofError(Exception):
-    """Base of all our errors.
+    """Base class of all errors of Wayproof.
 
     Attributes:
         code: Stable machine-readable name, unique in the tree.
         detail: One or two sentences for a person.
-        evidence: JSON-compatible facts behind the verdict (SI units, radians).
+        evidence: JSON-compatible facts about the failure (SI units, radians).
     """
 
     code: ClassVar[str] = "error"
@@ -60,7 +60,7 @@ class WayproofError(Exception):
 
 
 class InputError(WayproofError):
-    """The request cannot be meant; nothing was computed."""
+    """The request is invalid; nothing was computed."""
 
 
 class SceneInvalid(InputError):
@@ -70,13 +70,13 @@ class SceneInvalid(InputError):
 
 
 class SceneEditImpossible(InputError):
-    """An operation that cannot be done to this scene; evidence: `operation`, and what is so."""
+    """An operation cannot be applied to this scene; evidence: `operation`, and the obstacle."""
 
     code = "scene_edit_impossible"
 
 
 class AssetNotFound(InputError):
-    """A robot description, mesh or package is not there; evidence: `uri`, `known`."""
+    """A robot description, mesh or package does not exist; evidence: `uri`, `known`."""
 
     code = "asset_not_found"
 
@@ -102,7 +102,7 @@ class UnknownName(InputError):
     def among(cls, kind: str, name: str, known: Iterable[str]) -> "UnknownName":
         """Build the error that names the wrong thing and the right ones."""
         names = sorted(known)
-        # Case is what people misspell most; a name that differs in nothing else is the nearest.
+        # Wrong case is the most frequent misspelling: names are compared without case.
         folded = {known_name.casefold(): known_name for known_name in reversed(names)}
         nearest = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3)]
         hint = f"did you mean {nearest[0]!r}? " if nearest else ""
@@ -114,12 +114,11 @@ class UnknownName(InputError):
 
 
 class PlanningFailure(WayproofError):
-    """A plan was tried and has no motion to give.
+    """Planning was tried and found no motion.
 
     Attributes:
-        stage: The stage that gave up, or in which the time ran out or the cancel came.
-        timings: Seconds per stage, of those that ended and of the one that failed; empty where
-            nothing was timed.
+        stage: The stage that failed, or in which the deadline or the cancel ended the plan.
+        timings: Seconds per stage, including the one that failed; empty where nothing was timed.
     """
 
     stage: str = "plan"
@@ -134,12 +133,12 @@ class PlanningFailure(WayproofError):
 
     # Not Self, which beartype knows in decorated classes only.
     def in_stage[F: "PlanningFailure"](self: F, stage: str) -> F:  # noqa: PYI019
-        """Return itself, told where it happened."""
+        """Return the same failure with its stage set."""
         self.stage = stage
         return self
 
     def saying[F: "PlanningFailure"](self: F, detail: str, more: Evidence) -> F:  # noqa: PYI019
-        """Return the same failure in other words and with more evidence, of the same stage."""
+        """Return the failure with another detail and more evidence, of the same stage."""
         failure = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
         failure.timings = self.timings
         return failure
@@ -153,7 +152,7 @@ class StartInCollision(PlanningFailure):
 
 
 class StartTooNear(PlanningFailure):
-    """Nothing overlaps at the start, but a margin is not kept; evidence: as `StartInCollision`."""
+    """The start is free of collision but violates a margin; evidence: as `StartInCollision`."""
 
     code = "start_too_near"
     stage = "goals"
@@ -176,7 +175,7 @@ class GoalOutOfLimits(PlanningFailure):
 class GoalInCollision(PlanningFailure):
     """Goal configurations exist and bodies overlap in all of them.
 
-    Evidence: `funnel`, `nearest` and `relaxation`; `pairs` of given ones.
+    Evidence: `funnel`, `nearest` and `relaxation`; `pairs` for given configurations.
     """
 
     code = "goal_in_collision"
@@ -184,7 +183,7 @@ class GoalInCollision(PlanningFailure):
 
 
 class GoalTooNear(PlanningFailure):
-    """Goal configurations exist in which nothing overlaps, but all break a margin.
+    """Collision-free goal configurations exist, but all violate a margin.
 
     Evidence: as `GoalInCollision`.
     """
@@ -210,7 +209,7 @@ class StartViolatesConstraint(PlanningFailure):
 class GoalViolatesConstraint(PlanningFailure):
     """Every goal configuration violates path constraints.
 
-    Evidence: `violations`, a tally; `nearest` and `relaxation`.
+    Evidence: `violations`, counted by constraint; `nearest` and `relaxation`.
     """
 
     code = "goal_violates_constraint"
@@ -247,7 +246,7 @@ class NoPathFound(PlanningFailure):
 class DeadlineExceeded(PlanningFailure):
     """The allowed time ran out; evidence: `allowed` [s], `during`.
 
-    Its stage, as that of a cancel, is the one that was at work.
+    Its stage, as that of a cancel, is the one that was running.
     """
 
     code = "deadline_exceeded"
@@ -255,7 +254,7 @@ class DeadlineExceeded(PlanningFailure):
 
 
 class Canceled(PlanningFailure):
-    """Somebody asked for the end of this plan."""
+    """The caller canceled this plan."""
 
     code = "canceled"
 
@@ -275,11 +274,11 @@ class NotCertified(PlanningFailure):
 
 
 class ExecutionFailure(WayproofError):
-    """A motion was started and did not end well."""
+    """An execution was started and failed."""
 
 
 class IllegalTransition(ExecutionFailure):
-    """An event that the present state does not allow; evidence: `state`, `event`, `legal`."""
+    """The present state does not allow an event; evidence: `state`, `event`, `legal`."""
 
     code = "illegal_transition"
 

@@ -1,4 +1,4 @@
-"""Arrays: the types of numpy arrays by element, where an annotation needs no shape.
+"""Array types: numpy arrays by element type, for annotations that need no shape.
 
 Where the shape is part of the contract, the annotation is jaxtyping's: `Float64[Array, "n nq"]` is
 written `Float64[np.ndarray, "n nq"]`, as its documentation has it.

@@ -11,10 +11,11 @@ from typing import Any, ClassVar, cast, override
 
 import numpy as np
 
-# Numbers, truth values and text of fixed width. Long doubles have padding bytes.
+# Type of row indices.
 _ROWS = np.dtype(np.int32)
+# Numbers, truth values and text of fixed width. Long doubles have padding bytes.
 _ARRAYS = frozenset("?bBhHiIlLqQefdFDSU")
-# Attribute in which a value of a class with `is_fed_once` keeps its bytes.
+# Attribute in which a value of a class with `caches_bytes` keeps its bytes.
 _BYTES_ATTRIBUTE = "_fed_bytes"
 
 
@@ -117,7 +118,7 @@ def digest(content: Any) -> str:
     type and length. Two values of different classes never share a digest.
 
     Raises:
-        TypeError: Something in it is no value.
+        TypeError: A part of it is not a value.
     """
     sha = hashlib.sha256()
     _feed(sha, content)
@@ -126,7 +127,7 @@ def digest(content: Any) -> str:
 
 def _feed(sha: Any, content: Any) -> None:
     kind = type(content)
-    # Most parts of a value are of these types, and are told from the others quickly.
+    # Most parts of a value are of these types, so these are tested first.
     if kind is float:
         sha.update(b"number" + struct.pack("<d", content))
     elif kind is str:

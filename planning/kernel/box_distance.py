@@ -38,10 +38,8 @@ def box_distances(
         X_WB: Their poses.
     """
     corners_a, corners_b = _corners(half_a, X_WA), _corners(half_b, X_WB)
-    nearest_in_b, nearest_in_a = (
-        _nearest_points_in_boxes(corners_a, half_b, X_WB),
-        _nearest_points_in_boxes(corners_b, half_a, X_WA),
-    )
+    nearest_in_b = _nearest_points_in_boxes(corners_a, half_b, X_WB)
+    nearest_in_a = _nearest_points_in_boxes(corners_b, half_a, X_WA)
     edge_points = _edge_points(corners_a, corners_b)
     points_on_a = np.concatenate([corners_a, nearest_in_a, edge_points[0]], axis=1)
     points_on_b = np.concatenate([nearest_in_b, corners_b, edge_points[1]], axis=1)

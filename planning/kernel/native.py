@@ -10,11 +10,13 @@ _LOG = logging.getLogger(__name__)
 
 @cache
 def native() -> ModuleType | None:
-    """Return the native module, or None if it was not built; the log has that once."""
+    """Return the native module; None, with one warning in the log, if it was not built."""
     try:
         return import_module("planning.kernel._native")
     except ImportError as fault:
-        _LOG.warning("no native kernel (%s): Drake answers everything, more slowly", fault)
+        _LOG.warning(
+            "the native kernel is not available (%s): Drake computes everything, more slowly", fault
+        )
         return None
 
 

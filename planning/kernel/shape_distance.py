@@ -1,8 +1,8 @@
 """Distance bounds of two convex shapes, by GJK on their cores.
 
-A sphere is a point, and a capsule a line segment, with a ball around each of
-its points. Without the ball the core remains, which has corners more often than not, and
-`separation` finds the distance of cores with corners exactly.
+A sphere is a point, and a capsule a line segment, with a ball around each of its points. Without
+the ball the core remains, which has corners for most shapes, and `separation` finds the distance of
+cores with corners exactly.
 """
 
 import numpy as np
@@ -23,9 +23,9 @@ def distance_bounds(
     """Bound the distance of two shapes from both sides [m].
 
     Args:
-        shapes: A and B; half spaces are none of them.
+        shapes: A and B; neither is a half space.
         poses: X_WA and X_WB.
-        guess: Initial direction from B to A; zero or not a number for none.
+        guess: Initial direction from B to A; zero or NaN for none.
         sufficient_distance: A lower bound as large as this ends the search [m].
     """
     offset = poses[0][:3, 3] - poses[1][:3, 3]
@@ -33,8 +33,9 @@ def distance_bounds(
     R_WA, R_WB = poses[0][:3, :3], poses[1][:3, :3]
 
     def support(n: Array) -> Array:
-        ahead = R_WA @ _core_support(shapes[0], n @ R_WA)
-        return offset + ahead - R_WB @ _core_support(shapes[1], -n @ R_WB)
+        point_on_a = R_WA @ _core_support(shapes[0], n @ R_WA)
+        point_on_b = R_WB @ _core_support(shapes[1], -n @ R_WB)
+        return offset + point_on_a - point_on_b
 
     direction = guess if np.isfinite(guess).all() and guess.any() else offset
     core_bounds = separation(

@@ -37,7 +37,7 @@ def farthest_point(shape: ConvexShape, n: Float64[np.ndarray, "3"]) -> Float64[n
 
 def no_farthest_point() -> ModelInvalid:
     """Return the error of a half space where a bounded shape is needed."""
-    message = "no point of a half_space lies farthest along a direction"
+    message = "a half_space is unbounded and has no farthest point along a direction"
     return ModelInvalid(message, {"reason": message})
 
 

@@ -84,10 +84,10 @@ class DrakeModel:
         """Return Drake's frame of a name that exists.
 
         Raises:
-            ProblemInvalid: The frame stands in the world, and one that can move is needed.
+            ProblemInvalid: The frame is fixed to the world, and a frame that moves is needed.
         """
         if name in self.static_objects.frames:
-            message = f"frame {name!r} stands in the world: one is needed that can move"
+            message = f"frame {name!r} is fixed to the world: a frame that moves is needed"
             raise ProblemInvalid(message, {"field": "frame", "frame": name})
         return self.frames[name]
 

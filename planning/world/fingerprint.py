@@ -1,9 +1,9 @@
 """Collision fingerprint: digest of a world's collision geometry as one group sees it.
 
 Two worlds with the same fingerprint collide for the same configurations of the group. Names of
-frames, named configurations and the group's own position do not enter, so a robot that
-has moved has the same fingerprint; attached objects, the positions of other robots and the robot's
-own files do.
+frames, named configurations and the group's own position do not enter, so a robot that has moved
+has the same fingerprint; attached objects, the positions of other robots and the robot's own files
+do.
 """
 
 from typing import Any

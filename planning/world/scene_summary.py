@@ -18,7 +18,7 @@ _sorted_names_cache: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tupl
 
 
 def scene_summary(world: World) -> SceneSummary:
-    """Return what a loaded scene holds, and what is doubtful about it."""
+    """Return the summary of a loaded scene, with its warnings."""
     groups = {
         group.name: GroupSummary(
             group,

@@ -35,12 +35,12 @@ from planning.world.models.model_library import ModelLibrary
 
 type CollisionChecker = DrakeCollisionOracle | KernelCollisionOracle
 
-# Making a checker takes longer than most of its queries: the last used ones are kept.
+# Making a checker takes longer than most of its queries, so the newest ones are kept.
 _MAX_ORACLES = 16
 
 
 class World:
-    """Scene in Drake. Lives in one process and one thread; load it again rather than share it.
+    """Scene in Drake, for one process and one thread; load it again rather than share it.
 
     Attributes:
         scene: The loaded scene.

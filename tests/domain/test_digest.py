@@ -25,7 +25,7 @@ CONTENTS = st.recursive(
 )
 
 
-def told(content: Any) -> Any:
+def canonical(content: Any) -> Any:
     """What a digest is to tell apart, written in another way."""
     match content:
         case bool() | None:
@@ -36,9 +36,9 @@ def told(content: Any) -> Any:
         case str():
             return f"'{content}'"
         case list():
-            return ("list", *map(told, content))
+            return ("list", *map(canonical, content))
         case _:
-            return ("map", *sorted((key, told(item)) for key, item in content.items()))
+            return ("map", *sorted((key, canonical(item)) for key, item in content.items()))
 
 
 @given(INTEGERS, INTEGERS)
@@ -61,7 +61,7 @@ def test_an_integer_is_the_float_that_equals_it(number: int, other: float) -> No
 
 @given(CONTENTS, CONTENTS)
 def test_contents_that_differ_have_other_digests(a: Any, b: Any) -> None:
-    assert (digest(a) == digest(b)) == (told(a) == told(b))
+    assert (digest(a) == digest(b)) == (canonical(a) == canonical(b))
 
 
 def test_lengths_and_names_do_not_run_into_each_other() -> None:

@@ -169,7 +169,7 @@ def test_what_a_robot_cannot_drive_is_refused(street: World) -> None:
 
 
 def test_searches_along_straight_lines_are_refused(street: World) -> None:
-    with pytest.raises(ProblemInvalid, match="cannot drive them"):
+    with pytest.raises(ProblemInvalid, match="cannot follow"):
         planned(street, "passed", search=planning.SearchOptions(planner="GCS"))
 
 

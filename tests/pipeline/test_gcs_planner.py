@@ -162,7 +162,7 @@ def test_the_domain_is_bounded_or_refused():
     with pytest.raises(ProblemInvalid, match="floating"):
         domain_of(window, window.group("body"), RegionOptions())
     street = bundled_world("parallel_parking")
-    with pytest.raises(ProblemInvalid, match="cannot drive them"):
+    with pytest.raises(ProblemInvalid, match="cannot follow"):
         domain_of(street, street.group("car"), RegionOptions())
 
 

@@ -209,7 +209,7 @@ def test_a_planar_body_has_bounds_on_its_turn_alone() -> None:
         bounds = replace(problem.retime, acceleration_bounds={wrong: (-1, 1)})
         with pytest.raises(UnknownName) as refused:
             planning.plan(replace(problem, retime=bounds), world, deadline=deadline())
-        assert "what can: ['body::base_joint.angular']" in refused.value.detail
+        assert "signed bounds: ['body::base_joint.angular']" in refused.value.detail
         assert "has no sign: ['body::base_joint.linear']" in refused.value.detail
 
 

@@ -18,8 +18,8 @@ def messages(page: str) -> list[dict]:
 
 def animation(page: str) -> dict:
     """Return the one animation of a page."""
-    (told,) = [message for message in messages(page) if message["type"] == "set_animation"]
-    return told
+    (message,) = [message for message in messages(page) if message["type"] == "set_animation"]
+    return message
 
 
 def tracks(page: str) -> dict[str, np.ndarray]:

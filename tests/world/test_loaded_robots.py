@@ -52,11 +52,11 @@ def test_a_robot_that_starts_in_itself_is_told_with_an_edit_to_paste(
     urdf_world: Callable[..., World],
 ) -> None:
     world = urdf_world(CHAIN)
-    *told, offer = scene_summary(world).warnings
-    found = [re.search(r"(r::\w) and (r::\w) overlap by (\S+) m: no motion", t) for t in told]
+    *overlaps, offer = scene_summary(world).warnings
+    found = [re.search(r"(r::\w) and (r::\w) overlap by (\S+) m: no motion", t) for t in overlaps]
     depths = {(hit[1], hit[2]): float(hit[3]) for hit in found if hit}
     assert depths == {("r::a", "r::c"): 0.18, ("r::a", "r::e"): 0.2, ("r::c", "r::e"): 0.18}
-    assert offer.startswith("1 pairs of these overlap in all of 21 configurations")
+    assert offer.startswith("1 of these pairs overlap in all 21 sampled configurations")
     edit = json.loads(offer[offer.index("{") :])
     assert edit == {"operations": [{"op": "allow", "pair": ["r::a", "r::c"]}]}
     pairs = [operation["pair"] for operation in edit["operations"]]
@@ -90,7 +90,7 @@ def test_what_starts_nearer_to_a_thing_than_its_margin_is_told(
     assert "o and r::b are 0.01 m apart, less than their margin of 0.02 m" in margin
     flush = {**near, "pose": {"position": [0.2, 0, 0]}}
     (touch,) = scene_summary(urdf_world(one, objects=[flush], margin=1e-6)).warnings
-    assert "o and r::b touch: no motion can begin there" in touch
+    assert "o and r::b touch: no motion can start from there" in touch
     into = {**near, "pose": {"position": [0.15, 0, 0]}}
     (overlap,) = scene_summary(urdf_world(one, objects=[into])).warnings  # and no edit is offered
     assert "o and r::b overlap by 0.05 m" in overlap
@@ -102,7 +102,7 @@ def test_many_overlaps_are_counted(urdf_world: Callable[..., World]) -> None:
     joints += "".join(hinge(f"b{i}", f"k{i}", f"l{i}", 0.0) for i in range(7))
     warnings = scene_summary(urdf_world(f'<robot name="m">{links}{joints}</robot>')).warnings
     assert len(warnings) == 12
-    assert "11 further pairs" in warnings[10]
+    assert "11 more pairs" in warnings[10]
     assert len(json.loads(warnings[11][warnings[11].index("{") :])["operations"]) == 21
 
 
@@ -125,9 +125,9 @@ def test_of_many_robots_overlaps_are_told_and_like_configurations_once(
     scene = replace(
         one, robots=tuple(arms), allowed_collisions=pairs, configurations=named, files={}
     )
-    told = scene_summary(planning.load_world(scene)).warnings
-    assert all(text.startswith("where the scene puts its robots, r0::") for text in told)
-    assert "r0::a and r0::e overlap by 0.2 m" in told[0]
+    warnings = scene_summary(planning.load_world(scene)).warnings
+    assert all(text.startswith("at the scene's positions r0::") for text in warnings)
+    assert "r0::a and r0::e overlap by 0.2 m" in warnings[0]
     apart = tuple(replace(arm, positions="open") for arm in arms)
     (folded,) = scene_summary(planning.load_world(replace(scene, robots=apart))).warnings
     assert folded.startswith("configuration 'folded' of r0 is in collision with itself")
@@ -149,9 +149,9 @@ def test_joints_without_an_end_are_told(
     world = urdf_world(text + hinge("j", "a", "b", 0.0, limit) + "</robot>")
     limits = world.limits(world.group("r"))
     assert np.isfinite([limits.lower[0], limits.upper[0]]).all() is np.bool_(not is_told)
-    told = "r::j has no `limit` with `lower` and `upper`, so it moves without end: state its limits"
-    told += ", or that it is `continuous`"
-    assert list(scene_summary(world).warnings) == ([told] if is_told else [])
+    warning = "r::j has no `limit` with `lower` and `upper` and is treated as unlimited: "
+    warning += "add the limits, or make it `continuous`"
+    assert list(scene_summary(world).warnings) == ([warning] if is_told else [])
     endless = (text + hinge("j", "a", "b", 0.0, limit) + "</robot>").replace(
         "revolute", "continuous"
     )
@@ -189,7 +189,7 @@ def test_a_base_that_floats_is_told_and_welded_on_request(
     world = load(name, text)
     assert world.group("r").num_positions == 8
     (warning,) = scene_summary(world).warnings
-    assert warning.startswith("r: nothing holds its base 'base', so it floats")
+    assert warning.startswith("r: its base link 'base' has no parent joint")
     assert "`weld: true` of robot 'r'" in warning
     welded = load(name, text, weld=True, base=PLACE)
     assert welded.group("r").num_positions == 1
@@ -199,7 +199,7 @@ def test_a_base_that_floats_is_told_and_welded_on_request(
     assert floating.group("r").num_positions == 8
     assert scene_summary(floating).warnings == ()
     np.testing.assert_allclose(floating.frame_pose("r::base", floating.state).position, [1, 2, 3])
-    with pytest.raises(SceneInvalid, match=r"robots.0.base: .* say `weld: true`"):
+    with pytest.raises(SceneInvalid, match=r"robots.0.base: .* set `weld: true`"):
         load(name, text, base=PLACE)
 
 
@@ -216,12 +216,14 @@ def test_a_urdf_is_welded_unless_the_scene_wants_it_to_float(load: Callable[...,
 def test_what_the_description_settles_is_refused(load: Callable[..., World]) -> None:
     fixed = MJCF.format("")
     assert load("m.xml", fixed).group("r").num_positions == 1
-    for wish in ({"weld": False}, {"weld": True}, {"base": PLACE}):
-        with pytest.raises(SceneInvalid, match=f"robots.0.{next(iter(wish))}: .*says itself"):
-            load("m.xml", fixed, **wish)
+    for setting in ({"weld": False}, {"weld": True}, {"base": PLACE}):
+        with pytest.raises(
+            SceneInvalid, match=f"robots.0.{next(iter(setting))}: .*already fixes it"
+        ):
+            load("m.xml", fixed, **setting)
     two = SDF.format('<link name="other"/>')
     assert len(scene_summary(load("m.sdf", two)).warnings) == 2
-    with pytest.raises(SceneInvalid, match=r"robots.0.weld: .*2 links that no joint carries"):
+    with pytest.raises(SceneInvalid, match=r"robots.0.weld: .*2 root links"):
         load("m.sdf", two, weld=True)
 
 

@@ -62,7 +62,7 @@ def test_a_mesh_that_is_inside_out_says_that_it_is_not_sure(
     inside_out.export(tmp_path / "m.obj")
     world = urdf_world(ROBOT.format(LINK.format(MESH.format("m.obj", "1 1 1"))))
     (warning,) = scene_summary(world).warnings
-    assert "encloses no sure volume" in warning
+    assert "its volume is not well defined" in warning
 
 
 def test_a_mesh_of_an_object_counts(urdf_world: Callable[..., World], tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_a_link_that_is_only_seen_is_told(urdf_world: Callable[..., World]) -> N
     seen = '<visual><geometry><sphere radius="1"/></geometry></visual>'
     world = urdf_world(ROBOT.format(LINK.format(seen)))
     assert scene_summary(world).warnings == (
-        "r::a is seen but has no collision shape: it collides with nothing",
+        "r::a is visible but has no collision shape: it collides with nothing",
     )
     both = seen + seen.replace("visual", "collision")
     assert scene_summary(urdf_world(ROBOT.format(LINK.format(both)))).warnings == ()
@@ -101,11 +101,11 @@ def test_what_the_parser_leaves_out_is_told(tmp_path: Path) -> None:
 def test_errors_of_the_parser_go_on_to_the_log_and_its_warnings_do_not(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    drake, said = logging.getLogger("drake"), list[str]()
-    with parser_warnings("r", said):
+    drake, warnings = logging.getLogger("drake"), list[str]()
+    with parser_warnings("r", warnings):
         drake.warning("odd")
         drake.error("bad")
     drake.warning("not asked for")
     drake.critical("worse")
-    assert said == ["r: odd"]
+    assert warnings == ["r: odd"]
     assert [record.getMessage() for record in caplog.records] == ["bad", "worse"]

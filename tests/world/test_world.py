@@ -111,10 +111,10 @@ REFUSED = {
     ),
     "name twice": (HEAD + "objects: [{name: arm, shape: {sphere: 1}}]", SceneInvalid, "taken"),
     "unknown parent": (HEAD + "frames: [{name: f, parent: tabel}]", SceneInvalid, "'tabel'"),
-    "circle of frames": (
+    "cycle of frames": (
         HEAD + "frames: [{name: f, parent: g}, {name: g, parent: f}]",
         SceneInvalid,
-        "circle",
+        "cycle",
     ),
     "unknown body": (
         HEAD + "allowed_collisions: [[arm::tool1, world]]",

@@ -15,8 +15,8 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.robot.steering import SteeredManifold
 
-# Largest turn of a piece [rad], and smallest number of pieces of an arc: on one piece alone, as
-# retimers cut them, a long gentle arc has no place for full speed.
+# Largest turn of a piece [rad], and smallest number of pieces of an arc: retimers cut paths at
+# pieces, and a long gentle arc on one piece alone leaves no room to reach full speed.
 _MAX_PIECE_ANGLE, _MIN_NUM_PIECES = 0.2, 4
 # An arc that turns less is a line [rad]: the arc is less than a millionth of a nanometre off.
 _MIN_ARC_ANGLE = 1e-12

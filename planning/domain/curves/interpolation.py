@@ -25,8 +25,8 @@ def trajectory_through(
     """Return the trajectory through samples; positions are real numbers, not angles on a circle.
 
     From 3 rad to -3 rad is a displacement of -6 rad, also for continuous joints: otherwise samples
-    more than half a turn apart would give the motion around the other side. Angles that
-    jump by whole turns must be unwrapped before (`numpy.unwrap`).
+    more than half a turn apart would give the motion around the other side. Angles that jump by
+    whole turns must be unwrapped before (`numpy.unwrap`).
 
     Args:
         joints: Joints of the samples; none may float.
@@ -97,7 +97,7 @@ def _clamped_spline(
     times: Float64[np.ndarray, " n"], positions: Float64[np.ndarray, "n nv"]
 ) -> Float64[np.ndarray, "n_minus_1 4 nv"]:
     """Return the pieces' displacements in powers of time: acceleration is continuous, ends rest."""
-    # 0.4 s, which most who import this module need not wait for.
+    # The import takes 0.4 s, and most importers of this module do not need it.
     from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
     coefficients = CubicSpline(times, positions, bc_type="clamped").c[::-1].transpose(1, 0, 2)

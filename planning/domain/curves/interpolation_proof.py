@@ -25,7 +25,7 @@ class InterpolationProof(Value):
             if none is known.
         failed: Checks that did not pass.
         unchecked: Requirements that are not checked, because straight lines have corners.
-        reason: Why it is not proven where no check says so, or "".
+        reason: Why it is not proven, if no check failed; else "".
     """
 
     kind: Interpolation

@@ -1,10 +1,10 @@
 """Sampled trajectory: sampling instants of a motion, and position, velocity, acceleration there.
 
-A receiver has nothing but samples, and interpolates them by polynomials. If
-accelerations jump in between, no polynomial through positions, velocities and accelerations follows
-them: the one of degree 5 overshoots by 8 % of the jump, however near the samples are. So samples
-lie where the pieces of the motion meet, and evenly between; and where accelerations jump there are
-two, a tenth of a millisecond apart or so, between which the acceleration is linear in time:
+A receiver has only samples, and interpolates them by polynomials. If accelerations jump in between,
+no polynomial through positions, velocities and accelerations follows them: the one of degree 5
+overshoots by 8 % of the jump, however near the samples are. So samples lie where the pieces of the
+motion meet, and evenly between; and where accelerations jump there are two, a tenth of a
+millisecond apart or so, between which the acceleration is linear in time:
 
     v1 = v0 + h (a0 + a1) / 2,    p1 = p0 + h v0 + h^2 (2 a0 + a1) / 6.
 
@@ -143,10 +143,8 @@ def _adjusted_accelerations(
         before, after = times[m] - times[i], times[j] - times[m]
         target_sum = 2 * (v[j] - v[i]) - before * a[i] - after * a[j]
         rows = slice(0 if m == 0 else knots.pieces[i], knots.pieces[j] + 1)
-        begins, ends = (
-            second_derivative[rows, 0],
-            evaluate_polynomials(second_derivative[rows], curve.widths[rows]),
-        )
+        begins = second_derivative[rows, 0]
+        ends = evaluate_polynomials(second_derivative[rows], curve.widths[rows])
         # Of the piece before only its end counts, of the piece after only its beginning.
         nearby = [begins if m == 0 else begins[1:], ends if m == last else ends[:-1], a[[i, j]]]
         accelerations = np.concatenate(nearby)

@@ -96,14 +96,11 @@ def rotate(a: Float64[np.ndarray, "*#n 4"], p: Float64[np.ndarray, "*#n 3"]) -> 
     if a.ndim == p.ndim == 1:
         w, *axis = a.tolist()
         t = [2 * x for x in _cross_components(axis, p.tolist())]
-        twice_crossed = _cross_components(axis, t)
-        return np.array([
-            x + w * along + aside
-            for x, along, aside in zip(p.tolist(), t, twice_crossed, strict=True)
-        ])
+        u = _cross_components(axis, t)
+        return np.array([x + w * y + z for x, y, z in zip(p.tolist(), t, u, strict=True)])
     axes = a[..., 1:]
-    turned = 2 * _cross(axes, p)
-    return p + a[..., :1] * turned + _cross(axes, turned)
+    t = 2 * _cross(axes, p)
+    return p + a[..., :1] * t + _cross(axes, t)
 
 
 # Single vectors use plain numbers, stacks use arrays: a call of numpy takes ten times as long as

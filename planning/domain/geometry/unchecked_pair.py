@@ -7,7 +7,7 @@ from planning.domain.value import Value
 
 # `allowed`: the scene or the robot's own description allows their contact. `held`: one of them is
 # attached, and may touch the other. `welded`: nothing can move one relative to the other.
-# `welded_to_world`: the same, as both stand in the world. `adjacent`: one joint joins them, and
+# `welded_to_world`: the same, as both are fixed to the world. `adjacent`: one joint joins them, and
 # their shapes overlap there by design, or can never touch.
 type UncheckedReason = Literal["allowed", "held", "welded", "welded_to_world", "adjacent"]
 

@@ -32,7 +32,7 @@ class LinearMoveTally(Value):
 
     Attributes:
         move: "approach" or "retreat".
-        reason: As `LineStop` has it.
+        reason: As in `LineStop`.
         where: The pair of bodies or the joint, or "".
         count: Configurations.
         max_fraction: Largest reached fraction of the line, from the goal outwards.
@@ -150,14 +150,14 @@ def funnel_evidence(funnel: Funnel) -> dict[str, Any]:
         ],
         "rejected": [
             {
-                "reason": one.reason,
-                "count": one.count,
-                "share": one.count / funnel.num_samples,
-                "bodies": one.pair and list(one.pair.bodies),
-                "min_depth": one.pair and one.pair.min_depth,
-                "max_depth": one.pair and one.pair.max_depth,
+                "reason": rejection.reason,
+                "count": rejection.count,
+                "share": rejection.count / funnel.num_samples,
+                "bodies": rejection.pair and list(rejection.pair.bodies),
+                "min_depth": rejection.pair and rejection.pair.min_depth,
+                "max_depth": rejection.pair and rejection.pair.max_depth,
             }
-            for one in rejections(funnel)
+            for rejection in rejections(funnel)
         ],
         "summary": funnel_summary(funnel),
     }

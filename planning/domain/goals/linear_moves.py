@@ -20,7 +20,7 @@ class Displacement(Value):
 
     Attributes:
         vector: The displacement [m], shape (3,).
-        frame: Frame of its axes: "world" or any frame of the scene, as it stands at the start.
+        frame: Frame of its axes: "world" or any frame of the scene, at its pose at the start.
     """
 
     vector: Float64[np.ndarray, "3"]
@@ -62,10 +62,9 @@ class ToolLine(Value):
 
     def pose(self, fraction: float) -> Pose:
         """Return X_WT at a fraction."""
-        turned = rotation.multiply(
-            self.begin.quaternion, rotation.exp(fraction * self.rotation_vector)
-        )
-        return Pose.from_parts(self.begin.position + fraction * self.translation, turned)
+        position = self.begin.position + fraction * self.translation
+        turn = rotation.exp(fraction * self.rotation_vector)
+        return Pose.from_parts(position, rotation.multiply(self.begin.quaternion, turn))
 
     @property
     def reverse(self) -> "ToolLine":
@@ -93,7 +92,7 @@ class LinearMove(Value):
         return LinearMove(self.line.reverse, 1.0 - self.fractions[::-1], self.positions[::-1])
 
     def shifted(self, offset: Float64[np.ndarray, " nq"]) -> "LinearMove":
-        """Return the same motion with something added to all positions, such as whole turns."""
+        """Return the same motion with an offset added to all positions, such as whole turns."""
         return LinearMove(self.line, self.fractions, self.positions + offset)
 
 

@@ -154,7 +154,7 @@ class Regions(Value):
 
     @classmethod
     def from_json(cls, content: dict[str, Any]) -> "Regions":
-        """Build from the result of `content`."""
+        """Build from the result of `as_json`."""
         regions = tuple(
             Region(
                 np.array(entry["normals"]),

@@ -1,20 +1,20 @@
-"""Foreign planner names: planners of other software that OMPL's wheel does not bind.
+"""Unavailable planners: planners of OMPL that its Python wheel does not bind.
 
-CoppeliaSim offers these. Each has its nearest planner here, and how the two are related.
+CoppeliaSim offers these. Each has its closest available planner, and how the two are related.
 """
 
 from collections.abc import Iterable
 
 from planning.errors import UnknownName
 
-# The rest of a sentence that begins with the name of the nearest planner.
+# By name: the closest available planner, and the rest of a sentence about it.
 CLOSEST_PLANNERS = {
-    "BiTRRT": ("AORRTC", "also grows two trees, and prefers cheap ways"),
+    "BiTRRT": ("AORRTC", "also grows two trees, and prefers cheap paths"),
     "CForest": ("InformedRRTstar", "runs one of the trees that CForest runs side by side"),
     "EST": ("KPIECE1", "also grows its tree where it has explored least"),
     "LazyPRM": ("PRM", "builds the same roadmap and checks its edges at once"),
     "LazyPRMstar": ("PRMstar", "builds the same roadmap and checks its edges at once"),
-    "LazyRRT": ("LBKPIECE1", "is the planner here that checks the edges of its trees late"),
+    "LazyRRT": ("LBKPIECE1", "is the available planner that checks the edges of its trees late"),
     "LBTRRT": ("RRTstar", "also improves its tree toward the shortest path"),
     "PDST": ("KPIECE1", "also divides a projection into cells and grows where they are emptiest"),
     "pRRT": ("RRT", "grows the same tree on one thread, so that the same seed gives the same path"),
@@ -23,12 +23,12 @@ CLOSEST_PLANNERS = {
     "SPARS": ("PRM", "builds a roadmap too, without thinning it"),
     "SPARStwo": ("PRM", "builds a roadmap too, without thinning it"),
     "STRIDE": ("KPIECE1", "also samples where its tree is thin"),
-    "TRRT": ("RRTstar", "also prefers cheap ways"),
+    "TRRT": ("RRTstar", "also prefers cheap paths"),
 }
 
 
 def unknown_planner(name: str, known: Iterable[str]) -> UnknownName:
-    """Return the error for an unknown planner: similar names, or the closest to a foreign one."""
+    """Return the error for an unknown planner, with similar names or the closest available one."""
     names = sorted(known)
     # Papers write RRT* where OMPL writes RRTstar.
     starred = name.replace("*", "star")
@@ -43,7 +43,7 @@ def unknown_planner(name: str, known: Iterable[str]) -> UnknownName:
     nearest, relation = CLOSEST_PLANNERS[foreign]
     message = (
         f"planner {name!r} is OMPL's, but OMPL's Python wheel does not bind it as a geometric "
-        f"planner; the closest that is here is {nearest!r}, which {relation}; planners: {names}"
+        f"planner; the closest available one is {nearest!r}, which {relation}; planners: {names}"
     )
     evidence = {
         "kind": "planner",

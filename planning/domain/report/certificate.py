@@ -46,11 +46,11 @@ class Certificate(Value):
 
     Attributes:
         proven: Every check passed and clearance was bounded on the whole interval.
-        min_clearance: If clearance is proven, a lower bound: no two checked bodies are
-            ever nearer [m]. If it is not, there is no such bound and this is `observed_clearance`.
-            Infinite if there is no pair to check.
-        observed_clearance: Smallest signed distance at any measured instant [m]: an upper
-            bound on the true smallest one, which lies between `min_clearance` and this.
+        min_clearance: If clearance is proven, a lower bound: no two checked bodies are ever nearer
+            [m]. If it is not, there is no such bound and this is `observed_clearance`. Infinite if
+            there is no pair to check.
+        observed_clearance: Smallest signed distance at any measured instant [m]: an upper bound on
+            the true smallest one, which lies between `min_clearance` and this.
         pair: The two bodies of `observed_clearance`, or ("", "").
         time: Time of `observed_clearance` [s].
         checks: All checks, passed or not.

@@ -75,8 +75,8 @@ class CertifyReport(Value):
         distance_queries: Configurations at which distances were measured.
         candidates: Number of candidate motions examined, this one included.
         refused: Reason of rejection of each candidate before it, a line each.
-        stop: Bounds on stops, if requested and there was time; the motion is proven
-            without them as well.
+        stop: Bounds on stops, if requested and there was time; the motion is proven without them as
+            well.
         robustness: Tolerated obstacle displacement and joint error, if requested and there was
             time.
     """

@@ -90,9 +90,9 @@ class Deadline:
 
         return replace(self, clock=clock, is_canceled=_never_canceled)
 
-    def with_on_expiry(self, on_cut: Callable[[], None]) -> "Deadline":
+    def with_on_expiry(self, on_expiry: Callable[[], None]) -> "Deadline":
         """Return the same deadline with another `on_expiry` callback."""
-        return replace(self, on_expiry=on_cut)
+        return replace(self, on_expiry=on_expiry)
 
     def check(self, during: str) -> None:
         """Raise if the work must end now.

@@ -28,9 +28,9 @@ def validate_signed_blocks(names: Iterable[str], joints: Iterable[Joint]) -> Non
             fault = UnknownName.among("joint", name, single_coordinate_blocks)
             hint = "".join(f"did you mean {near!r}? " for near in fault.evidence["nearest"][:1])
             message = (
-                f"acceleration_bounds: {name!r} cannot be bounded; {hint}what can: "
-                f"{single_coordinate_blocks}; "
-                f"what cannot, as it is limited by a norm, which has no sign: {by_norm}"
+                f"acceleration_bounds: {name!r} cannot be bounded; {hint}"
+                f"joints with signed bounds: {single_coordinate_blocks}; "
+                f"limited by a norm, which has no sign: {by_norm}"
             )
             raise UnknownName(message, {**fault.evidence, "by_norm": by_norm})
 
@@ -88,6 +88,6 @@ class MotionLimits(Value):
 
 def missing_effort_limits(group: str) -> ProblemInvalid:
     """Return the error for a request to keep the effort limits of a group that has none."""
-    message = f"effort: no joint of {group!r} has a limit on its force or torque that could be "
-    message += "kept; state one (URDF's `effort`, or `limits` in robot.yaml), or leave it out"
+    message = f"effort: no joint of {group!r} has a force or torque limit; state one (URDF's "
+    message += "`effort`, or `limits` in robot.yaml), or leave `effort` out of the request"
     return ProblemInvalid(message, {"field": "effort", "group": group})

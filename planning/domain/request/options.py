@@ -89,7 +89,7 @@ class SearchOptions(Value):
             attempts share, and the planner [s]; an attempt that takes longer gives up. None for no
             limit.
         solve_time: For the planner, in each attempt [s]; None for no limit but the deadline.
-        shortcut_time: For shortening each solution [s]; 0 for none, None for a share of the
+        shortcut_time: For shortcutting each solution [s]; 0 for none, None for a share of the
             remaining time.
         interpolate_time: For interpolating each solution to `num_states` [s]; a solution that takes
             longer stays as it was, which the report says. None for no limit.

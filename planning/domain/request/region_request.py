@@ -24,13 +24,16 @@ def validate_convex(joints: Mapping[str, JointType], cars: Collection[str], fiel
     floating = [name for name, kind in joints.items() if kind is JointType.FLOATING]
     if floating:
         message = (
-            f"{field}: rotations in space are no vectors, so a floating joint "
-            f"({', '.join(floating)}) has no convex regions"
+            f"{field}: convex regions are not defined for floating joints "
+            f"({', '.join(floating)}): their rotations do not form a vector space"
         )
         raise ProblemInvalid(message, {"field": field, "joints": floating})
     if cars:
         names = sorted(cars)
-        message = f"{field}: ways inside regions are straight; {', '.join(names)} cannot drive them"
+        message = (
+            f"{field}: paths inside convex regions are straight lines, which the steered joints "
+            f"({', '.join(names)}) cannot follow"
+        )
         raise ProblemInvalid(message, {"field": field, "joints": names})
 
 
@@ -50,7 +53,7 @@ def validate_one_turn(joints: Iterable[Joint], bounds: Mapping[str, Sequence[flo
             if is_circle and high - low > tau + _TURN_TOLERANCE:
                 field = f"bounds.{name}"
                 message = (
-                    f"{field}: [{low:g}, {high:g}] is {high - low:.6g} rad wide, and after one "
-                    f"turn ({tau:.6g} rad) every posture comes again; give one turn or less"
+                    f"{field}: [{low:g}, {high:g}] spans {high - low:.6g} rad, more than one turn "
+                    f"({tau:.6g} rad) of an angle on a circle; give at most one turn"
                 )
                 raise ProblemInvalid(message, {"field": field, "bounds": [low, high]})

@@ -93,8 +93,8 @@ def combine_limits(limits: JointLimits, followers: Sequence[Follower]) -> JointL
 
 def _no_position_error(follower: Follower) -> ModelInvalid:
     message = (
-        f"joint {follower.name!r} follows {follower.leader!r} as {follower.multiplier:g} q + "
-        f"{follower.offset:g}, which is never within its limits [{follower.lower:g}, "
-        f"{follower.upper:g}] while that is within its own and those of all that follow it"
+        f"mimic joint {follower.name!r} (q = {follower.multiplier:g} * {follower.leader!r} + "
+        f"{follower.offset:g}) is outside its limits [{follower.lower:g}, {follower.upper:g}] at "
+        "every position that the limits of its leader and of its leader's other followers permit"
     )
     return ModelInvalid(message, {"joint": follower.name, "reason": message})

@@ -175,7 +175,7 @@ class JointLimits(Value):
     """Position, velocity, acceleration, jerk and effort limits of a group's joints.
 
     Positions are limited per position coordinate (infinite where free: quaternions, continuous
-    joints, the yaw of a planar joint, joints whose turns count but have no end). Rates are limited
+    joints, the yaw of a planar joint, unlimited joints of `JointGroup.winding`). Rates are limited
     per block of `JointGroup.blocks`: the Euclidean norm of the block's velocity coordinates stays
     below the number.
 

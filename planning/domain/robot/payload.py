@@ -48,8 +48,8 @@ class Payload(Value):
             inertia: Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass [kg m^2].
 
         Raises:
-            ProblemInvalid: A number is not finite, the mass is not positive, or no body has such
-                an inertia: a principal moment is negative, or greater than the two others together.
+            ProblemInvalid: A number is not finite, the mass is not positive, or the inertia is not
+                physical: a principal moment is negative, or greater than the sum of the other two.
                 Its `field` is that of the payload.
         """
         center = np.array(center_of_mass, dtype=np.float64)
@@ -67,9 +67,9 @@ class Payload(Value):
         principal: Any = np.linalg.eigvalsh(matrix)
         slack = _INERTIA_TOLERANCE * np.abs(principal).max()
         if principal[0] < -slack or principal[2] > principal[0] + principal[1] + slack:
-            words = "no body has these principal moments: none is negative, nor greater than the "
+            rule = "every principal moment must be at least 0 and at most the sum of the other two"
             raise _invalid_payload(
-                "inertia", f"{words}two others together; got {principal.tolist()}"
+                "inertia", f"it is not physical: {rule}; got {principal.tolist()}"
             )
         return cls(frame, float(mass), center, matrix)
 

@@ -122,7 +122,7 @@ class SteeredManifold(Manifold):
 
 
 def _sinc_and_cosinc(angle: Array) -> tuple[Array, Array]:
-    """Return sin(turn) / turn and (1 - cos(turn)) / turn."""
+    """Return sin(angle) / angle and (1 - cos(angle)) / angle."""
     small = np.abs(angle) < _SMALL
     safe = np.where(small, 1.0, angle)
     # 1 - cos is 2 sin^2 of half the angle, which does not cancel.

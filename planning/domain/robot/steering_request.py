@@ -33,7 +33,8 @@ def resolve_steering(
 
     Raises:
         UnknownName: There is no such planar joint.
-        ProblemInvalid: A turning radius is invalid, or the robot itself cannot drive so.
+        ProblemInvalid: A turning radius is invalid, or the robot itself cannot turn as tightly
+            or drive backwards.
     """
     for name, steering in requested.items():
         if name not in planar:

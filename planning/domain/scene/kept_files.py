@@ -46,7 +46,7 @@ class KeptFiles(Value):
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> "KeptFiles":
-        """Build from the result of `content`.
+        """Build from the result of `as_json`.
 
         Raises:
             SceneInvalid: A path leaves the folder, or is none of the files; or a sha256 is
@@ -58,7 +58,10 @@ class KeptFiles(Value):
             is_inside = bool(parts) and parts[0] != "/" and ".." not in parts
             is_digest = len(sha256) == _NUM_DIGITS and set(sha256) <= set("0123456789abcdef")
             if not (is_inside and is_digest):
-                message = f"files of {found.named!r}: {path!r} with sha256 {sha256!r} is no file"
+                message = (
+                    f"files of {found.named!r}: {path!r} must be a relative path without '..', "
+                )
+                message += f"with a sha256 of {_NUM_DIGITS} hexadecimal digits, got {sha256!r}"
                 raise SceneInvalid(message, {"path": "files"})
         for path in (found.main, found.card):
             if path and path not in found.sha256:

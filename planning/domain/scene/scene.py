@@ -58,7 +58,7 @@ class SceneObject(Value):
         pose: X_WO; of an attached object X_FO.
         movable: Whether it may be attached.
         color: RGBA in 0..1, or None for a default, shape (4,).
-        attached: Its attachment to a robot, or None if it stands in the world.
+        attached: Its attachment to a robot; None for an object that is fixed to the world.
         mass: Its mass while it is attached [kg]; None for none.
         center_of_mass: In its frame [m], None for that of the shape, shape (3,).
     """

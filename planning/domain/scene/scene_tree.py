@@ -73,7 +73,7 @@ def _ancestors(name: str, parent_of: Mapping[str, tuple[str, Pose]]) -> list[str
     while name in parent_of:
         if name in seen:
             names = list(seen)
-            message = f"{names[0]!r} hangs on itself: {[*names, name]}"
+            message = f"the parents of {names[0]!r} form a cycle: {[*names, name]}"
             raise SceneInvalid(message, {"path": "", "names": [*names, name]})
         seen[name] = None
         name = parent_of[name][0]

@@ -59,7 +59,7 @@ class SceneSummary(Value):
         digest: sha256 of the scene.
         assumed: Joints whose rate limits no source states, so that default limits are assumed.
         unchecked: Pairs of bodies that no collision check covers, with reasons.
-        warnings: Approximations and oddities, such as meshes taken as their convex hulls.
+        warnings: Approximations and likely mistakes, such as meshes taken as their convex hulls.
     """
 
     groups: dict[str, GroupSummary]

@@ -15,11 +15,11 @@ from planning.domain.arrays import Array
 from planning.kernel.coverings.outer_polytope import OuterPolytope
 from planning.kernel.coverings.solid import Solid
 
-# Numbers of centres, rays to the surface and points on edges: for hulls of many corners, for
-# others.
+# Numbers of centres, rays to the surface and points on edges: for hulls of more corners than
+# `_MAX_FEW_CORNERS`, and for others.
 _COUNTS_FOR_MANY_CORNERS = (600, 300, 150)
 _COUNTS_FOR_FEW_CORNERS = (200, 150, 60)
-_MAX_FEW_CORNERS = 32  # corners
+_MAX_FEW_CORNERS = 32
 _GOLDEN_ANGLE = np.pi * (1 + 5**0.5)
 
 

@@ -1,8 +1,8 @@
 """Power cells (power diagram): partition of a polytope among balls.
 
 A point belongs to the ball of least power |x - c|^2 - r^2. The cells are convex and cover the
-polytope for any balls: so balls that are then made large enough, each for the corners of its
-own cell, contain the polytope (Aurenhammer, "Power diagrams", 1987).
+polytope for any balls: so balls that are then made large enough, each for the corners of its own
+cell, contain the polytope (Aurenhammer, "Power diagrams", 1987).
 """
 
 import numpy as np

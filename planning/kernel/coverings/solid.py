@@ -122,7 +122,7 @@ class Solid:
 
 
 def _unbounded() -> ModelInvalid:
-    reason = "a half_space has no end on one side, so no spheres cover it"
+    reason = "a half_space is unbounded, so no finite set of spheres covers it"
     return ModelInvalid(reason, {"reason": reason})
 
 

@@ -73,10 +73,9 @@ class DrakeCollisionOracle:
         self._model.apply_couplings(full)
         verdicts = self._checker.CheckConfigsCollisionFree(list(full), parallelize=Parallelism(1))
         free = np.array(verdicts, dtype=bool)
-        for i in (
-            np.flatnonzero(free) if self._measured_margins.is_needed or self._static_probe else ()
-        ):
-            free[i] = self._keeps_measured_margins(full[i])
+        if self._measured_margins.is_needed or self._static_probe:
+            for i in np.flatnonzero(free):
+                free[i] = self._keeps_measured_margins(full[i])
         return free
 
     def _keeps_measured_margins(self, full: Array) -> bool:
@@ -199,10 +198,8 @@ class DistanceProbe:
 
     def keeps_static_margins(self, full: Float64[np.ndarray, " num_positions"]) -> bool:
         """Return whether all pairs with objects outside of the model keep their margins."""
-        static_rows, query_distance = (
-            self._model.static_objects.rows,
-            max(self._margins.largest, 1e-9),
-        )
+        static_rows = self._model.static_objects.rows
+        query_distance = max(self._margins.largest, 1e-9)
         return all(
             length > self._margins.of(*bodies)
             for _, bodies, length, _ in self._geometry_distances(full, query_distance)

@@ -124,8 +124,8 @@ def _static_pairs(model: DrakeModel, bodies: list[BodyIndex], names: list[str]) 
     moving = [row for row, body in enumerate(bodies) if int(body) not in fixed]
     first, count = len(bodies), len(static_objects)
     if len(moving) * count > MAX_PAIRS:
-        message = f"objects: {count} of them and {len(moving)} collision shapes that move make "
-        message += f"{len(moving) * count} pairs, and at most {MAX_PAIRS} are looked at"
+        message = f"objects: {count} static objects and {len(moving)} moving collision shapes make "
+        message += f"{len(moving) * count} collision pairs; the limit is {MAX_PAIRS}"
         evidence = {"path": "objects", "count": len(moving) * count, "bound": MAX_PAIRS}
         raise SceneInvalid(message, evidence)
     is_checked = np.ones((len(moving), count), dtype=bool)

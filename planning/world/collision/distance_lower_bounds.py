@@ -1,8 +1,8 @@
-"""True lengths: distances that are never larger than the true ones (lower bounds).
+"""DistanceLowerBounds: distances that are never larger than the true ones.
 
 Drake's distances of separate shapes are upper bounds: with a cylinder, a capsule or an ellipsoid
-they were measured up to 0.11 mm too large. A slab across the direction in which two shapes
-are nearest is a lower bound, and of shapes with corners it is the distance itself. Where it is
+they were measured up to 0.11 mm too large. A slab across the direction in which two shapes are
+nearest is a lower bound, and of shapes with corners it is the distance itself. Where it is
 much smaller than the distance, our own GJK search finds a better one.
 """
 

@@ -2,8 +2,8 @@
 
 The height of a shape's lowest point x over a half space with normal n is n . (x - p), and so is its
 rate with n fixed in the half space: n . (v - v'), v being the velocity of the shape's point at x
-and v' that of the half space's at the same place. That the lowest point changes
-adds nothing to first order.
+and v' that of the half space's at the same place. The lowest point moves on the shape too,
+which changes the height to second order only.
 """
 
 from typing import Any

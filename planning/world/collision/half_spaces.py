@@ -124,12 +124,12 @@ def resolve_convex_shape(inspector: Any, geometry: GeometryId) -> ConvexShape:
     """Return a geometry's shape as one whose height over a half space can be computed.
 
     Raises:
-        ModelInvalid: It is of another kind.
+        ModelInvalid: The shape is of an unsupported kind.
     """
     shape = inspector.GetShape(geometry)
     convex = convex_shape(shape)
     if convex is None:
-        message = f"a shape of kind {type(shape).__name__!r} cannot be held over a half space"
+        message = f"the distance of a {type(shape).__name__!r} from a half space is not supported"
         raise ModelInvalid(message, {"reason": message})
     return convex
 

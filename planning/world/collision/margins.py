@@ -8,7 +8,7 @@ from jaxtyping import Int
 
 from planning.domain.value import Value
 
-# Margin that any two bodies keep in any configuration [m].
+# Margin that any two bodies keep at any configuration: an overlap of up to a kilometre [m].
 _IGNORED_MARGIN = -1e3
 
 
@@ -16,9 +16,9 @@ _IGNORED_MARGIN = -1e3
 class PairMargins(Value):
     """Collision margins by pair of bodies.
 
-    The bodies of one robot have no margin, they only must not touch: neighbouring
-    links are often nearer than any useful margin, at every configuration. An attached object
-    counts as a body of its robot.
+    The bodies of one robot have no margin, they only must not touch: neighbouring links are often
+    nearer than any useful margin, at every configuration. An attached object counts as a body of
+    its robot.
 
     Attributes:
         default: Distance between bodies of different robots and objects [m].

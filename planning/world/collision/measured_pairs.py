@@ -68,8 +68,8 @@ def measured_pairs_of(model: DrakeModel) -> MeasuredPairs:
 class MeasuredMargins:
     """Margin check of the measured pairs; one context, made when it is first needed.
 
-    Boxes without a margin are not checked here: Drake decides whether two boxes
-    overlap. Half spaces are always checked here.
+    Boxes without a margin are not checked here: Drake decides whether two boxes overlap. Half
+    spaces are always checked here.
     """
 
     def __init__(self, model: DrakeModel, margins: PairMargins) -> None:

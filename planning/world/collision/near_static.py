@@ -30,7 +30,7 @@ MAX_REGISTERED = 96
 
 
 class NearStatic:
-    """Context of a model (`measuring_context`) with its registered objects; one thread.
+    """Context of a model (`make_query_context`) with its registered objects; one thread.
 
     Attributes:
         plant_context: The plant's part of the present context.
@@ -227,7 +227,7 @@ class NearStatic:
         centers, radii = [], []
         for geometry in self._moving:
             shape = convex_shape(inspector.GetShape(geometry))
-            assert shape is not None  # noqa: S101  (else nothing stands outside of the model)
+            assert shape is not None  # noqa: S101  (else no object is outside of the model)
             center, radius = shape.ball
             centers.append(center)
             radii.append(radius)

@@ -15,8 +15,8 @@ _MAX_REPORTED_DISTANCE = 0.3
 def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Array]:
     """Return a function from rows of the group's q to obstacle distances [m], at most 0.3 m.
 
-    Distances are those between bodies of the group's robot and all others; self-collision
-    pairs are excluded, and nothing is computed before the function is first called.
+    Distances are those between bodies of the group's robot and all others; self-collision pairs are
+    excluded, and nothing is computed before the function is first called.
     """
     prefix = group.name.split("::")[0] + "::"
     margins = world.margins()

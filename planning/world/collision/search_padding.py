@@ -1,4 +1,4 @@
-"""Search padding: clearance beyond the margin that a search can afford to keep."""
+"""Search padding: clearance beyond the margin that a search keeps, where start and goal can."""
 
 import numpy as np
 from jaxtyping import Float64

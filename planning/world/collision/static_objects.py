@@ -1,4 +1,4 @@
-"""StaticObjects: objects that stand in the world, in our own tables instead of Drake's model.
+"""StaticObjects: objects fixed to the world, in our own tables instead of Drake's model.
 
 A Drake model grows with the square of its bodies and of its collision shapes: SceneGraph keeps a
 table of all pairs of shapes, even of those that can never move, in the model and in every context.
@@ -79,7 +79,7 @@ class StaticObjects:
         return np.array(centers).reshape(-1, 3), np.array([radius for _, radius in local])
 
     def precompute(self) -> None:
-        """Compute now what the first edit or the first query would wait for."""
+        """Compute the cached properties in advance, before the first edit or query needs them."""
         _ = self.balls, self.rows, self.row_of, self.meshes
 
     def moved_poses(self, poses: Mapping[int, RigidTransform]) -> tuple[RigidTransform, ...]:

@@ -18,8 +18,8 @@ _cache: WeakKeyDictionary[StaticObjects, tuple[UncheckedPair, ...]] = WeakKeyDic
 def unchecked_pairs(model: DrakeModel) -> tuple[UncheckedPair, ...]:
     """Return every pair of bodies with collision shapes that is filtered out, sorted.
 
-    Objects that stand in the world are not checked against each other either; of these pairs, which
-    grow with the square of the objects, only those with a body of a robot are listed.
+    Objects that are fixed to the world are not checked against each other either; of these pairs,
+    which grow with the square of the objects, only those with a body of a robot are listed.
     """
     found = _cache.get(model.static_objects)
     if found is None:

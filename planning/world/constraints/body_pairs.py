@@ -28,7 +28,7 @@ def banded_pairs(
         and (a in moving or b in moving)
     }
     if not pairs:
-        message = f"{field}: no two of these bodies can come nearer to each other or collide"
+        message = f"{field}: no pair of these bodies moves relative to each other and is checked"
         raise ProblemInvalid(message, {"field": field})
     return frozenset(pairs)
 

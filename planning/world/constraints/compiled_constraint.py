@@ -37,7 +37,7 @@ class CompiledConstraint(Protocol):
         label: For messages.
         step: Largest distance between samples of an edge [rad or m].
         preferred_margin: Preferred margin of a search, so that the certifier can prove the
-            constraint between samples, in the unit of the reading.
+            constraint between samples, in the unit of `value`.
     """
 
     @property
@@ -52,7 +52,7 @@ class CompiledConstraint(Protocol):
 
     @property
     def preferred_margin(self) -> float:
-        """Preferred margin of a search, in the unit of the reading."""
+        """Preferred margin of a search, in the unit of `value`."""
         ...
 
     def tightened(self, margin: float) -> "CompiledConstraint":

@@ -14,7 +14,7 @@ from planning.world.mechanics.tool_kinematics import ToolKinematics
 _MARGIN_FRACTION, _MAX_MARGIN = 0.1, 0.02
 # Angle below which random samples miss a cone [rad].
 _MAX_NARROW_ANGLE = 1.0
-# Sine of the angle below which axis and direction are parallel: any rotation axis will do there.
+# Sine of the angle below which axis and direction are parallel: the rotation axis is undefined.
 _DEGENERATE = 1e-9
 
 

@@ -61,7 +61,7 @@ def predicate_error(label: str) -> ProblemInvalid:
     field = "search.roadmap"
     message = (
         f"{field}: {label}: a stored roadmap is identified by its constraints, and a "
-        f"{PathPredicate.__name__} is a function without a digest; plan without one of them"
+        f"{PathPredicate.__name__} is a function without a digest; omit one of them"
     )
     return ProblemInvalid(message, {"field": field, "constraint": label})
 

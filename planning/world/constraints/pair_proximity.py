@@ -1,4 +1,4 @@
-"""PairNearness: proximity test of some pairs of bodies, by the kernel or by Drake."""
+"""PairProximity: proximity test of some pairs of bodies, by the kernel or by Drake."""
 
 from functools import cached_property
 from typing import Any
@@ -19,8 +19,8 @@ class PairProximity:
     """Test of collision-free configurations: whether a pair is nearer than a distance.
 
     It is a collision check with that distance as the pairs' margin, and margin 0 for all other
-    pairs. A collision checker gives Drake's results, so it measures every two separate boxes by
-    Drake (docs/decisions/0006); that they are near the kernel decides by itself.
+    pairs. A collision checker gives Drake's results, so it leaves separate boxes to Drake
+    (docs/decisions/0006); here the kernel decides by itself whether they are near.
     """
 
     def __init__(

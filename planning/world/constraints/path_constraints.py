@@ -26,7 +26,7 @@ from planning.world.world import CollisionChecker, World
 
 # Shares of a constraint's preferred margin that are tried, the largest first.
 _MARGIN_FRACTIONS = (1.0, 0.25)
-# A straight step much longer than a band is thick leaves it, in most directions.
+# A straight step much longer than the width of a band leaves it, in most directions.
 _STEP_PER_WIDTH, _MIN_STEP = 2.5, 0.02
 
 
@@ -66,8 +66,8 @@ class PathConstraints:
 
     def violations(self, q: Float64[np.ndarray, " nq"]) -> list[dict[str, Any]]:
         """Return the constraints that q, shape (nq,), violates, as evidence."""
-        violated = [rule for rule in self.constraints if not rule.are_satisfied(q[None])[0]]
-        values = [(rule.label, rule.value(q)) for rule in violated]
+        violated = [c for c in self.constraints if not c.are_satisfied(q[None])[0]]
+        values = [(constraint.label, constraint.value(q)) for constraint in violated]
         return [
             {
                 "constraint": label,
@@ -116,7 +116,7 @@ class PathConstraints:
     def without(self, index: int) -> "PathConstraints":
         """Return all constraints but one."""
         constraints = self.constraints[:index] + self.constraints[index + 1 :]
-        lock_flags = [rule.locked for rule in constraints if isinstance(rule, LockConstraint)]
+        lock_flags = [c.locked for c in constraints if isinstance(c, LockConstraint)]
         owners = [joint.name for joint in self.group.joints for _ in joint.velocity_names]
         locked = {
             name
@@ -139,13 +139,11 @@ class PathConstraints:
         lower, upper = np.array(limits.lower), np.array(limits.upper)
         for constraint in self.constraints:
             if isinstance(constraint, LimitConstraint):
-                lower, upper = (
-                    np.maximum(lower, constraint.lower),
-                    np.minimum(upper, constraint.upper),
-                )
+                lower = np.maximum(lower, constraint.lower)
+                upper = np.minimum(upper, constraint.upper)
         empty = [self.group.position_names[i] for i in np.flatnonzero(lower > upper)]
         if empty:
-            message = f"path_constraints leave no position for {empty} within the robot's limits"
+            message = f"path_constraints leave no position of {empty} within the robot's limits"
             raise ProblemInvalid(message, {"field": "path_constraints", "joints": empty})
         return replace(limits, lower=lower, upper=upper)
 
@@ -182,9 +180,9 @@ class PathConstraints:
         Only for joints that neither wrap nor float: OMPL projects in R^n.
         """
         thin = [
-            r
-            for r in self.constraints
-            if isinstance(r, BoxConstraint | ConeConstraint) and r.is_thin
+            c
+            for c in self.constraints
+            if isinstance(c, BoxConstraint | ConeConstraint) and c.is_thin
         ]
         return (
             ConstraintResidual(tuple(thin))

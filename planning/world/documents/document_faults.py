@@ -50,7 +50,7 @@ class Fault:
 
 
 def faults_of(errors: Sequence[Mapping[str, Any]], document: Any, schema: Schema) -> list[Fault]:
-    """Return the faults of a document, without those of union branches that it does not mean.
+    """Return the faults of a document, without those of unlikely union branches.
 
     Args:
         errors: Pydantic's list of errors; their locations begin at the document's root.
@@ -96,10 +96,9 @@ def message_of(error: Mapping[str, Any]) -> str:
 def _errors_of_likely_branches(
     errors: Sequence[Mapping[str, Any]], document: Any, depth: int
 ) -> list[Mapping[str, Any]]:
-    """Return the faults of the most likely branch of each union.
+    """Return the faults of the most likely branch of each union inside `depth` others.
 
-    Of unions inside `depth` others. The likely branch has the document's type of value, and among
-    those the fewest faults.
+    The likely branch has the document's type of value, and among those the fewest faults.
     """
     branches: dict[tuple[Step, ...], list[Mapping[str, Any]]] = {}
     error_branches = [_union_branch(one, document, depth) for one in errors]
@@ -179,7 +178,7 @@ def _child_schemas(part: Schema, step: Step) -> Iterator[Schema]:
 
 
 def _matching_schemas(part: Schema, document: Any, root: Schema) -> Iterator[Schema]:
-    """Yield the schemas of a union that a document can mean, by their required constants."""
+    """Yield the schemas of a union that a document can match, by their required constants."""
     if "$ref" in part:
         name = str(part["$ref"]).rsplit("/", 1)[-1]
         yield from _matching_schemas(root["$defs"][name], document, root)

@@ -99,10 +99,10 @@ class RobotDocument(StrictModel):
 
 
 class AttachmentDocument(StrictModel):
-    """How a robot holds an object."""
+    """Attachment of an object to a robot."""
 
     frame: Path_ = Field(
-        description="What the object follows: `robot::link`, or a frame that hangs on one"
+        description="Frame that the object follows: `robot::link`, or a frame with one as ancestor"
     )
     touch: Annotated[list[Path_], Field(max_length=1000)] | None = Field(
         default=None,
@@ -118,7 +118,7 @@ class AttachmentDocument(StrictModel):
 
 
 class ObjectDocument(StrictModel):
-    """An obstacle, or a thing to handle."""
+    """An obstacle, or an object to handle."""
 
     name: Name = Field(description="Of its body and of its frame")
     shape: ShapeDocument = Field(description="Its geometry [m]")
@@ -130,12 +130,12 @@ class ObjectDocument(StrictModel):
         default=None, min_length=3, max_length=4, description="RGB or RGBA, each 0 to 1"
     )
     attached: AttachmentDocument | None = Field(
-        default=None, description="The robot's hold on it; none if it stands in the world"
+        default=None, description="Its attachment to a robot; none if it is fixed to the world"
     )
     mass: Positive | None = Field(
         default=None,
-        description="What it weighs when a robot holds it [kg]; none for nothing. Its inertia is "
-        "that of the shape at uniform density; a mesh counts as its convex hull",
+        description="Its mass while it is attached [kg]; none for no mass. Its inertia is that of "
+        "the shape at uniform density; a mesh counts as its convex hull",
     )
     center_of_mass: Triple | None = Field(
         default=None, description="In its frame [m]; none for that of the shape; only with `mass`"
@@ -144,10 +144,10 @@ class ObjectDocument(StrictModel):
     @model_validator(mode="after")
     def _check_mass(self) -> "ObjectDocument":
         if self.center_of_mass is not None and self.mass is None:
-            message = "`center_of_mass` means nothing without a `mass`"
+            message = "`center_of_mass` needs a `mass`"
             raise ValueError(message)
         if self.mass is not None and isinstance(self.shape.value(), HalfSpace):
-            message = "a half space has no volume that a `mass` could be in"
+            message = "a half space cannot have a `mass`: its volume is infinite"
             raise ValueError(message)
         return self
 

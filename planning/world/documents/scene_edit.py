@@ -29,8 +29,8 @@ def edit_scene(
 ) -> Scene:
     """Return a scene after some operations, in order; the given one stays as it is.
 
-    Parts that no operation names stay bit for bit. The result loads, as far as its names go: it may
-    be in collision.
+    Parts that no operation names stay bit for bit. All names in the result exist, so it loads; it
+    may be in collision.
 
     Args:
         scene: A scene that loads.
@@ -107,7 +107,7 @@ def _remove(operation: RemoveObject, scene: Scene, _: RobotCache) -> Scene:
         descendants |= children
     attached = sorted(thing.name for thing in scene.objects if thing.name in descendants - {name})
     if attached:
-        message = f"{attached} hang on frames of {name!r}; detach them first"
+        message = f"{attached} are attached to frames below {name!r}; detach them first"
         raise SceneEditImpossible(message, {"name": name, "attached": attached})
     return replace(
         scene,
@@ -171,7 +171,7 @@ def _forbid(operation: ForbidPair, scene: Scene, robots: RobotCache) -> Scene:
     _validate_bodies(scene, robots, operation.pair)
     pairs = tuple(p for p in scene.allowed_collisions if set(p) != set(operation.pair))
     if len(pairs) == len(scene.allowed_collisions):
-        message = f"the scene does not allow {list(operation.pair)}, so it cannot forbid it"
+        message = f"the scene does not allow the pair {list(operation.pair)}: nothing to revoke"
         allowed = [list(pair) for pair in scene.allowed_collisions]
         raise SceneEditImpossible(message, {"pair": list(operation.pair), "allowed": allowed})
     return replace(scene, allowed_collisions=pairs)
@@ -206,7 +206,7 @@ def _resolve_robot_frame(scene: Scene, robots: RobotCache, frame: str) -> RootAn
         raise UnknownName.among("frame", frame, [*parent_of, *links])
     root = root_ancestor(frame, parent_of)
     if root.robot is None:
-        message = f"{frame!r} is no frame of a robot, so nothing can be attached to it"
+        message = f"{frame!r} is not a frame of a robot: objects are attached to robots only"
         raise SceneEditImpossible(message, {"frame": frame, "hangs_on": root.root})
     return root
 

@@ -89,7 +89,7 @@ class ShapeDocument(StrictModel):
             points = np.array(self.convex.points)
             extent = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
             if not extent[-1] > 1e-6:
-                message = "the convex points lie in one plane; a body with volume is wanted"
+                message = "the points of `convex` are coplanar: give points that enclose a volume"
                 raise ValueError(message)
         return self
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
 def _reject_non_numbers(number: Any) -> Any:
     """Raise on values that float() would convert: booleans and text."""
     if isinstance(number, bool | str | bytes):
-        message = f"a number is wanted, got {number!r}"
+        message = f"a number is required, got {number!r}"
         raise ValueError(message)  # noqa: TRY004  (pydantic collects ValueErrors)
     return number
 

@@ -1,7 +1,7 @@
 """xml_root(): XML parser for untrusted input, with the reason of a refusal.
 
-For any encoding: document types are refused by the parser that meets them (defusedxml), so
-that no entity is ever defined.
+For any encoding: document types are refused by the parser that meets them (defusedxml), so that no
+entity is ever defined.
 """
 
 from xml.etree import ElementTree as ET
@@ -10,7 +10,7 @@ import defusedxml.ElementTree as DefusedET
 from defusedxml.common import DefusedXmlException
 
 MAX_BYTES = 20_000_000
-# Drake's own parser goes 500 deep; a body inside a body, and so on, is one level of a robot.
+# Drake's own parser allows 500; a body inside a body is one level.
 MAX_DEPTH = 400
 # Reason of a refusal.
 NO_ENTITIES = "document types and entities are not allowed"

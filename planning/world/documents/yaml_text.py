@@ -62,16 +62,16 @@ def _validate_unique_keys(node: Any) -> None:
 
 
 def _validate_key(key: Any) -> None:
-    """Raise on a key that is a list or a mapping, or no text: no scene has one."""
+    """Raise on a key that is not text."""
     if isinstance(key, yaml.ScalarNode):
         if key.tag != _TEXT:
-            problem = f"the key {key.value!r} is no text: put it in quotes if it is meant"
+            problem = f"the key {key.value!r} is not text: put it in quotes if it is meant as text"
             raise yaml.YAMLError(_at(problem, key.start_mark))
         return
     kind = "mapping" if isinstance(key, yaml.MappingNode) else "list"
-    problem = f"a key must be text, and here is a {kind}"
+    problem = f"a key must be text, got a {kind}"
     if isinstance(key, yaml.MappingNode):
-        problem += "; `{{ ... }}` is a template that was not filled in, or wants quotes"
+        problem += "; `{{ ... }}` is a template that was not filled in, or needs quotes"
     raise yaml.YAMLError(_at(problem, key.start_mark))
 
 

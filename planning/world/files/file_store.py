@@ -50,8 +50,8 @@ class FileStore:
         """
         content = self._read(sha256)
         if content is None or hashlib.sha256(content).hexdigest() != sha256:
-            state = "not there" if content is None else "damaged"
-            message = f"a file that the scene was made from, sha256 {sha256}, is {state}"
+            state = "missing" if content is None else "damaged"
+            message = f"a stored file of the scene, sha256 {sha256}, is {state}"
             raise AssetNotFound(message, {"uri": f"sha256:{sha256}", "known": []})
         return content
 

@@ -1,4 +1,4 @@
-"""require_sound_gltf(): validation of a glTF's references (glTF 2.0, section 3.6).
+"""validate_gltf(): validation of a glTF's references (glTF 2.0, section 3.6).
 
 The loader that Drake uses reads beyond the end of buffers, follows children in cycles, and takes
 indices as they are; each of these ends the process.
@@ -35,13 +35,13 @@ def validate_gltf(file: Path) -> None:
         message = f"it is not JSON: {str(fault)[:200]}"
         raise ValueError(message) from fault
     if not isinstance(document, dict):
-        message = "it is no JSON object"
+        message = "it is not a JSON object"
         raise ValueError(message)  # noqa: TRY004  (the caller's one kind of fault)
     _Gltf(document, file.parent).validate()
 
 
 class _Gltf:
-    """Document, and the folder that its buffers are in."""
+    """glTF document, and the folder of its buffers."""
 
     def __init__(self, document: Mapping[str, Any], folder: Path) -> None:
         self._document = document
@@ -66,14 +66,14 @@ class _Gltf:
     def _elements(self, name: str) -> list[Mapping[str, Any]]:
         parts = self._document.get(name, [])
         if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
-            message = f"`{name}` is no list of objects"
+            message = f"`{name}` is not a list of objects"
             raise ValueError(message)
         return parts
 
     def _element(self, name: str, index: Any, where: str) -> Mapping[str, Any]:
         parts = self._elements(name)
         if isinstance(index, bool) or not isinstance(index, int) or not 0 <= index < len(parts):
-            message = f"{where} is {index!r}, and there are {len(parts)} {name}"
+            message = f"{where} is {index!r}, but the file has {len(parts)} {name}"
             raise ValueError(message)
         return parts[index]
 
@@ -90,11 +90,11 @@ class _Gltf:
                 message = f"buffers.{i}.uri {uri[:80]!r} leaves the folder of the file"
                 raise ValueError(message)
             if not path.is_file():
-                message = f"buffers.{i}.uri {uri[:80]!r} is no file there"
+                message = f"buffers.{i}.uri {uri[:80]!r} does not exist in the folder of the file"
                 raise ValueError(message)
             num_bytes = path.stat().st_size
         if num_bytes < length:
-            message = f"buffers.{i} has {num_bytes} bytes, and byteLength says {length}"
+            message = f"buffers.{i} has {num_bytes} bytes, but its byteLength is {length}"
             raise ValueError(message)
 
     def _check_view(self, i: int, view: Mapping[str, Any]) -> None:
@@ -109,7 +109,7 @@ class _Gltf:
         where = f"accessors.{i}"
         sizes = (accessor.get("componentType"), accessor.get("type"))
         if sizes[0] not in _COMPONENT_BYTES or sizes[1] not in _NUM_COMPONENTS:
-            message = f"{where} is of no componentType and type that there are: {list(sizes)}"
+            message = f"{where} has an unknown componentType or type: {list(sizes)}"
             raise ValueError(message)
         item = _COMPONENT_BYTES[sizes[0]] * _NUM_COMPONENTS[sizes[1]]
         count = _size(accessor, "count", where, minimum=1)
@@ -119,7 +119,7 @@ class _Gltf:
             message = f"{where} has neither bufferView nor sparse"
             raise ValueError(message)
         if "sparse" in accessor:
-            message = f"{where}.sparse is not read: write the values out"
+            message = f"{where}.sparse is not supported: write out the values"
             raise ValueError(message)
 
     def _check_span(self, where: str, accessor: Mapping[str, Any], item: int, count: int) -> None:
@@ -152,19 +152,18 @@ class _Gltf:
         children: dict[int, list[int]] = {}
         for i, node in enumerate(self._elements("nodes")):
             children[i] = self._indices(node.get("children", []), f"nodes.{i}.children")
-            is_repeated = children_seen.intersection(children[i]) or len(set(children[i])) < len(
-                children[i]
-            )
+            is_repeated = len(set(children[i])) < len(children[i])
+            has_other_parent = not children_seen.isdisjoint(children[i])
             children_seen.update(children[i])
-            if is_repeated:
-                message = f"nodes.{i}.children: a node is the child of two, or twice"
+            if is_repeated or has_other_parent:
+                message = f"nodes.{i}.children: a node has two parents, or is listed twice"
                 raise ValueError(message)
         pending, num_visited = [i for i in children if i not in children_seen], 0
         while pending:
             num_visited += 1
             pending += children[pending.pop()]
         if num_visited < len(children):
-            message = "nodes: some are their own ancestors, by `children`"
+            message = "nodes: the `children` form a cycle"
             raise ValueError(message)
         for i, scene in enumerate(self._elements("scenes")):
             self._indices(scene.get("nodes", []), f"scenes.{i}.nodes")
@@ -173,7 +172,7 @@ class _Gltf:
 
     def _indices(self, indices: Any, where: str) -> list[int]:
         if not isinstance(indices, list):
-            message = f"{where} is no list"
+            message = f"{where} is not a list"
             raise ValueError(message)  # noqa: TRY004
         for index in indices:
             self._element("nodes", index, where)
@@ -186,7 +185,7 @@ def _size(
     """Return a whole number of bytes or items."""
     value = part.get(field, default)
     if isinstance(value, bool) or not isinstance(value, int) or not minimum <= value < 2**40:
-        message = f"{where}.{field} is {value!r}, which is no size"
+        message = f"{where}.{field} is {value!r}, which is not a valid size"
         raise ValueError(message)
     return value
 
@@ -194,10 +193,10 @@ def _size(
 def _data_length(uri: str, i: int) -> int:
     head, _, text = uri.partition(",")
     if not head.endswith(";base64"):
-        message = f"buffers.{i}.uri is no base64 data"
+        message = f"buffers.{i}.uri is not base64 data"
         raise ValueError(message)
     try:
         return len(base64.b64decode(text, validate=True))
     except ValueError as fault:
-        message = f"buffers.{i}.uri is no base64 data: {fault}"
+        message = f"buffers.{i}.uri is not base64 data: {fault}"
         raise ValueError(message) from fault

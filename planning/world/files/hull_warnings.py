@@ -50,7 +50,7 @@ def _warning(path: Path, scale: tuple[float, ...], _changed: int) -> str:
     volume = _volume(mesh)
     text = f"its mesh {source_name(path)!r} is checked as its convex hull, "
     if not 0 < volume <= hull_volume * (1 + _MIN_EXCESS):
-        return text + "and encloses no sure volume, so how much that adds is unknown"
+        return text + "and its volume is not well defined, so the added volume is unknown"
     excess = hull_volume / volume - 1.0
     return text + f"which is {excess:.0%} larger" if excess > _MIN_EXCESS else ""
 

@@ -10,7 +10,7 @@ from jaxtyping import Float64
 
 from planning.world.documents.xml_file import NO_ENTITIES
 
-# Rows say where x, y and z come from (COLLADA 1.4.1, `up_axis`: right, up and in of each).
+# Rows: the sources of x, y and z (COLLADA 1.4.1, `up_axis`: right, up and in of each).
 _TO_Z_UP = {
     "X_UP": np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]),
     "Y_UP": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
@@ -44,7 +44,7 @@ def collada_asset(content: bytes) -> tuple[float, str]:
     """Return the length of a COLLADA file's unit [m] and its `up_axis`; 1 and Y_UP unless stated.
 
     Raises:
-        ValueError: They are none, or the file has a document type, whatever its encoding.
+        ValueError: They are invalid, or the file has a document type, in any encoding.
     """
     try:
         for _, element in iterparse(BytesIO(content), events=("end",), forbid_dtd=True):
@@ -67,6 +67,6 @@ def _unit(asset: ET.Element) -> float:
 def _axis(asset: ET.Element) -> str:
     axis = (asset.findtext("{*}up_axis") or "Y_UP").strip()
     if axis not in _TO_Z_UP:
-        message = f"its up_axis is {axis!r}, none of {list(_TO_Z_UP)}"
+        message = f"its up_axis is {axis!r}; known ones: {list(_TO_Z_UP)}"
         raise ValueError(message)
     return axis

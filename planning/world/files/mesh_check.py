@@ -1,4 +1,4 @@
-"""require_sound_mesh(): validation of a mesh file before a C++ parser reads it."""
+"""validate_mesh(): validation of a mesh file before a C++ parser reads it."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -19,7 +19,7 @@ def validate_mesh(mesh: Path, named: str) -> None:
         named: Name of the referring file, for the message.
 
     Raises:
-        ModelInvalid: It does; the message names the file and the element.
+        ModelInvalid: An element does not exist; the message names the file and the element.
     """
     status = mesh.stat()
     fault = _fault(mesh, status.st_mtime_ns, status.st_size)

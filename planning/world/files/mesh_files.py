@@ -33,9 +33,7 @@ def with_readable_meshes(
 ) -> str | None:
     """Return the description with every mesh replaced by the address of one that Drake reads.
 
-    Addresses are file:// ones, and in MJCF paths.
-
-    None if Drake reads all of them as they are.
+    Addresses are file:// ones, and in MJCF paths. None if Drake reads all of them as they are.
 
     Args:
         file: The description.
@@ -71,7 +69,7 @@ def with_readable_meshes(
 
 
 def _repair_colors(root: ET.Element) -> None:
-    """Repair colours that other viewers accept and Drake rejects: no reason to refuse a robot.
+    """Repair colours that other viewers accept and Drake rejects, rather than refuse the robot.
 
     A material's name that is given twice with different colours gets a number, and a colour of five
     numbers, as one converter writes, loses the fourth.
@@ -96,7 +94,7 @@ def _readable(file: Path, mesh: Path, readable_suffixes: tuple[str, ...], folder
         return mesh
     if suffix not in _CONVERTED:
         supported = [*readable_suffixes, *_CONVERTED]
-        message = f"{file.name}: mesh {mesh.name} is of no kind that is read: {supported}"
+        message = f"{file.name}: mesh {mesh.name} has an unsupported format; supported: {supported}"
         raise ModelInvalid(message, {"file": str(file), "reason": message})
     content = mesh.read_bytes()
     file_name = f"{hashlib.sha256(content).hexdigest()}-{mesh.stem[:_MAX_NAME_LENGTH]}{suffix}.obj"
@@ -134,7 +132,7 @@ def _as_obj(content: bytes, suffix: str) -> str:
     to_z_up_transform = to_z_up(content, suffix)
     loaded: Any = trimesh.load(BytesIO(content), file_type=suffix[1:], force="mesh")
     if not np.isfinite(loaded.vertices).all():
-        message = "a vertex is at no place: its coordinates are not finite"
+        message = "a vertex has coordinates that are not finite"
         raise ValueError(message)
     loaded.apply_transform(to_z_up_transform)
     text: str = export_obj(loaded, include_texture=False)

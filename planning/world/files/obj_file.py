@@ -1,4 +1,4 @@
-"""require_sound_obj(): validation of an OBJ's face indices and vertices before Drake parses it.
+"""validate_obj(): validation of an OBJ's face indices and vertices before Drake parses it.
 
 Drake reads vertices out of bounds, which ends the process, and accepts NaN as a position.
 """
@@ -22,7 +22,8 @@ def validate_obj(file: Path) -> None:
     for vertex in _VERTEX.finditer(content):
         count += 1
         if not all(map(_is_finite, vertex.groups())):
-            message = f"vertex {count} is at {b' '.join(vertex.groups())[:80]!r}, which is no place"
+            text = b" ".join(vertex.groups())[:80].decode("utf-8", "replace")
+            message = f"vertex {count} has coordinates that are not finite: {text}"
             raise ValueError(message)
     for number, face in enumerate(_FACE.finditer(content), 1):
         for word in face[1].split():
@@ -30,7 +31,7 @@ def validate_obj(file: Path) -> None:
             # Negative ones count back from the last vertex so far; Drake refuses words that are no
             # numbers.
             if index.isdigit() and int(index) > count:
-                message = f"face {number} has vertex {int(index)}, and there are {count} vertices"
+                message = f"face {number} names vertex {int(index)}, but there are {count} vertices"
                 raise ValueError(message)
 
 

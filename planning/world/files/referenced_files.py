@@ -1,4 +1,4 @@
-"""find_files(): every file that a robot description or a mesh refers to.
+"""find_referenced_files(): every file that a robot description or a mesh refers to.
 
 A description names meshes, textures and further descriptions; a mesh names materials, textures
 and buffers. Every named file that exists counts, whether or not a parser will read it.
@@ -118,8 +118,10 @@ class _Search:
         for element in () if root is None else root.iter():
             for text in (*_referenced_names(element), *_declared_folders(element)):
                 if _is_absolute_name(text) and Path(text.removeprefix("file://")).exists():
-                    message = f"{file.name} names {text!r} in a way that cannot be kept: name it "
-                    message += "relative to the description, or by package://"
+                    message = (
+                        f"{file.name} refers to {text!r} by a path that cannot be copied with "
+                    )
+                    message += "the scene: use a path relative to the description, or package://"
                     raise ModelInvalid(message, {"file": str(file), "reason": message})
         return content
 
@@ -145,7 +147,7 @@ class _Search:
             message = f"cannot read {file}: {fault.strerror}"
             raise AssetNotFound(message, {"uri": str(file), "known": []}) from fault
         if sum(map(len, self.content.values())) > _MAX_BYTES:
-            message = f"{self.main.name}: its files have more than {_MAX_BYTES} bytes together"
+            message = f"{self.main.name}: its files are larger than {_MAX_BYTES} bytes in total"
             raise ModelInvalid(message, {"file": str(self.main), "reason": message})
         if file.suffix.lower() in _DESCRIPTIONS:
             self._read_description(file, content)

@@ -1,4 +1,4 @@
-"""require_kept(): check that a robot was loaded from its stored files only."""
+"""validate_stored_meshes(): check that a robot was loaded from its stored files only."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -30,8 +30,8 @@ def validate_stored_meshes(
     """
     for file in _mesh_files(build, instances):
         if not any(file.is_relative_to(kept) for kept in folders):
-            message = f"{description.name} names {str(file)!r} in a way that cannot be kept: name "
-            message += "it relative to the description, or by package://"
+            message = f"{description.name} refers to {str(file)!r} by a path that cannot be copied "
+            message += "with the scene: use a path relative to the description, or package://"
             raise ModelInvalid(message, {"file": str(description), "reason": message})
 
 

@@ -1,4 +1,4 @@
-"""keep_files(): copy a scene's files into the store, so that it no longer depends on the disk."""
+"""store_files(): copy a scene's files into the store, so that it no longer depends on the disk."""
 
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
@@ -70,8 +70,8 @@ class StoredScene:
             SceneInvalid: As it was raised inside.
         """
         names = {
-            str(self.store.folder_of(kept.sha256)): _origin(kept)
-            for kept in self.scene.files.values()
+            str(self.store.folder_of(stored.sha256)): _origin(stored)
+            for stored in self.scene.files.values()
         }
         with rename_folders_in_errors({**names, str(self.store.meshes): "meshes"}):
             yield
@@ -122,8 +122,8 @@ def store_files(scene: Scene, library: ModelLibrary) -> StoredScene:
     """Return a scene with its files stored: those in its `files`, the others as they are now.
 
     Args:
-        scene: Its `files` may have all or some already; those that were read for a model
-            or mesh of another name are read anew.
+        scene: Its `files` may have all or some already; those that were read for a model or mesh of
+            another name are read anew.
         library: Library of robots, with the folder of copies.
 
     Raises:
@@ -181,7 +181,7 @@ class _FileCopier:
         assert isinstance(thing.shape, Mesh)  # noqa: S101  (the caller's case)
         uri, path = thing.shape.uri, f"objects.{index}.shape"
         if not self.library.allow_paths:
-            message = f"{path}: files cannot be named by path here, so there is no mesh {uri!r}"
+            message = f"{path}: this library loads no files by path, so there is no mesh {uri!r}"
             raise AssetNotFound(message, {"uri": uri, "path": path, "known": []})
         if not Path(uri).is_file():
             message = f"{path}: object {thing.name!r} does not load: there is no file {uri!r}"

@@ -62,7 +62,7 @@ def trial_load(scene: Scene, library: ModelLibrary, time_limit: float = _TIME_LI
 
 
 def _load_in_fork(stored: StoredScene, things: Sequence[RobotOrObject], time_limit: float) -> None:
-    """Load things in a fork, and raise for the one at which the fork ended."""
+    """Load robots and objects in a fork, and raise for the one at which the fork ended."""
     read_end, write_end = os.pipe()
     parent = os.getpid()
     try:
@@ -89,7 +89,7 @@ def _load_in_fork(stored: StoredScene, things: Sequence[RobotOrObject], time_lim
 def _load(
     stored: StoredScene, things: Sequence[RobotOrObject], write_end: int, parent: int
 ) -> None:
-    """In the child: load one thing after the other, and report each index; never return."""
+    """In the child: load one after the other, and report each; never return."""
     try:
         die_with_parent()
         if os.getppid() == parent:
@@ -110,7 +110,7 @@ def _load_one(stored: StoredScene, write_end: int, thing: RobotOrObject) -> None
         build_single(thing, stored)
     except MemoryError:
         raise
-    except (Exception, SystemExit):  # noqa: BLE001, S110  (who loads it next says what is wrong)
+    except (Exception, SystemExit):  # noqa: BLE001, S110  (the next load reports it)
         pass
 
 
@@ -122,7 +122,7 @@ def _limit_memory() -> None:
 
 
 def _wait_for_fork(read_end: int, time_limit: float) -> tuple[int, str]:
-    """Return the thing that was loaded last, and why the fork ended; "" if all were loaded."""
+    """Return the index loaded last, and why the fork ended; "" if all were loaded."""
     number = -1
     with selectors.DefaultSelector() as selector:
         selector.register(read_end, selectors.EVENT_READ)

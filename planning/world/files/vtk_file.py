@@ -1,4 +1,4 @@
-"""require_sound_vtk(): validation of a VTK file's cells and points (legacy format, ASCII).
+"""validate_vtk(): validation of a VTK file's cells and points (legacy format, ASCII).
 
 VTK reads points out of bounds, and allocates whatever memory the file announces.
 """
@@ -16,17 +16,17 @@ def validate_vtk(file: Path) -> None:
     """
     words = file.read_bytes().split()
     if b"BINARY" in words[:20]:
-        message = "it is BINARY, which cannot be looked at before it is read: write it as ASCII"
+        message = "it is BINARY, which cannot be validated before it is parsed: write it as ASCII"
         raise ValueError(message)
     if b"POINTS" not in words or b"CELLS" not in words:
         return  # Drake refuses any other kind
     count, points = _announced_list(words, b"POINTS", 3)
     if not np.isfinite(_numbers(points[:], np.float64, "POINTS")).all():
-        message = "POINTS: one of them is at no place"
+        message = "POINTS: one has coordinates that are not finite"
         raise ValueError(message)
     for k, index in enumerate(_connectivity(words)):
         if not 0 <= index < count:
-            message = f"CELLS: number {k} in the list is point {index}, and there are {count}"
+            message = f"CELLS: number {k} in the list is point {index}, but there are {count}"
             raise ValueError(message)
 
 
@@ -36,7 +36,7 @@ def _announced_list(words: list[bytes], name: bytes, per_item: int) -> tuple[int
     count = int(_numbers(words[at + 1 : at + 2], np.int64, name.decode())[0])
     found = words[at + 3 : at + 3 + per_item * count] if count >= 0 else []
     if len(found) < per_item * count or count < 1:
-        message = f"{name.decode()}: {count} are announced, and {len(found) // per_item} are there"
+        message = f"{name.decode()}: {count} are announced, but {len(found) // per_item} follow"
         raise ValueError(message)
     return count, found
 
@@ -51,13 +51,13 @@ def _connectivity(words: list[bytes]) -> list[int]:
     cells, size = _numbers(words[at + 1 : at + 3], np.int64, "CELLS").tolist()
     listed = _numbers(words[at + 3 : at + 3 + size], np.int64, "CELLS").tolist()
     if len(listed) < size or cells < 1:
-        message = f"CELLS: {size} numbers are announced, and {len(listed)} are there"
+        message = f"CELLS: {size} numbers are announced, but {len(listed)} follow"
         raise ValueError(message)
     found: list[int] = []
     index = 0
     for _ in range(cells):
         if index >= size or index + listed[index] >= size or listed[index] < 1:
-            message = f"CELLS: {cells} are announced, and fewer are there"
+            message = f"CELLS: {cells} are announced, but fewer follow"
             raise ValueError(message)
         found += listed[index + 1 : index + 1 + listed[index]]
         index += 1 + listed[index]

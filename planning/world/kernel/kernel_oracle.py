@@ -39,7 +39,7 @@ class KernelCollisionOracle:
     ) -> None:
         """Prepare the kernel for a group, with `margins` of every pair.
 
-        `make_checker` gives the model's `bare_checker`.
+        `make_checker` makes Drake's checker of the model without margins.
         """
         self.num_undecided = 0
         self._drake_arguments = model, group, state, margins, make_checker

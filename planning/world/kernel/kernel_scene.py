@@ -78,7 +78,7 @@ class KernelScene:
         names = set(exceptions)
         numbers = np.full(len(self.is_of_one_robot), np.nan)
         for kind in (self.is_of_one_robot, ~self.is_of_one_robot):
-            rows: Any = np.flatnonzero(kind)  # of which mostly the first is what is looked for
+            rows: Any = np.flatnonzero(kind)  # mostly the first pair is a typical one
             typical_pair = next(
                 (pair for pair in map(self.names, rows) if (min(pair), max(pair)) not in names),
                 None,
@@ -113,7 +113,7 @@ def kernel_scene_of(model: DrakeModel) -> KernelScene | None:
 
 
 def copy_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int]) -> None:
-    """Copy the kernel scene of one model to another, with some rows of `standing` moved."""
+    """Copy the kernel scene of one model to another, with some `static_objects` moved."""
     scene = kernel_scene_of(before)
     if scene is None:
         _cache[after.static_objects] = None
@@ -143,7 +143,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
     add_tree(scene, model, tree)
     for i, body, shape in zip(ids, candidates.bodies, shapes, strict=False):
-        assert shape is not None  # noqa: S101  (looked at above)
+        assert shape is not None  # noqa: S101  (checked above)
         link, x_lb = tree.bodies[int(body)]
         _add_geometry(scene, link, x_lb.multiply(inspector.GetPoseInFrame(i)), shape)
     for x, shape in zip(static_objects.poses, static_objects.shapes, strict=True):

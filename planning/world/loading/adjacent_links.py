@@ -3,12 +3,11 @@
 Shapes of neighbours often overlap around their joint, by design or because a hull bulges; a check
 of such a pair would make every configuration invalid. A pair is left out if its shapes touch at the
 joint's default position, or at half of the joint's range or more; and if they are proven never to
-touch, at any joint angle. Every other pair is checked like any other
-(docs/decisions/0031).
+touch, at any joint angle. Every other pair is checked like any other (docs/decisions/0031).
 
 Drake's distances of separate shapes are never too small, but can be too large
-(docs/decisions/0006): shapes that touch by Drake do touch, and separation is proven by slabs
-of our own.
+(docs/decisions/0006): shapes that touch by Drake do touch, and separation is proven by slabs of our
+own.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Attached objects: objects fixed to a frame of a robot instead of standing in the world."""
+"""Attached objects: objects fixed to a frame of a robot instead of to the world."""
 
 from collections.abc import Collection, Iterable
 from typing import Any
@@ -32,7 +32,9 @@ def validate_owners(scene: Scene, frames: Collection[str]) -> dict[str, str]:
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
         robot = root_robot(frame, parent_of)
         if robot is None:
-            message = f"{path}: {frame!r} is no frame of a robot, so nothing can be attached to it"
+            message = (
+                f"{path}: {frame!r} is not a frame of a robot: objects are attached to robots only"
+            )
             raise SceneInvalid(message, {"path": path, "frame": frame})
         owners[thing.name] = robot
     return owners

@@ -55,7 +55,7 @@ def build_diagram(
 
     Args:
         stored: The scene, with its files.
-        static_names: Names of the objects that stand outside of Drake's model.
+        static_names: Names of the objects that are kept outside of Drake's model.
         time_step: Of the plant [s]; matters only to simulation.
         kernel: Whether the native kernel may decide collisions where it is certain.
 
@@ -82,7 +82,7 @@ def build_diagram(
     static_objects = make_static_objects(stored, static_names)
     add_frames(build, scene.frames, static_objects.frames)
     owners = _attach(build, scene, static_objects.frames)
-    # Neighbours are left out by evidence, not all of them (`leave_out_neighbours`).
+    # Adjacent links are excluded by evidence, not all of them (`exclude_adjacent_links`).
     build.plant.set_adjacent_bodies_collision_filters(False)
     build.plant.Finalize()
     allow_collisions(build, scene)
@@ -169,8 +169,8 @@ def _add_robot(build: Build, robot: SceneRobot, stored: StoredScene) -> None:
 
 def _unlimited_warning(robot: str, joint: str) -> str:
     return (
-        f"{robot}::{joint} has no `limit` with `lower` and `upper`, so it moves without end: state "
-        "its limits, or that it is `continuous`"
+        f"{robot}::{joint} has no `limit` with `lower` and `upper` and is treated as unlimited: "
+        "add the limits, or make it `continuous`"
     )
 
 
@@ -207,7 +207,7 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
     try:
         shape, x_og = drake_shape(thing.shape), RigidTransform()
         instance = build.plant.AddModelInstance(thing.name)
-        # Objects that stand in the world load no joint, so they need no mass.
+        # Objects that are fixed to the world load no joint, so they need no mass.
         inertia = spatial_inertia(thing) if thing.attached else SpatialInertia.NaN()
         body = build.plant.AddRigidBody(thing.name, instance, inertia)
         color = DEFAULT_COLOR if thing.color is None else thing.color
@@ -228,7 +228,7 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
 def _attach(
     build: Build, scene: Scene, static_frames: Mapping[str, RigidTransform]
 ) -> dict[str, str]:
-    """Weld every attached object to its frame and return the robots that hold them."""
+    """Weld every attached object to its frame and return the robot of each."""
     owners = validate_owners(scene, {*build.frames, *static_frames})
     for thing in scene.objects:
         if thing.attached is not None:

@@ -13,7 +13,7 @@ from planning.world.models.srdf import end_effector_joints
 
 
 def allow_collisions(build: Build, scene: Scene) -> None:
-    """Filter the pairs that the scene or a robot's own description allows; note the source.
+    """Filter the pairs that the scene or a robot's own description allows; record the source.
 
     Raises:
         SceneInvalid: The scene names a body that does not exist.

@@ -16,13 +16,13 @@ def add_frames(
 ) -> None:
     """Add frames to the plant, every parent before its children.
 
-    Each is fixed to its root body, so that a chain of thousands costs no
-    more than as many frames of one body.
+    Each is fixed to its root body, so that a chain of thousands costs no more than as many frames
+    of one body.
 
     Args:
         build: With all bodies.
         frames: Of the scene.
-        static_frames: X_WF of frames below objects that stand outside of the plant: left out here.
+        static_frames: X_WF of frames below objects outside of the plant; they are not added.
 
     Raises:
         SceneInvalid: A name is given twice, a parent does not exist, or frames form a cycle.
@@ -75,5 +75,5 @@ def _raise_for_orphans(
             fault = UnknownName.among("frame", frame.parent, known)
             path = f"frames.{i}.parent"
             raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
-    message = f"frames hang on one another in a circle: {names}"
+    message = f"the parents of frames form a cycle: {names}"
     raise SceneInvalid(message, {"path": "frames", "frames": names})

@@ -92,7 +92,7 @@ def _robot_positions(
             return {**home, **chosen}
         case tuple() as numbers:
             if own.default not in own.groups:
-                message = f"{path}: {robot.name!r} has no joint to place"
+                message = f"{path}: {robot.name!r} has no joint that moves"
                 raise SceneInvalid(message, {"path": path})
             group = own.groups[own.default]
             return {**home, group.name: _validated_positions(group, numbers, path)}

@@ -33,9 +33,9 @@ def load_world(
 ) -> World:
     """Load a scene into Drake.
 
-    Everything is made from copies of the files that the scene names: those in its `files`,
-    and the present content of the disk for the others. The world's own `scene` has all of them,
-    so loading that again gives the same world, independent of later changes of the disk.
+    Everything is made from copies of the files that the scene names: those in its `files`, and the
+    present content of the disk for the others. The world's own `scene` has all of them, so loading
+    that again gives the same world, independent of later changes of the disk.
 
     Args:
         scene: The scene.
@@ -44,8 +44,8 @@ def load_world(
             Drake's either way.
         previous: A loaded world to reuse, such as that of the scene before an edit: common parts
             are not loaded again but shared, so both belong to one thread.
-        max_objects_in_model: Largest number of objects that stand in the world within Drake's
-            model; if there are more, all of them stand outside of it, with the same results.
+        max_objects_in_model: Largest number of objects fixed to the world that are in Drake's
+            model; if there are more, all of them are kept outside of it, with the same results.
 
     Raises:
         SceneInvalid: A name in the scene is wrong; evidence has its `path`.
@@ -85,16 +85,16 @@ def _validate_num_objects(scene: Scene) -> None:
     count = len(scene.objects)
     if count > MAX_OBJECTS_FOR_DRAKE:
         message = (
-            f"objects: there are {count}, and Drake alone bears {MAX_OBJECTS_FOR_DRAKE}: more need "
+            f"objects: {count} objects exceed the limit of {MAX_OBJECTS_FOR_DRAKE} for scenes that "
+            "only Drake can check; the native kernel has no such limit, but it needs joints and "
+            "shapes of supported types and no moving half spaces"
         )
-        message += "the native kernel, and robots of joints and shapes that it knows, without half "
-        message += "spaces that move"
         evidence = {"path": "objects", "count": count, "bound": MAX_OBJECTS_FOR_DRAKE}
         raise SceneInvalid(message, evidence)
 
 
 def _precompute(world: World) -> None:
-    """Compute now what the first queries would wait for."""
+    """Compute in advance the caches that the first queries need."""
     shared_context(world.drake)
     world.drake.static_objects.precompute()
     unchecked_pairs(world.drake)

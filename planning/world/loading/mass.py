@@ -9,7 +9,7 @@ from planning.world.loading.drake_shapes import drake_shape
 
 
 def spatial_inertia(thing: SceneObject) -> SpatialInertia:
-    """Return the spatial inertia of an object about its origin; None without a mass.
+    """Return the spatial inertia of an object about its origin; zero without a mass.
 
     It is that of the shape at uniform density, a mesh counting as its convex hull; with a given
     centre of mass, the same rotational inertia about that centre.

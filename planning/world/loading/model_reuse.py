@@ -30,7 +30,7 @@ def reuse_model(
 
     Args:
         stored: The scene, with its files.
-        static_names: The objects that stand outside of Drake's model.
+        static_names: Names of the objects that are kept outside of Drake's model.
         previous: The loaded world.
         kernel: Whether the native kernel may decide collisions.
     """

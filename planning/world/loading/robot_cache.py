@@ -54,7 +54,7 @@ class RobotCache:
         return replace(robot, positions=merged)
 
     def _load(self, scene: Scene) -> World:
-        # Named configurations refer to groups of robots: those entries stay.
+        # Named configurations refer to groups of robots, so they are kept.
         robots_only = Scene(
             scene.name, scene.robots, configurations=scene.configurations, files=scene.files
         )

@@ -25,13 +25,13 @@ _SLACK = 1e-3
 
 @dataclass(frozen=True)
 class _CachedWarnings:
-    """Cached warnings of a model, or of one that it shares, for the state digest `state_digest`.
+    """Cached warnings of a model, for one `state_digest`.
 
     Attributes:
         state_digest: Digest of the robots' positions and of the margins.
         is_free: Whether all pairs kept their margins.
         configuration_warnings: Warnings that do not depend on surrounding objects.
-        moved_rows: Rows of `standing` that have moved since.
+        moved_rows: Rows of `static_objects` that have moved since.
     """
 
     state_digest: str
@@ -64,8 +64,8 @@ _UNLIMITED_RANGE = {
 def start_warnings(world: World) -> tuple[str, ...]:
     """Return the faults that make every plan from the scene's positions fail.
 
-    Pairs of links of one robot that touch in all sampled configurations come with
-    an edit that allows their contact. Where nothing touches, this takes one collision check.
+    Pairs of links of one robot that touch in all sampled configurations come with an edit that
+    allows their contact. Where nothing touches, this takes one collision check.
     """
     margins, scene = world.margins(), world.scene
     state_digest = digest((world.state, scene.margin, scene.margins, scene.configurations))
@@ -77,16 +77,14 @@ def start_warnings(world: World) -> tuple[str, ...]:
         touching = world.distance_probe(margins).violations(world.state)
     warnings = [_pair_warning(world, pair) for pair in touching[:_MAX_WARNINGS]]
     if len(touching) > _MAX_WARNINGS:
-        warnings.append(
-            f"{len(touching) - _MAX_WARNINGS} further pairs are too near where the scene is"
-        )
+        warnings.append(f"{len(touching) - _MAX_WARNINGS} more pairs violate their margins there")
     always_touching = _always_touching(world, touching)
     if always_touching:
         operations = [{"op": "allow", "pair": list(pair)} for pair in always_touching]
         warnings.append(
-            f"{len(always_touching)} pairs of these overlap in all of {_NUM_SAMPLES + 1} "
-            "configurations that were tried, as shapes do that are drawn into each other; "
-            f"if they may touch, edit the scene with {json.dumps({'operations': operations})}"
+            f"{len(always_touching)} of these pairs overlap in all {_NUM_SAMPLES + 1} sampled "
+            "configurations, so their shapes probably overlap by design; to allow these contacts, "
+            f"edit the scene with {json.dumps({'operations': operations})}"
         )
     configuration_warnings = (
         _configuration_warnings(world) if cached is None else cached.configuration_warnings
@@ -128,7 +126,7 @@ def _pair_warning(world: World, pair: BodyPair) -> str:
         relation = (
             f"{a} and {b} are {pair.distance:.2g} m apart, less than their margin of {margin:g} m"
         )
-    return f"where the scene puts its robots, {relation}: no motion can begin there"
+    return f"at the scene's positions {relation}: no motion can start from there"
 
 
 def _always_touching(world: World, touching: tuple[BodyPair, ...]) -> list[tuple[str, str]]:
@@ -175,14 +173,14 @@ def _are_of_one_robot(a: str, b: str) -> bool:
 
 
 def copy_start_warnings(before: DrakeModel, after: DrakeModel, rows: Collection[int]) -> None:
-    """Copy the cached warnings of one model to another, with some rows of `standing` moved."""
+    """Copy the cached warnings of a model to another, with some rows of `static_objects` moved."""
     if before.static_objects in _cache:
         cached = _cache[before.static_objects]
         _cache[after.static_objects] = replace(cached, moved_rows=cached.moved_rows.union(rows))
 
 
 def _configuration_warnings(world: World) -> tuple[str, ...]:
-    """Return a warning for each named configuration that is invalid whatever surrounds the robot.
+    """Return a warning for each named configuration that is invalid in any surroundings.
 
     Of several robots of one model, equal configurations are checked once.
     """

@@ -20,8 +20,8 @@ from planning.world.files.stored_scene import StoredScene
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.loading.drake_shapes import drake_shape
 
-# Number of standing objects up to which Drake's model loads in a tenth of a second; most scenes
-# have fewer.
+# Number of static objects up to which Drake's model loads in a tenth of a second; most scenes have
+# fewer.
 MAX_OBJECTS_IN_MODEL = 48
 _MAX_FEW_ROBOTS, _MAX_FEW_FRAMES = 4, 500
 
@@ -29,9 +29,9 @@ _MAX_FEW_ROBOTS, _MAX_FEW_FRAMES = 4, 500
 def static_object_names(scene: Scene, max_in_model: int = MAX_OBJECTS_IN_MODEL) -> frozenset[str]:
     """Return the names of the objects that stay out of Drake's model.
 
-    They are all that stand in the world, if they are more than `max_in_model`, or if there are many
-    robots or frames: then the model is expensive, and moving an object must not rebuild it. Half
-    spaces, which are unbounded, are always Drake's: there are few.
+    They are all that are fixed to the world, if they are more than `max_in_model`, or if there are
+    many robots or frames: then the model is expensive, and moving an object must not rebuild it.
+    Half spaces, which are unbounded, are always in Drake's model: there are few.
     """
     names = [
         thing.name
@@ -92,8 +92,8 @@ def static_frames(
     children: dict[str, list[SceneFrame]] = {}
     for frame in frames:
         children.setdefault(frame.parent, []).append(frame)
-    # The frame's pose in its object is multiplied first, as in Drake: so numbers are equal to the
-    # bit.
+    # The frame's pose in its object is multiplied first, as in Drake, for results that are equal to
+    # the bit.
     above = poses_W.items() if children else ()
     pending = [(name, x, RigidTransform()) for name, x in above if name in children]
     while pending:

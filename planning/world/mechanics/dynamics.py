@@ -18,15 +18,17 @@ from planning.world.world import World
 
 @dataclass(frozen=True)
 class PathEfforts:
-    """Efforts along a path r(s): tau = ahead u + bend x + held, without damping.
+    """Efforts along a path r(s): tau = a u + b x + c, without damping.
 
-    With x = (ds/dt)^2 and u = d2s/dt2: ahead = M r', bend = M r'' + C(r, r') r', held = -tau_g(r).
+    With x = (ds/dt)^2 and u = d2s/dt2: a = M r', b = M r'' + C(r, r') r', c = -tau_g(r)
+    (Bobrow, Dubowsky, Gibson 1985).
 
     Attributes:
-        by_path_acceleration: Inertial effort by path acceleration [N m or N per 1/s^2], shape (m,
+        by_path_acceleration: a, the effort by path acceleration [N m or N per 1/s^2], shape (m,
             nv).
-        by_squared_velocity: Effort by squared path velocity, in the same unit, shape (m, nv).
-        static: Static effort against gravity [N m or N], shape (m, nv).
+        by_squared_velocity: b, the effort by squared path velocity, in the same unit, shape (m,
+            nv).
+        static: c, the effort against gravity [N m or N], shape (m, nv).
     """
 
     by_path_acceleration: Float64[np.ndarray, "m nv"]

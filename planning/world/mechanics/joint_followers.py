@@ -1,8 +1,8 @@
 """Whole turns of joints: whether a joint's followers are unchanged by them.
 
 Drake counts positions of joints on the real line. In `planning` an unlimited revolute joint is on a
-circle, modulo whole turns. That is valid only if all its followers are where they were
-after a whole turn, and may go there: a follower by half is half a turn off.
+circle, modulo whole turns. That is valid only if a whole turn brings all its followers back to
+where they were, and their limits permit it: a follower with multiplier 1/2 is half a turn off.
 """
 
 from dataclasses import dataclass
@@ -62,12 +62,8 @@ def joint_followers(model: DrakeModel, name: str) -> tuple[JointFollower, ...]:
 def is_continuous(model: DrakeModel, name: str) -> bool:
     """Return whether a revolute joint is unlimited and on a circle, modulo whole turns."""
     joint = model.plant.get_joint(model.joint_indices[name])
-    followers = [each for each in joint_followers(model, name) if each.multiplier != 0]
-    bounds = [
-        bound
-        for each in (joint, *(other.joint for other in followers))
-        for bound in (*each.position_lower_limits(), *each.position_upper_limits())
-    ]
-    return not np.isfinite(bounds).any() and not any(
-        each.is_moved_by_whole_turns for each in followers
-    )
+    followers = [follower for follower in joint_followers(model, name) if follower.multiplier != 0]
+    joints = [joint, *(follower.joint for follower in followers)]
+    bounds = [(*j.position_lower_limits(), *j.position_upper_limits()) for j in joints]
+    is_limited = bool(np.isfinite(bounds).any())
+    return not is_limited and not any(f.is_moved_by_whole_turns for f in followers)

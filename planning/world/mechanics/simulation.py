@@ -5,8 +5,8 @@ Modelling, Planning and Control, section 8.5.2),
 
     tau = M(q) (vdot_d + Kd (v_d - v) + Kp (q_d [-] q)) + C(q, v) v - tau_g(q) - tau_damping(v),
 
-so every joint's error obeys e'' + Kd e' + Kp e = 0 for any mass of the robot, until tau is cut to
-the effort limits. Joints that follow the group's are controlled with them; all others are held.
+so every joint's error obeys e'' + Kd e' + Kp e = 0 for any mass of the robot, unless the effort
+limits clip tau. Joints that follow the group's are controlled with them; all others are held.
 """
 
 from typing import Any
@@ -218,7 +218,7 @@ class Simulation:
         """Lock the other planar and floating joints; return the scalar ones and their positions.
 
         A scalar joint is held by the controller instead: Drake's solver answers NaN for a locked
-        joint that stands on its position limit, as closed grippers do.
+        joint at its position limit, as in closed grippers.
         """
         controlled = {*self._in_v.tolist(), *(c.follower_velocity for c in self._followers)}
         plant = self._model.plant
@@ -239,7 +239,10 @@ class Simulation:
         inertia = self._model.plant.CalcMassMatrix(self._context)
         own = inertia[np.ix_(self._in_v, self._in_v)]
         if not (np.isfinite(own).all() and np.linalg.eigvalsh(own)[0] > 0):
-            message = f"group {self.group.name!r} cannot be simulated: a joint moves no mass"
+            message = (
+                f"group {self.group.name!r} cannot be simulated: its mass matrix is not positive "
+            )
+            message += "definite, so a joint moves no mass"
             raise ModelInvalid(message, {"file": "", "reason": "massless"})
 
 

@@ -58,8 +58,8 @@ class ToolKinematics:
         """Return the Jacobians' columns by the tangent, followers apart from their leaders.
 
         First come the group's own, as `jacobians` has them without followers, then those of
-        `followers`. Bounds need them: where a follower turns against its
-        leader, their sum does not bound how far each moves the tool.
+        `followers`. Bounds need them: where a follower turns against its leader, their sum does not
+        bound how far each moves the tool.
         """
         if not self.followers[0].size:
             return self.jacobians(qs)
@@ -127,11 +127,8 @@ class ToolKinematics:
     def _plant_jacobians(self, qs: Array) -> Array:
         """Return Drake's Jacobians by all velocities of the plant, shape (n, 6, num_velocities)."""
         plant, context = self._world.drake.plant, self._context
-        frame, world, origin = (
-            self._world.drake.frame(self.frame),
-            plant.world_frame(),
-            np.zeros(3),
-        )
+        frame, world = self._world.drake.frame(self.frame), plant.world_frame()
+        origin = np.zeros(3)
         found = np.empty((len(qs), 6, plant.num_velocities()))
         for i, full in enumerate(self._world.embed(self._group, qs)):
             plant.SetPositions(context, full)

@@ -41,7 +41,7 @@ def weld_base(build: Build, loaded: LoadedRobot, instances: Sequence[ModelInstan
 
 
 def _free_links(build: Build, instances: Sequence[ModelInstanceIndex]) -> list[RigidBody]:
-    """Return the links that no joint carries."""
+    """Return the root links: those without a parent joint."""
     plant = build.plant
     carried = {int(plant.get_joint(i).child_body().index()) for i in plant.GetJointIndices()}
     links = [plant.get_body(i) for one in instances for i in plant.GetBodyIndices(one)]
@@ -68,13 +68,11 @@ def _validate_unset_base(build: Build, loaded: LoadedRobot, free: list[RigidBody
     if robot.weld is None and RigidTransform(robot.base.matrix).IsNearlyIdentity(0.0):
         return
     if len(free) > 1:
-        message = f"{field}: {robot.name!r} has {len(free)} links that no joint carries, {names}, "
-        message += "so the scene cannot place it"
+        message = f"{field}: {robot.name!r} has {len(free)} root links (links without a parent "
+        message += f"joint), {names}, so its base pose cannot be set"
         raise SceneInvalid(message, {"path": field, "links": names})
-    message = f"{field}: the description of {robot.name!r} says itself how it is "
-    message += (
-        f"fixed to the world, so the scene cannot place it: leave `{field[len(path) + 1 :]}` out"
-    )
+    message = f"{field}: the description of {robot.name!r} already fixes it to the world: remove "
+    message += f"`{field[len(path) + 1 :]}`"
     raise SceneInvalid(message, {"path": field})
 
 
@@ -83,14 +81,15 @@ def _validate_stated_weld(build: Build, loaded: LoadedRobot, base: RigidBody) ->
     robot = loaded.scene_robot
     if robot.weld is None and not RigidTransform(robot.base.matrix).IsNearlyIdentity(0.0):
         path = f"robots.{len(build.robots) - 1}.base"
-        message = f"{path}: {loaded.file.file.name} leaves {base.name()!r}, the base of "
-        message += f"{robot.name!r}, free, so it floats: say `weld: true` to weld it there, or "
+        message = f"{path}: {base.name()!r}, the base of {robot.name!r}, has no parent joint in "
+        message += f"{loaded.file.file.name}, so it floats: set `weld: true` to weld it there, or "
         message += "`weld: false` to let it float from there"
         raise SceneInvalid(message, {"path": path, "link": base.name()})
 
 
 def _floating_warning(robot: str, link: str) -> str:
     return (
-        f"{robot}: nothing holds its base {link!r}, so it floats, and its position is planned for: "
-        f"`weld: true` of robot {robot!r} welds it to the world (`weld: false` says that it floats)"
+        f"{robot}: its base link {link!r} has no parent joint, so it is a floating base: "
+        f"`weld: true` of robot {robot!r} welds it to the world, `weld: false` confirms the "
+        "floating base"
     )

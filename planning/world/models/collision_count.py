@@ -117,7 +117,6 @@ def _mjcf_shapes(root: ET.Element) -> Iterator[StatedShape]:
             masks = [defaults.get(geom, mask, "1") for mask in ("contype", "conaffinity")]
             if masks != ["0", "0"]:
                 kind = defaults.get(geom, "type", "sphere")
-                by_ends = (
-                    " fromto" if defaults.get(geom, "fromto") and kind in _WITHOUT_FROMTO else ""
-                )
-                yield StatedShape(link, geom.get("name", ""), kind + by_ends)
+                if defaults.get(geom, "fromto") and kind in _WITHOUT_FROMTO:
+                    kind += " fromto"
+                yield StatedShape(link, geom.get("name", ""), kind)

@@ -45,8 +45,8 @@ def couplings(
             continue  # a fixed joint may carry a leftover mimic tag: nothing moves
         if pair[1] is None:
             joints = [mimic.follower, mimic.leader]
-            message = f"robot {robot!r}: joint {joints[0]!r} follows {joints[1]!r}, which is no "
-            message += "joint of it that moves"
+            message = f"robot {robot!r}: mimic joint {joints[0]!r} follows {joints[1]!r}, which is "
+            message += "not a moving joint of this robot"
             raise ModelInvalid(message, {"joints": joints, "reason": message})
         follower, leader = (plant.get_joint(index) for index in pair if index)
         _validate_single_coordinates(
@@ -68,8 +68,8 @@ def couplings(
 def _validate_single_coordinates(robot: str, mimic: Mimic, *counts: int) -> None:
     if set(counts) != {1}:
         joints = [mimic.follower, mimic.leader]
-        message = f"robot {robot!r}: of the joints {joints}, one follows the other, and not both "
-        message += "are of one coordinate"
+        message = f"robot {robot!r}: mimic joint {joints[0]!r} and its leader {joints[1]!r} must "
+        message += "have one coordinate each"
         raise ModelInvalid(message, {"joints": joints, "reason": message})
 
 
@@ -83,7 +83,7 @@ def _leaders_first(mimics: Sequence[tuple[str, Mimic]]) -> list[tuple[str, Mimic
         if not ready:
             robot = rest[0][0]
             joints = sorted(mimic.follower for owner, mimic in rest if owner == robot)
-            message = f"robot {robot!r}: the joints {joints} follow each other in a circle"
+            message = f"robot {robot!r}: the mimic joints {joints} form a cycle"
             raise ModelInvalid(message, {"joints": joints, "reason": message})
         ordered += ready
         rest = [entry for entry in rest if entry not in ready]

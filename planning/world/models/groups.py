@@ -55,7 +55,7 @@ def robot_groups(model: DrakeModel, loaded: LoadedRobot) -> RobotGroups:
     Raises:
         UnknownName: The card names a joint, in a group or with limits, or a frame that the
             description does not have.
-        ModelInvalid: A joint is of a kind that planning does not support.
+        ModelInvalid: A joint has a type that planning does not support.
     """
     robot = loaded.scene_robot.name
     joints = _joints_of(model, loaded)
@@ -180,7 +180,7 @@ def _type_of(model: DrakeModel, name: str) -> JointType:
             return JointType.FLOATING
         case RpyFloatingJoint() | _:
             kinds = sorted(JointType)
-            message = f"joint {name!r} is of kind {joint.type_name()!r}; kinds we plan for: {kinds}"
+            message = f"joint {name!r} has type {joint.type_name()!r}; supported types: {kinds}"
             raise ModelInvalid(message, {"joint": name, "reason": message})
 
 

@@ -37,9 +37,9 @@ def followers_of(
 ) -> tuple[Follower, ...]:
     """Return the joints that follow those of a group, directly or through others.
 
-    Positions and velocities are limited by the card, or else the description. Accelerations
-    and jerks are limited by the card; if it states none for the follower and none for the leader,
-    they are assumed from the follower's velocity as those of any joint are.
+    Positions and velocities are limited by the card, or else the description. Accelerations and
+    jerks are limited by the card; if it states none for the follower and none for the leader, they
+    are assumed from the follower's velocity as those of any joint are.
     """
     cards = {r.scene_robot.name: r.source.card.limits for r in robots if r.source.card}
     found: list[Follower] = []
@@ -74,14 +74,14 @@ def followers_of(
 
 
 def _position_range(joint: Any, stated: LimitsCard) -> tuple[float, float]:
-    of_file = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
-    low, high = stated.position.get(joint.name(), of_file)
+    from_file = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
+    low, high = stated.position.get(joint.name(), from_file)
     return float(low), float(high)
 
 
 def _rates(joint: Any, stated: LimitsCard, of_leader: LimitsCard) -> tuple[float, float, float]:
-    of_file = float(joint.velocity_upper_limits()[0])
-    velocity = stated.velocity or (of_file if of_file > 0 else np.inf)
+    from_file = float(joint.velocity_upper_limits()[0])
+    velocity = stated.velocity or (from_file if from_file > 0 else np.inf)
     assumed = np.inf if of_leader.acceleration else velocity * ACCELERATION_PER_VELOCITY
     acceleration = stated.acceleration or assumed
     assumed = np.inf if of_leader.jerk else acceleration * JERK_PER_ACCELERATION

@@ -119,9 +119,9 @@ def validate_supported_elements(file: Path, root: ET.Element) -> None:
                 raise _invalid(file, reason)
     _validate_sphere_radii(file, root)
     for mesh in root.iter("mesh"):
-        for attribute, at_rest in _UNSUPPORTED_MESH_ATTRIBUTES.items():
+        for attribute, default in _UNSUPPORTED_MESH_ATTRIBUTES.items():
             numbers = [_number(file, word) for word in mesh.get(attribute, "").split()]
-            if numbers not in ([], at_rest):
+            if numbers not in ([], default):
                 reason = f"mesh {mesh.get('name') or mesh.get('file')!r} has {attribute!r}, which "
                 raise _invalid(file, reason + "is not read: move the mesh's vertices instead")
 
@@ -166,12 +166,12 @@ def joint_equalities(file: Path, root: ET.Element) -> list[JointEquality]:
         names = (equality.get("joint1", ""), equality.get("joint2", ""))
         kind = f"equality <{equality.tag}> {equality.get('name', '')!r}".removesuffix(" ''")
         if equality.tag != "joint":
-            raise _invalid(file, f"{kind} is not read: only those of two joints are")
+            raise _invalid(file, f"{kind} is not supported: only equalities of two joints are")
         if any(name not in joints for name in names):
-            raise _invalid(file, f"{kind} joins {list(names)}, not both of them joints of it")
+            raise _invalid(file, f"{kind} joins {list(names)}, which are not both joints of it")
         if names[0] in (other.follower for other in found):
             raise _invalid(
-                file, f"{kind} moves joint {names[0]!r}, which has one: it follows twice"
+                file, f"{kind}: joint {names[0]!r} already follows another joint by an equality"
             )
         words = defaults.get(equality, "polycoef", "0 1 0 0 0").split()
         a = [*(_number(file, word) for word in words), *[0.0] * 5]
@@ -196,9 +196,9 @@ def _number(file: Path, word: str) -> float:
     try:
         number = float(word)
     except ValueError as fault:
-        raise _invalid(file, f"{word!r} stands where a number is wanted") from fault
+        raise _invalid(file, f"a number is required, got {word!r}") from fault
     if not math.isfinite(number):
-        raise _invalid(file, f"{word!r} stands where a finite number is wanted")
+        raise _invalid(file, f"a finite number is required, got {word!r}")
     return number
 
 

@@ -25,8 +25,8 @@ def validate_description(file: Path, root: ET.Element) -> None:
     """Raise if a part of a description would crash or mislead Drake.
 
     Raises:
-        ModelInvalid: It names the element: a size that is not positive, a mass below zero, limits
-            that leave nothing, a name with `::`.
+        ModelInvalid: A size is not positive, a mass is negative, a range of limits is empty, or a
+            name contains `::`; the message names the element.
     """
     for element in root.iter():
         if "xacro" in element.tag:
@@ -52,9 +52,9 @@ def number_in(file: Path, tag: str, word: str) -> float:
     try:
         number = float(word)
     except ValueError as fault:
-        raise invalid(file, f"{tag} has {word!r} where a number is wanted", element=tag) from fault
+        raise invalid(file, f"{tag} must be a number, got {word!r}", element=tag) from fault
     if not math.isfinite(number):
-        reason = f"{tag} has {word!r} where a finite number is wanted"
+        reason = f"{tag} must be a finite number, got {word!r}"
         raise invalid(file, reason, element=tag)
     return number
 

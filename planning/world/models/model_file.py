@@ -1,8 +1,8 @@
 """ModelFile: inspection of a robot description before Drake parses it, and data that Drake ignores.
 
 Drake's parser ends the process (SystemExit) at a box of size zero, downloads some packages, and
-accepts negative masses; URDF's `floating` joints, `mimic` and MJCF's equalities of joints it
-ignores. A description is refused here for all of the former, and the latter are returned.
+accepts negative masses: such descriptions are refused here. It ignores URDF's `floating` joints,
+`mimic`, and MJCF's equalities of joints: these are returned.
 """
 
 import os
@@ -96,8 +96,8 @@ def inspect_model(file: Path, converted_meshes: Path) -> ModelFile:
     Raises:
         AssetNotFound: A package, mesh or included MJCF file that it names does not exist.
         ModelInvalid: It is not XML, too large, has a document type, includes itself, or has a
-            fault that Drake does not handle (`refuse_faults`); or it is MJCF with parts that Drake
-            ignores.
+            fault that Drake does not handle (`validate_description`); or it is MJCF with parts that
+            Drake ignores.
     """
     root = _parse(file)
     is_mjcf = root.tag == "mujoco"
@@ -167,14 +167,14 @@ def _find_meshes(file: Path, root: ET.Element) -> tuple[dict[str, Path], dict[st
             packages.setdefault(match[1], package_folder(file, match[1], uri))
             meshes[uri] = packages[match[1]] / match[2]
         elif "://" in uri:
-            message = f"{file.name} names {uri!r}; only files and package:// are read"
+            message = f"{file.name} names {uri!r}; only files and package:// are supported"
             raise AssetNotFound(message, {"uri": uri, "known": ["package://", "relative path"]})
         else:
             meshes[uri] = (mesh_folder if root.tag == "mujoco" else file.parent) / uri
         meshes[uri] = Path(os.path.normpath(meshes[uri]))  # as Drake does
         if not meshes[uri].is_file():
             place = os.path.relpath(meshes[uri], file.parent)
-            message = f"{file.name} names the mesh {uri!r}, and there is no {place!r} beside it"
+            message = f"{file.name} names the mesh {uri!r}, but {place!r} does not exist beside it"
             raise AssetNotFound(message, {"uri": uri, "known": sorted(packages)})
         validate_mesh(meshes[uri], file.name)
     return packages, meshes
@@ -184,7 +184,7 @@ def package_folder(file: Path, name: str, uri: str) -> Path:
     """Return a package among the folders above the file, by package.xml or the folder's name.
 
     Raises:
-        AssetNotFound: None of them is it.
+        AssetNotFound: None of them is the package.
     """
     for folder in file.parents:
         manifest = folder / "package.xml"
@@ -237,7 +237,9 @@ def _floating(file: Path, joint: ET.Element) -> FloatingJoint:
         )
     )
     if len(xyz) != 3 or len(rpy) != 3:
-        raise invalid(file, f"the origin of joint {joint.get('name')!r} is not of three numbers")
+        raise invalid(
+            file, f"the origin of joint {joint.get('name')!r} must have three numbers each"
+        )
     return FloatingJoint(
         joint.get("name", ""), _link(joint, "parent"), _link(joint, "child"), xyz, rpy
     )
@@ -249,7 +251,7 @@ def _efforts(root: ET.Element) -> dict[str, float]:
         limit = joint.find("limit")
         word = limit.get("effort") if limit is not None else None
         if word is not None:
-            efforts[joint.get("name", "")] = float(word)  # checked by `refuse_faults`
+            efforts[joint.get("name", "")] = float(word)  # checked by `validate_description`
     return efforts
 
 

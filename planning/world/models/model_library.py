@@ -78,7 +78,7 @@ class ModelLibrary:
             message = f"this library loads robots by name only, not {model!r}: {list(self.names)}"
             raise AssetNotFound(message, {"uri": model, "known": list(self.names)})
         if path.suffix.lower() not in _SUFFIXES:
-            message = f"{model!r} is no robot description; endings that load: {list(_SUFFIXES)}"
+            message = f"{model!r} is not a robot description; supported endings: {list(_SUFFIXES)}"
             if path.suffix.lower() == ".xacro":
                 message += f"; expand it first: {expansion(path.name)}"
             raise AssetNotFound(message, {"uri": model, "known": list(_SUFFIXES)})

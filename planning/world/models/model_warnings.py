@@ -84,5 +84,5 @@ def visual_only_warnings(
             continue
         if inspector.NumGeometriesForFrameWithRole(frame, Role.kIllustration):
             name = f"{robot}::{plant.get_body(index).name()}"
-            found.append(f"{name} is seen but has no collision shape: it collides with nothing")
+            found.append(f"{name} is visible but has no collision shape: it collides with nothing")
     return found

@@ -37,7 +37,7 @@ class EffortCard(StrictModel):
 
 
 class SteeringCard(StrictModel):
-    """How a planar joint is steered: its tightest turn [m], and whether it drives backwards."""
+    """Steering of a planar joint: smallest turning radius [m], and whether it drives backwards."""
 
     turning_radius: Positive
     reverse: Boolean = True
@@ -64,7 +64,7 @@ class SourceCard(StrictModel):
 
 
 class RobotCard(StrictModel):
-    """Robot data that a description file has no place for: groups, limits, configurations."""
+    """Robot data that description files cannot state: groups, limits, configurations."""
 
     name: str
     description: str = ""

@@ -56,11 +56,11 @@ def read_srdf(urdf: Path, movable: Mapping[str, int]) -> Srdf:
         try:
             configurations.setdefault(name, {})[group] = _values(state, groups, movable)
         except _StateIgnored as fault:
-            text = f"group state {name!r} of {group!r} in {file.name} is left out: {fault}"
+            text = f"group state {name!r} of {group!r} in {file.name} is ignored: {fault}"
             warnings.append(text)
     warnings += [
-        f"virtual joint {joint.get('name', '')!r} in {file.name} is {joint.get('type')}, and is "
-        "not read: the base link is welded to the world"
+        f"virtual joint {joint.get('name', '')!r} in {file.name} has type {joint.get('type')!r} "
+        "and is ignored: the base link is welded to the world"
         for joint in root.findall("virtual_joint")
         if joint.get("type") != "fixed"
     ]
@@ -96,14 +96,14 @@ def _values(
 ) -> tuple[float, ...]:
     group = groups.get(state.get("group", ""))
     if group is None:
-        raise _StateIgnored("there is no such group of joints that move")
+        raise _StateIgnored("there is no such group with moving joints")
     values_by_joint = {
         joint.get("name", ""): joint.get("value", "") for joint in state.findall("joint")
     }
     values: list[float] = []
     for joint in group.joints:
         if joint not in values_by_joint:
-            raise _StateIgnored(f"it says nothing of joint {joint!r}")
+            raise _StateIgnored(f"it has no value for joint {joint!r}")
         try:
             numbers = [float(word) for word in values_by_joint[joint].split()]
         except ValueError:

@@ -16,8 +16,8 @@ def plate_under(
 ) -> tuple[Box, RigidTransform]:
     """Return a plate P whose top is in the plane of a half space G, and X_GP.
 
-    It is wide enough to reach beyond the points, and below their middle, or about the
-    half space's origin if there are none.
+    It is wide enough to reach beyond the points, and below their middle, or about the half space's
+    origin if there are none.
 
     Args:
         x_wg: Pose of the half space.

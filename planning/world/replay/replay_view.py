@@ -54,7 +54,7 @@ class ShownBody:
     Attributes:
         name: Its full name.
         path: Its place in Meshcat's tree.
-        body: Drake's; None if it stands outside of Drake's model.
+        body: Drake's; None for an object outside of Drake's model.
         shapes: Its visual shapes, else its collision shapes.
     """
 
@@ -127,7 +127,7 @@ class WorldView:
 
     @cached_property
     def _largest_static_boxes(self) -> list[SolidBox]:
-        """Boxes around the largest objects that stand outside of Drake's model."""
+        """Boxes around the largest objects outside of Drake's model."""
         static_bodies = [shown for shown in self.bodies if shown.body is None]
         radii = self.world.drake.static_objects.balls[1]
         largest = [static_bodies[row] for row in np.argsort(-radii, kind="stable")[:_MAX_OCCLUDING]]

@@ -31,7 +31,7 @@ _TRACE_POINTS_PER_FRAME = 2
 _NUM_REPETITIONS = 1_000_000
 # Longer motions have fewer frames a second, so that a browser can open the page.
 MAX_FRAMES = 10_000
-# Instants of each motion at which the camera looks for its tool.
+# Number of instants of each motion at which the tool should be visible.
 _NUM_CAMERA_INSTANTS = 5
 
 
@@ -71,7 +71,7 @@ def replay_html(
     """Return a page that repeats the motion, with the path of the tool frame.
 
     Meshcat needs a web server while it works: it listens on the loopback interface, on a port
-    that the system chooses, and is gone when this returns.
+    that the system chooses, and stops when this returns.
 
     Args:
         world: The world; joints outside of `group` stay at its state.
@@ -145,7 +145,7 @@ class _Replay:
             self._drawn[shown.path] = shown
             for i, drawn in enumerate(shown.shapes):
                 path = f"{shown.path}/{i}"
-                if isinstance(drawn.shape, HalfSpace):  # drawn where the camera looks, once it does
+                if isinstance(drawn.shape, HalfSpace):  # drawn once the camera is aimed
                     self._half_spaces.append((view, shown, path, drawn))
                     continue
                 self._meshcat.SetObject(path, drawn.shape, drawn.color)

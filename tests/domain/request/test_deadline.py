@@ -110,7 +110,7 @@ def test_who_has_no_hurry_is_never_late() -> None:
 def test_a_failure_keeps_its_stage_and_timings_in_other_words_and_other_processes() -> None:
     late = DeadlineExceeded("late", {"allowed": 1.0}).in_stage("certify")
     late.timings = {"certify": 1.0, "total": 2.0}
-    for told in (late.saying("too late", {"tried": 3}), pickle.loads(pickle.dumps(late))):
-        assert isinstance(told, DeadlineExceeded)
-        assert (told.stage, told.timings) == ("certify", late.timings)
+    for failure in (late.saying("too late", {"tried": 3}), pickle.loads(pickle.dumps(late))):
+        assert isinstance(failure, DeadlineExceeded)
+        assert (failure.stage, failure.timings) == ("certify", late.timings)
     assert late.saying("too late", {"tried": 3}).evidence == {"allowed": 1.0, "tried": 3}

@@ -72,10 +72,10 @@ def test_finding_counts_and_using_what_is_found_does_not() -> None:
 
 
 def test_stages_within_others_are_not_announced() -> None:
-    told: list[str] = []
-    watch = Stopwatch(lambda: 0.0, told.append)
+    stages: list[str] = []
+    watch = Stopwatch(lambda: 0.0, stages.append)
     with watch.stage("search"), watch.stage("shortcut"):
         pass
     with watch.stage("refine"):
         pass
-    assert told == ["search", "refine"]
+    assert stages == ["search", "refine"]

@@ -41,16 +41,16 @@ def sent(method_path, headers, body, status, code, word=""):
     return method_path, headers, body, status, code, word
 
 
-TEMPLATE = "line 2: a key must be text, and here is a mapping; `{{ ... }}` is a template"
+TEMPLATE = "line 2: a key must be text, got a mapping; `{{ ... }}` is a template"
 YAMLS = {
     "template": text("robots:\n - {name: {{ name }}, model: ur5e}", "scene_invalid", TEMPLATE),
     "template of all": text("{{ scene }}", "scene_invalid", "template"),
-    "list as key": text("[a, b]: 1", "scene_invalid", "a key must be text, and here is a list"),
+    "list as key": text("[a, b]: 1", "scene_invalid", "a key must be text, got a list"),
     "mapping as key": text("? {a: 1}\n: 2", "scene_invalid", "mapping"),
-    "number as key": text("1: 2", "scene_invalid", "'1' is no text"),
-    "null as key": text("null: 2", "scene_invalid", "'null' is no text"),
-    "date as key": text("2020-01-01: 2", "scene_invalid", "no text"),
-    "merge key": text("<<: {robots: []}", "scene_invalid", "'<<' is no text"),
+    "number as key": text("1: 2", "scene_invalid", "'1' is not text"),
+    "null as key": text("null: 2", "scene_invalid", "'null' is not text"),
+    "date as key": text("2020-01-01: 2", "scene_invalid", "not text"),
+    "merge key": text("<<: {robots: []}", "scene_invalid", "'<<' is not text"),
     "key twice": text("robots: []\nrobots: []", "scene_invalid", "line 2: key 'robots' is given"),
     "alias": text("a: &a [1]\nb: *a", "scene_invalid", "line 2: aliases"),
     "python object": text("a: !!python/object:os.system x", "scene_invalid", "constructor"),
@@ -86,13 +86,13 @@ SCENES = {
     "name of a path": posted({"robots": [{**ARM, "name": "../arm"}]}, "robots.0.name"),
     "name with a scope": posted({"robots": [{**ARM, "name": "a::b"}]}, "robots.0.name"),
     "robot of a path upwards": posted(
-        {"robots": [{**ARM, "model": "../../ur5e"}]}, "no robot description", "asset_not_found"
+        {"robots": [{**ARM, "model": "../../ur5e"}]}, "not a robot description", "asset_not_found"
     ),
     "robot of a NUL": posted(
         {"robots": [{**ARM, "model": "/a\0b.urdf"}]}, "there is no file", "asset_not_found"
     ),
     "robot of a folder": posted(
-        {"robots": [{**ARM, "model": "/"}]}, "no robot description", "asset_not_found"
+        {"robots": [{**ARM, "model": "/"}]}, "not a robot description", "asset_not_found"
     ),
     "mesh of a NUL": posted(
         scene(objects=[{"name": "a", "shape": {"mesh": {"uri": "/a\0.obj"}}}]), "there is no file"
@@ -101,7 +101,7 @@ SCENES = {
         scene(objects=[{"name": "a", "shape": {"mesh": {"uri": "/dev/zero"}}}]), "there is no file"
     ),
     "points in a plane": posted(
-        scene(objects=[{"name": "a", "shape": {"convex": {"points": [[0, 0, 0]] * 4}}}]), "plane"
+        scene(objects=[{"name": "a", "shape": {"convex": {"points": [[0, 0, 0]] * 4}}}]), "coplanar"
     ),
     "huge numbers": posted(scene(objects=[{"name": "a", "shape": {"sphere": 1e300}}]), "sphere"),
     "robots in excess": posted({"robots": [ARM] * 65}, "64"),

@@ -50,12 +50,12 @@ GOAL = {"type": "joint", "positions": [0.5]}
 def test_efforts_that_nothing_limits_cannot_be_kept(client, posted, path, body):
     answer = client.post(f"/v1/{path}", json={"scene": posted, "group": "r", **body})
     assert (answer.status_code, answer.json()["code"]) == (422, "problem_invalid"), answer.text
-    assert "no joint of 'r' has a limit" in answer.json()["detail"]
+    assert "no joint of 'r' has a force or torque limit" in answer.json()["detail"]
 
 
 def test_the_engine_refuses_them_too(urdf_world):
     world = urdf_world(ENDLESS)
-    with pytest.raises(ProblemInvalid, match="no joint of 'r' has a limit"):
+    with pytest.raises(ProblemInvalid, match="no joint of 'r' has a force or torque limit"):
         path_limits(world, world.group("r"), planning.RetimeOptions(effort=True))
 
 

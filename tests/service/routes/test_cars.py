@@ -54,7 +54,7 @@ def test_models_tell_how_they_are_steered(client):
     [
         ({"spaces": {"car::base": {"turning_radius": 0.4}}}, "unknown_name", [JOINT]),
         ({"spaces": {JOINT: {"turning_radius": 0.1}}}, "problem_invalid", ["0.3"]),
-        ({"planner": "GCS"}, "problem_invalid", [JOINT, "cannot drive"]),
+        ({"planner": "GCS"}, "problem_invalid", [JOINT, "cannot follow"]),
         ({"spaces": {JOINT: {"turning_radius": 0}}}, "request_invalid", []),
         ({"spaces": {JOINT: {"radius": 0.4}}}, "request_invalid", []),
         ({"spaces": {JOINT: "car"}}, "request_invalid", []),

@@ -63,12 +63,12 @@ def test_no_distance_is_larger_than_the_true_one(tmp_path: Path, held: str, stil
         q = np.concatenate([turn / np.linalg.norm(turn), rng.normal(0, 0.8, 3)])
         low, high = true_distance(world, q)
         (verdict,) = planning.check_configurations(world, "r", q[None])
-        told = verdict.nearest.distance
+        reported = verdict.nearest.distance
         if high <= 1e-6:
-            assert told <= 1e-6
+            assert reported <= 1e-6
             continue
         assert high - low < 1e-8
-        assert (1 - 2e-6) * low - 2e-8 <= told <= high + 1e-12
+        assert (1 - 2e-6) * low - 2e-8 <= reported <= high + 1e-12
         # It counts for margins as well.
         for margin, keeps in ((0.9999 * low, True), (high + 1e-9, False)):
             (held_to,) = planning.check_configurations(world, "r", q[None], margin)

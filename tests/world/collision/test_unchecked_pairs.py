@@ -166,9 +166,9 @@ def least_shown(folder: Path, text: str) -> tuple[float, World]:
     scene = {"robots": [{"name": "r", "model": str(file)}]}
     world = planning.load_world(planning.parse_scene(scene))
     (pair,) = scene_summary(world).unchecked
-    said = re.match(r"at least ([^ ]+) m apart wherever joint j turns to", pair.evidence)
-    assert said, pair.evidence
-    return float(said[1]), world
+    match = re.match(r"at least ([^ ]+) m apart wherever joint j turns to", pair.evidence)
+    assert match, pair.evidence
+    return float(match[1]), world
 
 
 @pytest.mark.campaign
@@ -185,7 +185,7 @@ def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
 
     monkeypatch.setattr(_AdjacentPairProbe, "_measure", enlarged)
     base, arm = shapes
-    said, world = least_shown(tmp_path, NEAR.format(base=base, arm=arm, gap=0.3, up=0.02))
+    lower_bound, world = least_shown(tmp_path, NEAR.format(base=base, arm=arm, gap=0.3, up=0.02))
     model = world.drake
     inspector = model.scene_graph.model_inspector()
     ids = [
@@ -205,4 +205,4 @@ def test_links_shown_never_to_touch_are_so_far_apart_whatever_drake_measures(
         found = distance_bounds(known, (poses[0], poses[1]), np.zeros(3))
         assert found.upper - found.lower < 1e-8
         least = min(least, found.upper)
-    assert 0 < said <= least
+    assert 0 < lower_bound <= least

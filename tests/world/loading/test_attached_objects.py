@@ -121,8 +121,8 @@ def test_a_replay_moves_what_is_held() -> None:
     line = JointSpline.through(ARM.joints, np.array([start, start + 0.1]))
     motion = TimedTrajectory(line.joints, line.breaks, line.bases, line.coefficients)
     page = planning.replay_html(WORLD, ARM, motion, frames_per_second=5.0)
-    told = [base64.b64decode(text) for text in re.findall(r"base64,([A-Za-z0-9+/=]+)", page)]
-    (animation,) = [message for message in told if b"set_animation" in message]
+    contents = [base64.b64decode(text) for text in re.findall(r"base64,([A-Za-z0-9+/=]+)", page)]
+    (animation,) = [message for message in contents if b"set_animation" in message]
     assert b"/bodies/can" in animation
     assert b"/bodies/box" not in animation
 

@@ -114,8 +114,8 @@ def planned(world: World) -> list[Any]:
     return [found.trajectory, found.certificate]
 
 
-def compared(told: list[Any], expected: list[Any]) -> None:
-    assert digest(told) == digest(expected)
+def compared(actual: list[Any], expected: list[Any]) -> None:
+    assert digest(actual) == digest(expected)
 
 
 # With shapes checked, beartype draws from `random` while operations are built.
@@ -224,7 +224,7 @@ def test_a_judge_that_was_asked_before_the_edit_does_not_answer_after_it() -> No
 
 def test_what_is_moved_to_a_robot_is_warned_of() -> None:
     """Also if the warnings of revisions between were never asked for."""
-    world, told = load(SCENE), 0
+    world, num_warned = load(SCENE), 0
     scene_summary(world)
     hand = world.frame_pose("arm::wrist_2_link", world.state).position
     for gap in (1.0, 0.5, 0.2, 0.12, 0.05, 0.0, 0.4):
@@ -235,12 +235,12 @@ def test_what_is_moved_to_a_robot_is_warned_of() -> None:
         world = load(after, like=between)
         warnings = scene_summary(world).warnings
         assert warnings == scene_summary(load(after)).warnings
-        told += bool(warnings)
-    assert 0 < told < 7
+        num_warned += bool(warnings)
+    assert 0 < num_warned < 7
 
 
 def test_a_robot_that_is_moved_to_what_stands_is_warned_of() -> None:
-    first, told = load(SCENE), set()
+    first, has_warnings = load(SCENE), set()
     there = first.embed(first.group("arm"), CONFIGURATIONS[2])
     hand = MoveObject("b1", first.frame_pose("arm::wrist_2_link", there))
     world = load(edit_scene(SCENE, [hand]))
@@ -248,5 +248,5 @@ def test_a_robot_that_is_moved_to_what_stands_is_warned_of() -> None:
         scene = edit_scene(world.scene, [SetPositions("arm", tuple(q))])
         world = load(scene, like=world)
         assert scene_summary(world).warnings == scene_summary(load(scene)).warnings
-        told.add(bool(scene_summary(world).warnings))
-    assert told == {True, False}
+        has_warnings.add(bool(scene_summary(world).warnings))
+    assert has_warnings == {True, False}

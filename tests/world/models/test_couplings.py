@@ -83,7 +83,7 @@ def test_followers_of_followers_follow_in_a_simulation(
 
 def test_joints_that_follow_each_other_are_refused(urdf_world: Callable[..., World]) -> None:
     joints = {"a": "", "b": '<mimic joint="c"/>', "c": '<mimic joint="b"/>'}
-    with pytest.raises(ModelInvalid, match="in a circle") as raised:
+    with pytest.raises(ModelInvalid, match="form a cycle") as raised:
         urdf_world(robot(joints, ("a", "b", "c")))
     assert raised.value.evidence["joints"] == ["b", "c"]
 

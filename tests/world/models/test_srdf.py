@@ -113,7 +113,7 @@ def test_an_end_effector_may_touch_what_it_holds(
 @pytest.mark.parametrize(
     ("state", "word"),
     [
-        (HOME.format('<joint name="j1" value="0.5"/>'), "says nothing of joint 'j2'"),
+        (HOME.format('<joint name="j1" value="0.5"/>'), "has no value for joint 'j2'"),
         (HOME.format(SAID.replace("0.5", "half")), "needs 1 finite number, got 'half'"),
         (HOME.format(SAID.replace("0.5", "nan")), "needs 1 finite number, got 'nan'"),
         (HOME.format(SAID.replace("0.5", "0.5 1")), "got '0.5 1'"),

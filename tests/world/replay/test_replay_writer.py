@@ -94,11 +94,11 @@ def test_long_motions_have_fewer_frames_a_second(world: World) -> None:
 
 
 def test_it_has_the_scene_its_frames_and_the_trace(page: str) -> None:
-    told = b"".join(messages(page))
+    content = b"".join(messages(page))
     for path in (b"/bodies/table/0", b"/bodies/can/0", b"/frames/pick/0", b"/frames/place/2"):
-        assert path in told
-    assert b"/trace" in told
-    assert b"set_property" in told
+        assert path in content
+    assert b"/trace" in content
+    assert b"set_property" in content
 
 
 class Watching(TimedTrajectory):

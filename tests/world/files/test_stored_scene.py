@@ -279,7 +279,7 @@ def test_a_damaged_copy_is_made_anew_and_a_lost_one_is_missed(tmp_path, library)
     with pytest.raises(AssetNotFound, match="damaged"):
         load_world(scene, library)
     original.unlink()
-    with pytest.raises(AssetNotFound, match="not there"):
+    with pytest.raises(AssetNotFound, match="is missing"):
         load_world(scene, library)
 
 
@@ -302,7 +302,7 @@ def test_what_cannot_be_kept_is_refused(tmp_path, library):
     file = with_stl(tmp_path / "here")
     # The same path to a parser, but not to the one who makes it relative.
     file.write_text(file.read_text().replace('filename="/', 'filename="&#47;'))
-    with pytest.raises(ModelInvalid, match="cannot be kept"):
+    with pytest.raises(ModelInvalid, match="cannot be copied"):
         load_world(scene_of(file), library)
 
 

@@ -94,12 +94,12 @@ def test_it_plays_by_itself_for_ever(fetched: str) -> None:
 
 
 def test_it_says_what_goes_on_and_names_what_is_there(fetched: str) -> None:
-    told = overlay(fetched)
-    assert told["title"] == PICKUP.name
+    content = overlay(fetched)
+    assert content["title"] == PICKUP.name
     assert "<title>ur5e_pickup</title>" in fetched
-    sections = [(section["title"], round(5 * section["end"])) for section in told["sections"]]
+    sections = [(section["title"], round(5 * section["end"])) for section in content["sections"]]
     assert sections == [("approach", FRAMES), ("carry", 2 * FRAMES), ("leave", 3 * FRAMES)]
-    named = {(label["path"], label["text"]): label["kind"] for label in told["labels"]}
+    named = {(label["path"], label["text"]): label["kind"] for label in content["labels"]}
     assert named["/bodies/can/0", "can"] == named["/bodies/arm/base_link/0", "arm"] == "thing"
     assert named["/frames/pick", "pick"] == "frame"
     assert named["/bodies/arm/forearm_link/0", "forearm_link"] == "link"
