@@ -9,6 +9,7 @@ from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.domain.report.certificate import Check
 
+# Largest error of the length of a unit quaternion.
 _UNIT_TOLERANCE = 1e-9
 # Largest magnitude of any number: larger ones lose the digits that the proof needs.
 _MAX_MAGNITUDE = 1e9

@@ -32,6 +32,7 @@ from planning.domain.robot.steering import Steering, steering_of
 
 # epsilon, the tangent of the angle of slip, and delta.
 SLIP_TOLERANCE, CURVATURE_TOLERANCE = 1e-5, 1e-4
+# Error of the Taylor polynomials of sine and cosine, subtracted from the tolerance of slip.
 _TAYLOR_ERROR = 3e-7
 _MAX_YAW_CHANGE = 0.125
 _MAX_HALVINGS, _MAX_NODES = 16, 100_000

@@ -21,6 +21,7 @@ from planning.domain.arrays import Array
 type Row = list[float]
 
 _MAX_STEPS = 60
+# Length of a direction below which it is zero [m].
 _TOLERANCE = 1e-10
 # Determinant below which a simplex has no extent, as a share of its largest possible value.
 _DEGENERATE_DETERMINANT = 1e-14

@@ -7,7 +7,7 @@
                       first_certified --> Certificate       the first proven, else another round
 
 The stages do not import each other. Several candidate motions are timed, and the quickest one that
-the certifier proves is returned. If none is proven, the search runs again, with more padding and a
+the certifier proves is returned. If none is proven, the search runs again with another seed and a
 finer resolution. Linear moves of a tool (approach, retreat) belong to the goals stage: the search
 ends where the approach begins.
 """

@@ -1,4 +1,4 @@
-"""find_path(): the search of one round, with more padding and a finer resolution each time."""
+"""find_path(): the search of one round, at a finer resolution each time."""
 
 from dataclasses import replace
 
@@ -64,7 +64,7 @@ def _search(context: PlanContext, round_: int) -> SearchResult:
     padding = endpoint_padding(
         context.world, context.group, context.start, context.goals.entries, context.problem.margin
     )
-    if padding * (round_ + 1) > 0:
+    if padding > 0:
         try:
             return _search_padded(
                 context, round_, padding, context.deadline.at_fraction(_PADDED_TIME_FRACTION)

@@ -14,7 +14,7 @@ from planning.domain.curves.cubic import cubic_through
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.curves.path import JointPath
 from planning.domain.goals.funnel import Funnel
-from planning.domain.goals.goal import Goal, LineGoal, PoseGoal, RegionGoal
+from planning.domain.goals.goal import Goal, LineGoal, PoseGoal, RegionGoal, RelativeGoal
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.goals.linear_moves import GoalMoves, LinearMove
 from planning.domain.report.search_report import SearchReport
@@ -56,7 +56,8 @@ class MotionSegment:
 
 def tool_frame(group: JointGroup, goal: Goal) -> str:
     """Return the tool frame of a goal, or else the group's default, or "" if there is none."""
-    frame = goal.frame if isinstance(goal, PoseGoal | RegionGoal | LineGoal) else ""
+    has_frame = isinstance(goal, PoseGoal | RegionGoal | LineGoal | RelativeGoal)
+    frame = goal.frame if has_frame else ""
     return frame or next(iter(group.tool_frames), "")
 
 

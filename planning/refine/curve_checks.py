@@ -14,6 +14,7 @@ from planning.world.world import World
 _SAMPLE_SPACING = 0.01
 # ... unless that makes fewer or more samples than these.
 _MIN_SAMPLES, _MAX_SAMPLES = 400, 2000
+# Rounding error of position limits [rad or m].
 _POSITION_TOLERANCE = 1e-9
 # A predicate is evaluated on this many interleaved subsets of the samples, one after another.
 _NUM_SUBSETS = 16

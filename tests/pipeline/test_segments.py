@@ -7,11 +7,20 @@ import pytest
 
 import planning
 from planning.domain.geometry.pose import Pose
-from planning.domain.goals.goal import Goal, LineGoal, PoseGoal, PoseTarget, RegionGoal
+from planning.domain.goals.goal import (
+    Goal,
+    JointGoal,
+    LineGoal,
+    PoseGoal,
+    PoseTarget,
+    RegionGoal,
+    RelativeGoal,
+)
 from planning.domain.goals.linear_moves import Displacement
 from planning.domain.report.motion_plan import MotionPlan
 from planning.domain.request.options import RetimeOptions, SearchOptions
 from planning.errors import LineBlocked
+from planning.pipeline.segments import tool_frame
 from planning.world.world import World
 from tests.clocks import no_hurry
 
@@ -35,6 +44,15 @@ def ask(world: World, goal: Goal, method: str = "toppra", seed: int = 3) -> Moti
 def tool(world: World, found: MotionPlan, times: list[float]) -> list[Pose]:
     full = world.embed(found.group, found.trajectory.positions(np.array(times)))
     return [world.frame_pose("arm::tcp", q) for q in full]
+
+
+def test_lengths_are_of_the_frame_that_the_goal_names(pickup: World) -> None:
+    group = pickup.group("arm")
+    shift = Pose.from_parts([0.0, 0.0, 0.05])
+    assert tool_frame(group, RelativeGoal(shift, "arm::forearm_link")) == "arm::forearm_link"
+    assert tool_frame(group, replace(PICK, frame="arm::forearm_link")) == "arm::forearm_link"
+    for goal in (RelativeGoal(shift), PICK, JointGoal(np.zeros(6))):
+        assert tool_frame(group, goal) == group.tool_frames[0]
 
 
 @pytest.mark.parametrize("method", ["toppra", "ruckig"])

@@ -13,6 +13,7 @@ from planning.certify.intervals.rounding import UNIT_ROUNDOFF
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 
+# Gap between upper bounds and sampled values, relative to the limit.
 _RELATIVE_GAP = 1e-8
 
 

@@ -40,6 +40,7 @@ from planning.certify.stopping.stop_constraint import interval_product
 from planning.domain.arrays import Array, Indices
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 
+# Squared path velocities below this are rest.
 _REST_TOLERANCE = 1e-12
 # Squared size of a coefficient of x that counts as zero: it has no effect even at _MAX_BRAKING.
 _ZERO_SQUARED_SIZE = 1e-200

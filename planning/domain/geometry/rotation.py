@@ -13,6 +13,7 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array
 
+# Angles below this take the series, where differences would cancel [rad].
 _SMALL = 1e-4
 
 

@@ -15,7 +15,9 @@ from planning.world.world import World, pose_of
 
 _MAJOR_ITERATIONS = 100
 _MAX_NEWTON_STEPS = 8
+# Error of a pose at which Newton steps end [rad or m].
 _NEWTON_TOLERANCE = 1e-10
+# Singular values below this share of the largest are zero in a Newton step.
 _RCOND = 1e-7
 
 

@@ -16,6 +16,7 @@ from planning.domain.goals.linear_moves import ToolLine
 from planning.domain.robot.manifold import Manifold
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 
+# Damping of the pseudoinverse at singular configurations.
 _DAMPING = 1e-10
 _ITERATIONS = 10
 # Pose error that counts as zero [m and rad].

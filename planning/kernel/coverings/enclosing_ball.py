@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 _MAX_STEPS = 100
+# Relative growth of the radius, more than its rounding errors.
 _ROUNDING = 1e-12
 
 

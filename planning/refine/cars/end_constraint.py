@@ -11,6 +11,7 @@ from planning.refine.cars.drive_problem import DriveProblem
 _GOAL_TOLERANCE = 1e-11
 # Largest share of the miss that a correction may leave, and most corrections.
 _MAX_REMAINING_RATIO, _MAX_CORRECTIONS = 0.7, 10
+# Distance from a bound at which a variable is at it.
 _BOUND_TOLERANCE = 1e-12
 
 

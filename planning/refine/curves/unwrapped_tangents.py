@@ -11,6 +11,7 @@ from planning.domain.robot.joints import JointGroup, JointType, offsets_of
 from planning.domain.robot.manifold import Manifold
 
 _FULL_TURN = 2 * np.pi
+# Smallest divisor: below it the axis of a rotation does not matter [rad].
 _TINY = 1e-12
 
 

@@ -15,6 +15,7 @@ from pydrake.solvers import ClarabelSolver, MathematicalProgram
 from planning.domain.arrays import Array
 from planning.kernel.native import native
 
+# Residuals and gap, relative to the cost, at which the interior-point method ends.
 _TOLERANCE = 1e-7
 _MAX_STEPS = 40
 # Rows per block: Drake takes dense blocks, which are mostly zeros if they are large.

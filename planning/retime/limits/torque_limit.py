@@ -33,6 +33,7 @@ _MIN_MOTION_SHARE = 1e-3
 _SAMPLE_SPACING = 0.1
 # Largest speed-up of a damped motion by the audit, in 1 / k, and number of bisections for it.
 _MAX_SPEEDUP, _BISECTIONS = 2.0, 50
+# Smallest divisor; what is divided is zero there.
 _TINY = 1e-300
 
 

@@ -36,6 +36,7 @@ _ANCHOR_MARGIN = 1.0
 # OMPL requires each range to have a width.
 _MIN_WIDTH = 1e-9
 
+# Largest distance of a goal from the start's rotations, where these are fixed [rad].
 _ROTATION_TOLERANCE = 1e-6
 
 

@@ -9,6 +9,7 @@ from planning.domain.robot.joints import JointGroup, JointType
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ProblemInvalid
 
+# Length of a quaternion below which it has no direction.
 _MIN_QUATERNION_NORM = 1e-6
 
 
