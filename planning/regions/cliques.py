@@ -9,7 +9,6 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float64
 from pydrake.planning import MaxCliqueSolverViaGreedy
-from scipy.sparse import csc_matrix
 
 from planning.domain.arrays import Array, Flags
 from planning.regions.free_space import FreeSpace
@@ -27,6 +26,9 @@ def cliques(space: FreeSpace, qs: Float64[np.ndarray, "k n"]) -> Iterator[Array]
         space: Checks whether configurations and motions are free.
         qs: Free configurations.
     """
+    # 0.3 s, for which a worker's start need not wait.
+    from scipy.sparse import csc_matrix  # noqa: PLC0415
+
     is_visible = _visibility(space, qs)
     remaining, solver = np.arange(len(qs)), MaxCliqueSolverViaGreedy()
     while len(remaining):

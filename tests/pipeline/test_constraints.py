@@ -317,7 +317,11 @@ def test_under_jerk_limits_as_well() -> None:
 
 NONSENSE = [
     (DistanceBand(None, None, 0.05, 0.01), ProblemInvalid, "min < max"),
-    (DistanceBand(("south",), ("north",), 0.0, 0.01), ProblemInvalid, "no two"),
+    (
+        DistanceBand(("south",), ("north",), 0.0, 0.01),
+        ProblemInvalid,
+        "no pair of these bodies",
+    ),
     (DistanceBand(("sout",), None, 0.0, 0.01), UnknownName, "did you mean 'south'"),
     (KeepIn("exitt", PlacedBox(np.ones(3))), UnknownName, "'exit'"),
     (KeepIn("exit", PlacedBox(np.array([1.0, 0.0, 1.0]))), ProblemInvalid, "longer than 0"),

@@ -135,6 +135,6 @@ objects:
     home = world.positions(world.group("arm"))
     motion = quintic(world.group("arm"), home, home + 0.05, 3.0)
     band = planning.DistanceBand(("o",), ("p",), 0.01, 5.0)
-    with pytest.raises(ProblemInvalid, match=r"path_constraints\.0: no two") as caught:
+    with pytest.raises(ProblemInvalid, match=r"path_constraints\.0: no pair") as caught:
         planning.certify_trajectory(world, "arm", motion, deadline=no_hurry(), constraints=(band,))
     assert caught.value.evidence["field"] == "path_constraints.0"
