@@ -20,7 +20,7 @@ from planning.domain.goals.goal import PoseGoal, PoseTarget
 from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.errors import PlanningFailure
 
-STAGES = ("goals", "search", "refine", "retime", "certify", "total")
+STAGES = ("goals", "setup", "search", "refine", "retime", "certify", "total")
 QUERIES = (
     ("ur5e_pickup", "arm", "pick"),
     ("ur5e_pickup", "arm", "place"),
@@ -89,8 +89,8 @@ def _run(
         row.failed += 1
         row.milliseconds["total"].append(1e3 * (time.perf_counter() - began))
         return
-    for stage, seconds in found.timings.items():
-        row.milliseconds[stage].append(1e3 * seconds)
+    for stage in STAGES:
+        row.milliseconds[stage].append(1e3 * found.timings.get(stage, 0.0))
     row.durations.append(found.trajectory.duration)
     row.clearances.append(1e3 * found.certificate.min_clearance)
 
