@@ -14,7 +14,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 │   ├── StartOutOfLimits      start_out_of_limits    the joints, values and bounds
 │   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
 │   ├── GoalInCollision       goal_in_collision      every goal configuration collides
-│   ├── GoalTooNear           goal_too_near          free goal configurations break a margin
+│   ├── GoalTooNear           goal_too_near          of some goal only margins are violated
 │   ├── GoalUnreachable       goal_unreachable       the funnel, the nearest pose, the relaxation
 │   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
 │   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which, and the least
@@ -183,7 +183,7 @@ class GoalInCollision(PlanningFailure):
 
 
 class GoalTooNear(PlanningFailure):
-    """Collision-free goal configurations exist, but all violate a margin.
+    """No goal configuration keeps its margins, though in at least one no bodies overlap.
 
     Evidence: as `GoalInCollision`.
     """

@@ -76,7 +76,7 @@ class MotionSeries(Value):
     @property
     def is_jerk_limited(self) -> bool:
         """Whether jerk was limited; else acceleration may jump, and jerk is not meaningful."""
-        return self.options.method == "ruckig"
+        return self.options.limits_jerk
 
     @property
     def acceleration_range(self) -> tuple[Float64[np.ndarray, " nv"], Float64[np.ndarray, " nv"]]:

@@ -18,7 +18,7 @@ from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.pipeline.candidates import Candidate, candidates
+from planning.pipeline.candidate_motions import CandidateMotion, candidates
 from planning.pipeline.certification import Refusals, certify_request, first_certified
 from planning.pipeline.motion import Motion
 from planning.pipeline.segments import free_segment
@@ -128,7 +128,7 @@ def _first_certified(
         world, path, problem, margins, deadline, watch, path_limits=limits_along_path
     )
 
-    def certify_candidate(candidate: Candidate) -> tuple[Certificate, CertifyReport]:
+    def certify_candidate(candidate: CandidateMotion) -> tuple[Certificate, CertifyReport]:
         request = replace(
             certify_request(world, joints, candidate.trajectory, timing, margins),
             start=path.waypoints[0],

@@ -142,7 +142,7 @@ def stop_motion(  # noqa: PLR0913  (all inputs of a request)
     _validate_time(running, time)
     if along_path:
         limits_along_path = path_limits(world, running_motion.group, running_motion.options)
-        has_jerk_limit = running_motion.options.method == "ruckig"
+        has_jerk_limit = running_motion.options.limits_jerk
         stops = stops_along(
             running, time, running_motion.limits, limits_along_path, deadline, jerk=has_jerk_limit
         )

@@ -95,6 +95,7 @@ def find_predicate_goals(
     if search.colliding:
         raise collision_failure(world, query, search, deadline)
     message = (
-        f"the predicate accepts none of {funnel.num_samples} configurations of {query.group.name}"
+        f"the predicate accepts none of {funnel.num_samples} configurations of {query.group.name} "
+        "within its limits"
     )
     raise GoalUnreachable(message, {"funnel": funnel_evidence(funnel)})

@@ -95,7 +95,7 @@ def certify_request(
         limits=limits.scaled(*scales),
         followers=tuple(follower.scaled(*scales) for follower in followers),
         margins=margins,
-        jerk=options.method == "ruckig",
+        jerk=options.limits_jerk,
         tool_limits=options.tool_limits,
         speed_zones=options.speed_zones,
         acceleration_bounds=options.acceleration_bounds,

@@ -13,7 +13,7 @@ from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
-from planning.pipeline.candidates import refine_and_proof_deadlines
+from planning.pipeline.candidate_motions import refine_and_proof_deadlines
 from planning.retime.limits.path_limit import PathLimit
 from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints

@@ -63,9 +63,9 @@ def collision_free_curves(
 
 def _curves(path: JointPath, options: RetimeOptions) -> Iterator[PathCurve]:
     """Yield curves, the farthest from the path first; with jerk limits also smoothed ones."""
-    smoothness = 2 if options.method == "ruckig" else 1
+    smoothness = 2 if options.limits_jerk else 1
     max_deviations = _max_deviations(options)
-    if options.method == "ruckig":
+    if options.limits_jerk:
         for max_deviation, curve in smooth_path(path, max_deviations[:-1]):
             yield PathCurve(f"path smoothed within {max_deviation:.3g}", max_deviation, curve)
     # Rounded corners would leave the arcs that a car can drive.

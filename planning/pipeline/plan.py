@@ -26,7 +26,7 @@ from planning.errors import NotCertified
 from planning.pipeline.certification import Refusals, first_certified
 from planning.pipeline.certified_motion import CertifiedMotion, certify_motion
 from planning.pipeline.context import PlanContext, StageProgress
-from planning.pipeline.goals import find_goals, resolve, with_roadmap
+from planning.pipeline.plan_inputs import find_goals, resolve, with_roadmap
 from planning.pipeline.search import find_path
 from planning.pipeline.segments import NOT_REFINED, empty_search_report, tool_frame
 from planning.pipeline.timed_motions import refine_and_retime, retime_lines, with_explanation

@@ -22,7 +22,7 @@ from planning.domain.report.stage_reports import RefineReport, RetimeReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.joints import JointGroup
-from planning.pipeline.candidates import Candidate
+from planning.pipeline.candidate_motions import CandidateMotion
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import retime
 from planning.world.world import Array, World
@@ -156,7 +156,7 @@ def retime_moves(  # noqa: PLR0913, PLR0917  (all inputs of a stage)
     return tuple(segments)
 
 
-def free_segment(path: JointPath, candidate: Candidate) -> MotionSegment:
+def free_segment(path: JointPath, candidate: CandidateMotion) -> MotionSegment:
     """Return the free segment of a candidate motion along a path."""
     return MotionSegment(
         "free", path, candidate.curve, candidate.trajectory, None, candidate.retime

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.report.motion_plan import Progress
 from planning.domain.report.stage_reports import RefineReport
-from planning.pipeline.candidates import candidates
+from planning.pipeline.candidate_motions import candidates
 from planning.pipeline.context import PlanContext
 from planning.pipeline.motion import Motion
 from planning.pipeline.segments import (

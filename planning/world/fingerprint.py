@@ -15,7 +15,7 @@ from planning.domain.arrays import Array
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import digest
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.world import World
@@ -38,7 +38,7 @@ def collision_fingerprint(world: World, group: JointGroup) -> str:
 
 def _compute_fingerprint(world: World, group: JointGroup) -> str:
     inspector = world.drake.scene_graph.model_inspector()
-    candidates, static_objects = candidates_of(world.drake), world.drake.static_objects
+    candidates, static_objects = collision_pairs_of(world.drake), world.drake.static_objects
     ids = candidates.ids[: candidates.num_drake_shapes]
     static_shapes = [
         [thing.name, x.GetAsMatrix34(), shape]

@@ -5,7 +5,7 @@ from weakref import WeakKeyDictionary
 from pydrake.planning import RobotDiagram
 
 from planning.domain.scene.summary import GroupSummary, SceneSummary
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.drake_model import DrakeModel
 from planning.world.files.hull_warnings import hull_warnings
@@ -33,7 +33,7 @@ def scene_summary(world: World) -> SceneSummary:
         groups=groups,
         frames=frames,
         bodies=bodies,
-        num_pairs=len(candidates_of(world.drake).rows),
+        num_pairs=len(collision_pairs_of(world.drake).rows),
         digest=world.digest,
         unchecked=unchecked_pairs(world.drake),
         warnings=(

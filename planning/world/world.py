@@ -212,8 +212,9 @@ class World:
         """Return the collision margins of pairs of bodies.
 
         Args:
-            margin: Instead of the scene's own [m].
-            padding: Added to the margin of every pair of different robots or objects [m].
+            margin: Default margin instead of the scene's [m]; exceptions for pairs stay.
+            padding: Added to the margin of pairs of different robots or objects, and to all
+                exceptions for pairs [m].
         """
         default = self.scene.margin if margin is None else margin
         exceptions = {

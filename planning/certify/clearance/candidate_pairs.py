@@ -9,7 +9,7 @@ from pydrake.geometry import GeometryId
 
 from planning.certify.clearance.collision_shapes import CollisionShapes, collision_shapes
 from planning.certify.clearance.motion_bounds import MotionBounds
-from planning.world.collision.collision_pairs import Candidates, candidates_of
+from planning.world.collision.collision_pairs import CollisionPairs, collision_pairs_of
 from planning.world.collision.margins import PairMargins
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
@@ -27,7 +27,7 @@ class CollisionGeometry:
     """
 
     shapes: CollisionShapes
-    candidates: Candidates
+    candidates: CollisionPairs
 
 
 _geometry_cache: WeakKeyDictionary[StaticObjects, CollisionGeometry] = WeakKeyDictionary()
@@ -42,7 +42,7 @@ def geometry_of(model: DrakeModel) -> CollisionGeometry:
     geometry = _geometry_cache.get(model.static_objects)
     if geometry is None:
         geometry = _geometry_cache[model.static_objects] = CollisionGeometry(
-            collision_shapes(model), candidates_of(model)
+            collision_shapes(model), collision_pairs_of(model)
         )
     return geometry
 

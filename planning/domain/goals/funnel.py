@@ -47,7 +47,10 @@ class LinearMoveTally(Value):
 
 @dataclass(frozen=True, eq=False)
 class Funnel(Value):
-    """Numbers of IK samples that pass each test; every number is at most the one before it.
+    """Numbers of IK samples that pass each test.
+
+    In the order of the tests, from `num_samples` through `num_with_linear_moves` to `distinct`, no
+    number is larger than the one before it.
 
     Attributes:
         num_samples: Seeds given to the solver.

@@ -221,3 +221,8 @@ class RetimeOptions(Value):
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
     effort: bool = False
     payload: Payload | None = None
+
+    @property
+    def limits_jerk(self) -> bool:
+        """Whether the method keeps jerk limits, so that acceleration has no jumps."""
+        return self.method == "ruckig"

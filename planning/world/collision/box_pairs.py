@@ -11,7 +11,7 @@ from pydrake.planning import RobotDiagram
 
 from planning.domain.arrays import Array
 from planning.kernel.box_distance import box_distances, box_gaps
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.drake_model import DrakeModel
 
 
@@ -105,7 +105,7 @@ def _pairs(model: DrakeModel) -> BoxPairs:
     geometries = inspector.GetAllGeometryIds(Role.kProximity)
     box_ids = {i for i in geometries if isinstance(inspector.GetShape(i), Box)}
     pairs: list[tuple[GeometryId, GeometryId]] = [
-        (a, b) for a, b in candidates_of(model).drake_pairs if a in box_ids and b in box_ids
+        (a, b) for a, b in collision_pairs_of(model).drake_pairs if a in box_ids and b in box_ids
     ]
     boxes = sorted({i for pair in pairs for i in pair})
     row_of = {i: k for k, i in enumerate(boxes)}

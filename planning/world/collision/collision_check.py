@@ -14,7 +14,7 @@ from planning.domain.curves import motion_samples
 from planning.domain.geometry.body_pair import BodyPair
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.collision.distance_lower_bounds import (
     DistanceLowerBounds,
     inflated_query_distance,
@@ -181,7 +181,7 @@ class DistanceProbe:
         self, full: Array, include_within: float, max_distance: float
     ) -> Iterator[float]:
         """Yield query distances [m], from near to far where there are many pairs."""
-        if len(candidates_of(self._model).rows) > _MANY_PAIRS:
+        if len(collision_pairs_of(self._model).rows) > _MANY_PAIRS:
             yield from (
                 max(include_within, reach) for reach in _QUERY_DISTANCES if reach < max_distance
             )

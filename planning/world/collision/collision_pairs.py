@@ -21,7 +21,7 @@ type Ids = tuple[GeometryId, GeometryId]
 
 
 @dataclass(frozen=True)
-class Candidates:
+class CollisionPairs:
     """Unfiltered pairs of collision shapes, in a fixed order; holds no reference to the model.
 
     Attributes:
@@ -70,10 +70,10 @@ class Candidates:
         return [(self.ids[a], self.ids[b]) for a, b in rows.tolist()]
 
 
-_cache: WeakKeyDictionary[StaticObjects, Candidates] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[StaticObjects, CollisionPairs] = WeakKeyDictionary()
 
 
-def candidates_of(model: DrakeModel) -> Candidates:
+def collision_pairs_of(model: DrakeModel) -> CollisionPairs:
     """Return the pairs of a model, cached by model.
 
     Raises:
@@ -87,10 +87,10 @@ def candidates_of(model: DrakeModel) -> Candidates:
 
 def copy_candidates(before: DrakeModel, after: DrakeModel) -> None:
     """Copy the cached pairs of one model to another whose objects have moved."""
-    _cache[after.static_objects] = candidates_of(before)
+    _cache[after.static_objects] = collision_pairs_of(before)
 
 
-def _candidates(model: DrakeModel) -> Candidates:
+def _candidates(model: DrakeModel) -> CollisionPairs:
     inspector: Any = model.scene_graph.model_inspector()
     plant, static_objects = model.plant, model.static_objects
     ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
@@ -108,7 +108,7 @@ def _candidates(model: DrakeModel) -> Candidates:
     if len(static_objects):
         rows.append(_static_pairs(model, bodies, names))
     all_rows = np.concatenate(rows)
-    return Candidates(
+    return CollisionPairs(
         ids=(*ids, *static_objects.ids),
         bodies=(*bodies, *[plant.world_body().index()] * len(static_objects)),
         names=(*names, *(thing.name for thing in static_objects.objects)),

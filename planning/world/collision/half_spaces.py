@@ -25,7 +25,7 @@ from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
 from planning.kernel.shape import ConvexShape, ShapeKind
 from planning.kernel.support import farthest_point
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.convex_shapes import convex_shape
 
@@ -149,7 +149,7 @@ def _pairs(model: DrakeModel) -> HalfSpacePairs:
     inspector: Any = model.scene_graph.model_inspector()
     geometries = inspector.GetAllGeometryIds(Role.kProximity)
     half_spaces = {i for i in geometries if isinstance(inspector.GetShape(i), HalfSpace)}
-    pairs = candidates_of(model).drake_pairs if half_spaces else []
+    pairs = collision_pairs_of(model).drake_pairs if half_spaces else []
     ids: list[Ids] = [pair for pair in pairs if not half_spaces.isdisjoint(pair)]
     return HalfSpacePairs(
         ids=tuple(ids),

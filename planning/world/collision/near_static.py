@@ -17,7 +17,7 @@ from pydrake.systems.framework import Context
 
 from planning.domain.arrays import Array, Indices
 from planning.world.collision.box_pairs import signed_box_distances
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.collision.measured_pairs import GeometryDistance
 from planning.world.contexts import make_query_context
 from planning.world.drake_model import DrakeModel
@@ -207,12 +207,12 @@ class NearStatic:
 
     @cached_property
     def _names(self) -> dict[GeometryId, str]:
-        return candidates_of(self._model).name_of
+        return collision_pairs_of(self._model).name_of
 
     @cached_property
     def _moving(self) -> dict[GeometryId, None]:
         """Shapes of the model that can collide with static objects, in order."""
-        return dict.fromkeys(candidates_of(self._model).moving)
+        return dict.fromkeys(collision_pairs_of(self._model).moving)
 
     @cached_property
     def _boxes(self) -> dict[GeometryId, Array]:

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.multibody.tree import BodyIndex
 
 from planning.domain.geometry.unchecked_pair import UncheckedPair, UncheckedReason
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
 
@@ -35,7 +35,7 @@ def copy_unchecked_pairs(before: DrakeModel, after: DrakeModel) -> None:
 
 
 def _plant_pairs(model: DrakeModel) -> list[UncheckedPair]:
-    candidates = candidates_of(model)
+    candidates = collision_pairs_of(model)
     bodies = np.array([int(body) for body in candidates.bodies], dtype=np.int64)
     a, b = bodies[candidates.rows].T
     count = model.plant.num_bodies()
@@ -85,7 +85,7 @@ def _static_pairs(model: DrakeModel) -> list[UncheckedPair]:
 
 def _bodies_with_shapes(model: DrakeModel) -> set[int]:
     """Return the bodies of the plant that have collision shapes."""
-    candidates = candidates_of(model)
+    candidates = collision_pairs_of(model)
     return {int(body) for body in candidates.bodies[: candidates.num_drake_shapes]}
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from planning.domain.request.constraint import DistanceBand
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.drake_model import DrakeModel
 from planning.world.world import World
 
@@ -23,7 +23,7 @@ def banded_pairs(
     second = set(world.drake.all_bodies) - first if band.to is None else set(band.to)
     pairs = {
         (min(a, b), max(a, b))
-        for a, b in set(candidates_of(world.drake).pair_names)
+        for a, b in set(collision_pairs_of(world.drake).pair_names)
         if ((a in first and b in second) or (b in first and a in second))
         and (a in moving or b in moving)
     }

@@ -14,7 +14,7 @@ from pydrake.math import RigidTransform
 from planning.kernel.coverings.covering import Covering, cached_covering
 from planning.kernel.native import native
 from planning.kernel.shape import ConvexShape, ShapeKind
-from planning.world.collision.collision_pairs import Candidates, candidates_of
+from planning.world.collision.collision_pairs import CollisionPairs, collision_pairs_of
 from planning.world.collision.margins import PairMargins
 from planning.world.collision.static_objects import StaticObjects
 from planning.world.drake_model import DrakeModel
@@ -38,7 +38,7 @@ class KernelScene:
     """
 
     native: Any
-    candidates: Candidates
+    candidates: CollisionPairs
     is_of_one_robot: Bool[np.ndarray, " num_pairs"]
     links: dict[int, tuple[int, RigidTransform]]
 
@@ -118,7 +118,7 @@ def copy_kernel_scene(before: DrakeModel, after: DrakeModel, rows: Sequence[int]
     if scene is None:
         _cache[after.static_objects] = None
         return
-    first = candidates_of(before).num_drake_shapes
+    first = collision_pairs_of(before).num_drake_shapes
     geometries = np.array([first + row for row in rows], dtype=np.int64)
     flat = [flat_transform(after.static_objects.poses[row]) for row in rows]
     moved = scene.native.with_poses(geometries, np.array(flat, dtype=np.float64).reshape(-1, 12))
@@ -135,7 +135,7 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     if module is None or tree is None:
         return None
     inspector: Any = model.scene_graph.model_inspector()
-    candidates, static_objects = candidates_of(model), model.static_objects
+    candidates, static_objects = collision_pairs_of(model), model.static_objects
     ids = candidates.ids[: candidates.num_drake_shapes]
     shapes = [convex_shape(inspector.GetShape(i)) for i in ids]
     if None in shapes:

@@ -17,7 +17,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.errors import PlanningFailure, ProblemInvalid, SceneInvalid, UnknownName
 from planning.kernel.native import native
 from planning.world.collision.collision_check import DrakeCollisionOracle
-from planning.world.collision.collision_pairs import candidates_of
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.constraints.body_pairs import banded_pairs
 from planning.world.mechanics.simulation import Simulation
 from planning.world.replay.replay_writer import replay_html
@@ -105,7 +105,7 @@ def pair(request: pytest.FixtureRequest) -> tuple[World, World]:
 def test_names_pairs_and_frames_are_the_same(pair: tuple[World, World]) -> None:
     apart, whole = pair
     assert scene_summary(apart) == scene_summary(whole)
-    names = [sorted(map(sorted, candidates_of(world.drake).pair_names)) for world in pair]
+    names = [sorted(map(sorted, collision_pairs_of(world.drake).pair_names)) for world in pair]
     assert names[0] == names[1]
     full = whole.embed(whole.group("arm"), configurations(whole, whole.group("arm"), 5, 1))
     for frame in scene_summary(whole).frames:

@@ -1,4 +1,4 @@
-"""Candidates: timed motions along one path, not certified yet, quickest first."""
+"""CollisionPairs: timed motions along one path, not certified yet, quickest first."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -29,7 +29,7 @@ _COMPARISON_TIME_FRACTION = 0.5
 
 
 @dataclass(frozen=True)
-class Candidate:
+class CandidateMotion:
     """Timed motion that is not certified yet.
 
     Attributes:
@@ -92,7 +92,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     watch: Stopwatch,
     *,
     path_limits: tuple[PathLimit, ...],
-) -> Iterator[Candidate]:
+) -> Iterator[CandidateMotion]:
     """Yield timed motions along a path: the better of the refined and the rounded curve first.
 
     Raises:
@@ -114,7 +114,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
             scaled,
             margins,
             problem.refine,
-            jerk=retime_options.method == "ruckig",
+            jerk=retime_options.limits_jerk,
             fixed_coordinates=_fixed_coordinates(group, problem.search),
             motion_limits=_motion_limits(retime_options),
             constraints=constraints
@@ -136,8 +136,8 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     oracle = world.collision_oracle(group, margins)
     curves = collision_free_curves(path, retime_options, oracle, constraints)
     with watch.stage("retime"):
-        first_curves = list(curves) if retime_options.method == "ruckig" else [next(curves)]
-    new_candidates: list[Candidate] = []
+        first_curves = list(curves) if retime_options.limits_jerk else [next(curves)]
+    new_candidates: list[CandidateMotion] = []
     for i, curve in enumerate(first_curves):
         try:
             new_candidates = _retime_curve(
@@ -164,11 +164,11 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
         raise _retiming_failure(retime_inputs.failures)
 
 
-def _with_clearance_penalty(candidate: Candidate, objective: ClearanceCost) -> Candidate:
+def _with_clearance_penalty(motion: CandidateMotion, objective: ClearanceCost) -> CandidateMotion:
     """Return a candidate with the penalty of its clearance shortfall."""
-    shortfall = objective.mean_shortfall(candidate.trajectory)
-    report = replace(candidate.refine, shortfall=shortfall)
-    return replace(candidate, refine=report, clearance_penalty=objective.weight * shortfall)
+    shortfall = objective.mean_shortfall(motion.trajectory)
+    report = replace(motion.refine, shortfall=shortfall)
+    return replace(motion, refine=report, clearance_penalty=objective.weight * shortfall)
 
 
 def _motion_limits(options: RetimeOptions) -> MotionLimits:
@@ -200,7 +200,7 @@ def _compile_constraints(
 
 def _retime_curve(
     curve: PathCurve, retime_inputs: _RetimeInputs, report: RefineReport
-) -> list[Candidate]:
+) -> list[CandidateMotion]:
     return [
         replace(candidate, retime=replace(candidate.retime, blend_deviation=curve.deviation))
         for candidate in _retime_spline(curve.name, curve.spline, retime_inputs, report)
@@ -209,7 +209,7 @@ def _retime_curve(
 
 def _retime_spline(
     name: str, spline: JointSpline, retime_inputs: _RetimeInputs, report: RefineReport
-) -> list[Candidate]:
+) -> list[CandidateMotion]:
     """Return the candidate along a curve; if it cannot be timed, store the failure, return none."""
     with retime_inputs.watch.stage("retime"):
         try:
@@ -223,7 +223,7 @@ def _retime_spline(
         except RetimingFailed as failure:
             retime_inputs.failures.append(failure)
             return []
-    return [Candidate(name, spline, trajectory, report, retime_report)]
+    return [CandidateMotion(name, spline, trajectory, report, retime_report)]
 
 
 def _retiming_failure(failures: list[RetimingFailed]) -> RetimingFailed:
