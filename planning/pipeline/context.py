@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from planning.domain.arrays import Array
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.planner.roadmap import Roadmap
@@ -17,7 +18,7 @@ from planning.pipeline.candidate_motions import refine_and_proof_deadlines
 from planning.retime.limits.path_limit import PathLimit
 from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # Progress at the beginning of the search, as a share of the whole plan.
 SEARCH_FRACTION = 0.15

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
 from planning.domain.goals.linear_moves import (
@@ -24,7 +25,7 @@ from planning.retime.duration_explanation import explain_duration, join_explanat
 from planning.retime.limit_utilization import RATES
 from planning.retime.limits.path_limit import PathLimit
 from planning.world.mechanics.tool_kinematics import ToolKinematics
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # Samples for the length of the tool's path along a free segment.
 _NUM_LENGTH_SAMPLES = 33

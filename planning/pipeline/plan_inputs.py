@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.goals.goal import LineGoal
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.goals.linear_moves import LinearMove
@@ -31,7 +32,7 @@ from planning.roadmaps.roadmap_cache import RoadmapStore
 from planning.roadmaps.roadmap_context import RoadmapContext
 from planning.search.space_options import resolve_space
 from planning.world.collision.margins import PairMargins
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # Share of the time that building a roadmap may take.
 _ROADMAP_TIME_FRACTION = 0.6

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.curves.cubic import cubic_through
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.curves.path import JointPath
@@ -25,7 +26,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.pipeline.candidate_motions import CandidateMotion
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import retime
-from planning.world.world import Array, World
+from planning.world.world import World
 
 type PartKind = Literal["free", "approach", "retreat", "line"]
 

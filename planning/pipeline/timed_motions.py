@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 
+from planning.domain.arrays import Array
 from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.report.motion_plan import Progress
 from planning.domain.report.stage_reports import RefineReport
@@ -19,7 +20,6 @@ from planning.pipeline.segments import (
     without_duration,
 )
 from planning.search.request import SearchResult
-from planning.world.world import Array
 
 
 def refine_and_retime(

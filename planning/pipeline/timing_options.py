@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from planning.domain.arrays import Array
 from planning.domain.request.motion_limits import SpeedZone, validate_signed_blocks
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
 from planning.world.mechanics.dynamics import validate_payload
-from planning.world.world import Array, World
+from planning.world.world import World
 
 
 def resolve_retiming(

@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.refine.curves.bspline_basis import greville_abscissae
 from planning.refine.curves.curve_evaluation import CurveEvaluation
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.zone_detour import ZoneDetour
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # Tolerances of the initial guesses to the path [rad or m]; the second is used if the first led to
 # no free curve.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
@@ -31,7 +32,7 @@ from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.request import RefineRequest
 from planning.refine.trust_region import TrustRegion
 from planning.world.constraints.predicate_constraint import PredicateConstraint
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # Iterations, not seconds, decide when to give up, so that the same request gives the same bytes.
 _MAX_STEPS = 25

@@ -12,6 +12,7 @@ from itertools import islice
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.motion_limits import SpeedZone
 from planning.refine.constraints.load import difference_quotients
@@ -21,7 +22,7 @@ from planning.refine.refine_problem import RefineProblem
 from planning.refine.request import RefineRequest
 from planning.world.constraints.box_constraint import BoxConstraint
 from planning.world.constraints.path_constraints import PathConstraints
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # Samples of the moved curve, and its distance outside a face [m].
 _NUM_SAMPLES = 121

@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
+from planning.domain.arrays import Array
 from planning.domain.value import Value
 from planning.search.cars.steering_edges import SteeringEdgeChecker
 from planning.search.cars.steering_shortcut import shortcut_steering_path
 from planning.search.edges import EdgeChecker
 from planning.search.ompl.objective import Objective
-from planning.search.ompl.run_planner import Array, Attempt, run_planner
+from planning.search.ompl.run_planner import Attempt, run_planner
 from planning.search.query import Query
 from planning.search.shortcut.polyline import path_length, unwrap
 from planning.search.shortcut.repair import repair_path

@@ -67,6 +67,19 @@ def test_the_name_of_a_module_or_class_of_planning_means_one_thing() -> None:
     assert {name for name, count in classes.items() if count > 1} <= TWICE
 
 
+def test_types_of_arrays_are_imported_from_the_file_that_has_them() -> None:
+    import_line = re.compile(
+        r"^from (planning\S+) import .*\b(?:Array|Indices|Flags)\b", re.MULTILINE
+    )
+    found = {
+        (str(path.relative_to(ROOT)), module)
+        for path in tracked("planning/*.py")
+        for module in import_line.findall(path.read_text())
+    }
+    assert len(found) > 200
+    assert {file for file, module in found if module != "planning.domain.arrays"} == set()
+
+
 def test_docs_name_places_that_exist() -> None:
     place = re.compile(r"`((?:planning|service|tests|benchmarks)/[\w/.-]*\w)/?`")
     named = {

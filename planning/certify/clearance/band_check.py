@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planning.certify.clearance.pair_distances import Indices, PairDistances
+from planning.certify.clearance.pair_distances import PairDistances
 from planning.certify.intervals.branch_and_bound import BoundResult, QuantityBound, prove_bound
 from planning.certify.intervals.joint_deviation import Segment
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Indices
 from planning.domain.report.certificate import Check
 from planning.domain.request.constraint import DistanceBand
 from planning.domain.request.deadline import Deadline

@@ -17,7 +17,7 @@ Both are bounded along the whole trajectory by best-first branch and bound.
 
 import numpy as np
 
-from planning.certify.clearance.pair_distances import Indices, PairDistances
+from planning.certify.clearance.pair_distances import PairDistances
 from planning.certify.intervals.branch_and_bound import (
     BoundResult,
     BoundTolerance,
@@ -26,6 +26,7 @@ from planning.certify.intervals.branch_and_bound import (
 )
 from planning.certify.intervals.joint_deviation import Segment
 from planning.certify.request import CertifyRequest
+from planning.domain.arrays import Indices
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.robustness import MAX_DISPLACEMENT, MAX_JOINT_ERROR, Robustness
 from planning.world.drake_model import DrakeModel

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydrake.geometry import GeometryId
 
-from planning.certify.clearance.pair_distances import Indices
 from planning.certify.intervals.joint_deviation import Segment
+from planning.domain.arrays import Indices
 from planning.domain.report.certificate import Check
 
 # Tolerance below a margin: a start that keeps its margin exactly would otherwise be refused for

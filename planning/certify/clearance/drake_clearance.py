@@ -21,10 +21,10 @@ from planning.certify.clearance.clearance_result import (
     WitnessPoint,
 )
 from planning.certify.clearance.closest_approaches import ClosestApproaches
-from planning.certify.clearance.pair_distances import Indices, MeasuredDistances, PairDistances
+from planning.certify.clearance.pair_distances import MeasuredDistances, PairDistances
 from planning.certify.intervals.joint_deviation import Segment, Segments
 from planning.certify.request import CertifyRequest
-from planning.domain.arrays import Array
+from planning.domain.arrays import Array, Indices
 from planning.domain.report.certificate import Check
 from planning.domain.request.deadline import Deadline
 from planning.world.drake_model import DrakeModel

@@ -13,6 +13,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import Joint, JointType
 from planning.domain.robot.manifold import Manifold
+from planning.errors import ProblemInvalid
 
 
 def trajectory_through(
@@ -34,7 +35,12 @@ def trajectory_through(
         positions: [rad or m].
         velocities: [rad/s or m/s].
         accelerations: [rad/s^2 or m/s^2]; ignored without velocities.
+
+    Raises:
+        ProblemInvalid: There are fewer than two samples, the numbers of samples differ, a number is
+            not finite, or times do not increase.
     """
+    _validate_samples(times, positions, velocities, accelerations)
     if velocities is None:
         return TimedTrajectory(joints, times, positions[:-1], _clamped_spline(times, positions))
     steps = positions[1:] - positions[:-1]
@@ -61,6 +67,22 @@ def trajectory_through(
     return TimedTrajectory(joints, times, positions[:-1], np.stack(columns, axis=1))
 
 
+def _validate_samples(times: Array, *columns: Array | None) -> None:
+    names = ("times", "positions", "velocities", "accelerations")
+    for name, rows in zip(names, (times, *columns), strict=False):
+        if rows is None:
+            continue
+        if len(rows) != len(times):
+            message = f"{name} has {len(rows)} samples, not {len(times)} as times"
+            raise ProblemInvalid(message, {"field": name})
+        if not np.isfinite(rows).all():
+            message = f"{name} has numbers that are not finite"
+            raise ProblemInvalid(message, {"field": name})
+    if len(times) < 2 or not (np.diff(times) > 0).all():
+        message = "times must be at least two, and increase"
+        raise ProblemInvalid(message, {"field": "times"})
+
+
 def polyline_through(
     joints: tuple[Joint, ...],
     times: Float64[np.ndarray, " n"],
@@ -72,7 +94,11 @@ def polyline_through(
         joints: Joints of the samples; those that float turn about one axis at a time.
         times: From 0, increasing [s], n >= 2.
         positions: [rad or m].
+
+    Raises:
+        ProblemInvalid: As of `trajectory_through`.
     """
+    _validate_samples(times, positions)
     steps = _displacements(joints, positions)
     rates = steps / np.diff(times)[:, None]
     coefficients = np.stack([np.zeros_like(rates), rates], axis=1)

@@ -6,6 +6,7 @@ between the samples at which distances are kept, samples are added and the desce
 
 from dataclasses import dataclass
 
+from planning.domain.arrays import Array
 from planning.domain.curves.path import JointPath
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointLimits
@@ -27,7 +28,7 @@ from planning.refine.curve_checks import Auditor, is_within_limits, satisfies_pr
 from planning.refine.curves.chart import FlatChart
 from planning.refine.request import RefineRequest
 from planning.world.constraints.predicate_constraint import PredicateConstraint
-from planning.world.world import Array, World
+from planning.world.world import World
 
 # Most rounds of additional samples after an audit.
 _MAX_REPAIR_ROUNDS = 4

@@ -20,7 +20,7 @@ def cut_corners(waypoints: Float64[np.ndarray, "n nq"], edges: EdgeChecker) -> A
     Args:
         waypoints: From start to goal, shape (n, nq).
         edges: Checker of new edges; an edge is cut only at its checked samples, so that the rest of
-            it needs no check (see `polyline.points_on`).
+            it needs no check (see `polyline.subdivide`).
     """
     if len(waypoints) < 3:
         return None

@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planning.domain.curves.curve import TimedTrajectory
-from planning.domain.curves.interpolation import trajectory_through
+from planning.domain.curves.interpolation import polyline_through, trajectory_through
 from planning.domain.robot.joints import Joint, JointType
+from planning.errors import ProblemInvalid
 
 JOINTS = (
     Joint("r::a", JointType.REVOLUTE),
@@ -69,3 +70,33 @@ def test_positions_are_numbers_and_not_angles_on_a_circle(kind: JointType) -> No
         made = trajectory_through(joints, np.array([0.0, 1.0]), np.array([[q0], [q1]]))
         ways = made.positions(np.array([0.0, 0.5, 1.0]))[:, 0]
         np.testing.assert_allclose(ways, [q0, (q0 + q1) / 2, q1], atol=1e-12)
+
+
+BAD_SAMPLES = [
+    ({"times": [0.0, 2.0, 1.0]}, "times must be at least two, and increase"),
+    ({"times": [0.0, 1.0, 1.0]}, "times must be at least two, and increase"),
+    ({"times": [0.0, np.nan, 1.0]}, "times has numbers that are not finite"),
+    ({"times": [0.0], "positions": [[0.0]]}, "times must be at least two, and increase"),
+    ({"positions": [[0.0], [np.inf], [1.0]]}, "positions has numbers that are not finite"),
+    ({"positions": [[0.0], [1.0]]}, "positions has 2 samples, not 3 as times"),
+]
+
+
+@pytest.mark.parametrize("through", [trajectory_through, polyline_through])
+@pytest.mark.parametrize(("bad", "message"), BAD_SAMPLES)
+def test_bad_samples_are_refused_by_name(through, bad, message):
+    good = {"times": [0.0, 1.0, 2.0], "positions": [[0.0], [0.5], [1.0]]}
+    samples = {name: np.array(rows) for name, rows in {**good, **bad}.items()}
+    joint = Joint("j", JointType.REVOLUTE)
+    with pytest.raises(ProblemInvalid, match=message) as refusal:
+        through((joint,), **samples)
+    assert refusal.value.evidence["field"] in message
+
+
+def test_bad_rates_are_refused_by_name():
+    times, positions = np.array([0.0, 1.0]), np.zeros((2, 1))
+    joints = (Joint("j", JointType.REVOLUTE),)
+    with pytest.raises(ProblemInvalid, match="velocities has numbers"):
+        trajectory_through(joints, times, positions, np.array([[0.0], [np.nan]]))
+    with pytest.raises(ProblemInvalid, match="accelerations has 3 samples"):
+        trajectory_through(joints, times, positions, np.zeros((2, 1)), np.zeros((3, 1)))
