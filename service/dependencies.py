@@ -7,9 +7,9 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from service.api.responses import ExecutionId, PlanId, RegionsId
 from service.desk import Desk
 from service.jobs.records import Job, JobBrief, JobText
-from service.routes.answers import ExecutionId, PlanId, RegionsId
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings
 

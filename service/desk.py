@@ -9,7 +9,7 @@ from typing import Any
 from anyio import to_thread
 from pydantic import BaseModel
 
-from service.client_watch import note_question, unless_client_leaves
+from service.api.client_disconnect import note_question, unless_client_leaves
 from service.errors import NotReady, UnknownResource
 from service.job_spec import PREFIXES
 from service.jobs.calls import Question
@@ -25,7 +25,8 @@ from service.settings import Settings
 
 LANES = ("plan", "query", "execution", "regions")
 _CHUNK = 20
-_REVISE = "service.tasks.scenes:revise_scene"
+_PLANNERS = "service.catalog.planner_worker:name_planners"
+_REVISE = "service.scenes.worker:revise_scene"
 
 
 class Desk:
@@ -111,7 +112,9 @@ class Desk:
     async def planners(self) -> list[dict[str, Any]]:
         """Return all planners; they are asked for once, because they never change."""
         if not self._planners:
-            self._planners = (await self.ask("service.tasks.planners:name_planners", {}))["items"]
+            self._planners = (await self.ask("service.catalog.planner_worker:name_planners", {}))[
+                "items"
+            ]
         return self._planners
 
     async def submit(self, spec: JobSpec) -> Job:

@@ -19,12 +19,12 @@ from service.jobs.pool import Pool
 from service.jobs.slot import ProcessSlot, Slot
 from service.jobs.store import JobStore
 from service.jobs.worker import Terms
-from service.plans.versions import versions
 from service.retention import Retention
+from service.scenes.file_cleanup import Sweeper
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
-from service.scenes.sweeping import Sweeper
 from service.settings import Settings
+from service.versions import versions
 from service.workers import PRELOAD, WARM_UP
 
 # Slots for short questions only: they go on while scenes are loaded.

@@ -5,8 +5,8 @@ from typing import Any
 import typer
 
 from service.cli.screen import complaints
-from service.schemas.scene import Scene
-from service.schemas.summary import GroupWire
+from service.scenes.models import Scene
+from service.scenes.summary_models import GroupWire
 
 
 def group_of(scene: Scene, name: str | None) -> GroupWire:

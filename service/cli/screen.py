@@ -7,11 +7,11 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from service.api.job_models import Job
+from service.api.problem import Failure
 from service.client.events import Event
-from service.schemas.job import Job
-from service.schemas.problem import Failure
-from service.schemas.result import PlanResult
-from service.schemas.summary import GroupWire
+from service.plans.models.result import PlanResult
+from service.scenes.summary_models import GroupWire
 
 console = Console(highlight=False)
 complaints = Console(stderr=True, highlight=False)

@@ -6,12 +6,12 @@ from typing import Any, Self
 
 import httpx
 
+from service.api.job_models import Job
 from service.client.events import Event, decode_events
 from service.client.refused import checked
-from service.schemas.execution import Execution
-from service.schemas.job import Job
-from service.schemas.scene import Scene
-from service.schemas.summary import ModelWire
+from service.executions.models import Execution
+from service.scenes.models import Scene
+from service.scenes.summary_models import ModelWire
 
 _CONNECT_TIMEOUT = 5.0
 _ANSWER_TIMEOUT = 120.0

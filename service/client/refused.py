@@ -3,7 +3,7 @@
 import httpx
 from pydantic import ValidationError
 
-from service.schemas.problem import Problem
+from service.api.problem import Problem
 
 
 class Refused(Exception):

@@ -4,7 +4,7 @@ from typing import Any
 
 from service.desk import Desk
 from service.errors import NotFinished
-from service.executions.whereabouts import last_status
+from service.executions.position import last_status
 from service.jobs.records import JobBrief
 
 

@@ -7,12 +7,12 @@ the execution ended, so that nothing is lost if the server ends before.
 
 from service.desk import Desk
 from service.errors import RevisionConflict
-from service.executions.whereabouts import last_status
+from service.executions.position import last_status
 from service.jobs.records import JobBrief
-from service.scenes.preflight import Group, require_group
+from service.scenes.edit_models import SceneEdit, SetPositionsOperationWire
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
-from service.schemas.scene_edit import SceneEdit, SetPositionsOperationWire
+from service.scenes.validation import Group, require_group
 
 
 async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> tuple[SceneRecord, bool]:

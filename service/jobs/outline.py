@@ -31,10 +31,10 @@ _PLAN = Outline(
     failure=("evidence.graph",),
 )
 _OUTLINES: Mapping[str, Outline] = {
-    "service.tasks.plan:plan_motion": _PLAN,
-    "service.tasks.reverse:reverse_motion": _PLAN,
-    "service.tasks.regions:grow": Outline(result=("result.regions", "result.portals")),
-    "service.tasks.execute:execute": Outline(payload=("trajectory",)),
+    "service.plans.worker:plan_motion": _PLAN,
+    "service.plans.reverse_worker:reverse_motion": _PLAN,
+    "service.regions.worker:grow": Outline(result=("result.regions", "result.portals")),
+    "service.executions.worker:execute": Outline(payload=("trajectory",)),
 }
 _NOTHING_LARGE = Outline()
 

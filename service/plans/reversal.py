@@ -6,12 +6,12 @@ from service.desk import Desk
 from service.job_spec import spec_of
 from service.jobs.key import Key
 from service.jobs.records import Job
-from service.plans.admission import SLACK
-from service.plans.wire import polynomial_of
+from service.plans.models.request import PlanRequest
+from service.plans.resource import polynomial_of
+from service.plans.submit import SLACK
 from service.scenes.shelf import SceneShelf
-from service.schemas.plan import PlanRequest
 
-TASK = "service.tasks.reverse:reverse_motion"
+TASK = "service.plans.reverse_worker:reverse_motion"
 
 
 async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:

@@ -8,8 +8,8 @@ import pytest
 
 import planning
 from planning.world.world import World
-from service.convert.goals import goal_value
-from service.schemas.goal import PoseGoalWire
+from service.plans.models.goal_values import goal_value
+from service.plans.models.goals import PoseGoalWire
 from tests.clocks import no_hurry
 from tests.conventions.guide import ROOT, values
 

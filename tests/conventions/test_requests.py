@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter
 
-from service.schemas.goal import GoalWire
-from service.schemas.kinematics import IkRequest
-from service.schemas.plan import PlanRequest
-from service.schemas.search import SearchWire
+from service.plans.models.goals import GoalWire
+from service.plans.models.request import PlanRequest
+from service.plans.models.search import SearchWire
+from service.queries.models.kinematics import IkRequest
 from tests.conventions.guide import PAGES, ROOT, Call, calls, members, values
 from tests.service.api_routes import api_routes
 

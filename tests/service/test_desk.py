@@ -7,7 +7,7 @@ import pytest
 from planning.errors import Canceled
 from service.desk import Desk
 from service.errors import RobotBusy
-from service.executions.whereabouts import require_at_rest
+from service.executions.position import require_at_rest
 from service.jobs.database import open_engine
 from service.jobs.records import JobSpec
 from service.jobs.store import JobStore

@@ -2,11 +2,11 @@
 
 import pytest
 
+from service.api.job_models import Job
 from service.cli import screen
 from service.client.events import Event
-from service.schemas.job import Job
-from service.schemas.scene import Scene
-from service.schemas.summary import JointWire
+from service.scenes.models import Scene
+from service.scenes.summary_models import JointWire
 
 
 @pytest.fixture

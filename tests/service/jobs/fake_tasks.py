@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from planning.errors import Canceled, GoalUnreachable
-from service.tasks.channel import Channel
+from service.jobs.channel import Channel
 
 
 def echo(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:

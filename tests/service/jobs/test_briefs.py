@@ -17,10 +17,10 @@ from service.jobs.records import JobBrief, JobSpec, bodies, briefs, jobs, metada
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 
-PLAN = "service.tasks.plan:plan_motion"
-REVERSE = "service.tasks.reverse:reverse_motion"
-REGIONS = "service.tasks.regions:grow"
-EXECUTE = "service.tasks.execute:execute"
+PLAN = "service.plans.worker:plan_motion"
+REVERSE = "service.plans.reverse_worker:reverse_motion"
+REGIONS = "service.regions.worker:grow"
+EXECUTE = "service.executions.worker:execute"
 LARGE = [[0.1] * 7] * 50
 PAYLOAD = {"request": {"seed": 1}, "revision": 2, "motion": LARGE, "trajectory": LARGE}
 RESULTS = {

@@ -1,0 +1,52 @@
+"""Pose on the wire."""
+
+import math
+from typing import Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from service.api.models import Name, Wire
+from service.api.numbers import Quadruple, Triple
+
+
+def require_one_rotation(quaternion: list[float] | None, rpy: list[float] | None) -> None:
+    """Go on only if a rotation is given once, or not at all, and is one.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if quaternion is not None and rpy is not None:
+        message = "give `quaternion` or `rpy`, not both"
+        raise ValueError(message)
+    if quaternion is not None and not math.hypot(*quaternion) > 1e-9:
+        message = "quaternion [w, x, y, z] must not be zero"
+        raise ValueError(message)
+
+
+class PoseWire(Wire):
+    """A rigid transform in a frame; `quaternion` or `rpy`, or neither for no rotation."""
+
+    model_config = ConfigDict(
+        title="Pose",
+        json_schema_extra={
+            "examples": [
+                {"position": [0.4, 0.2, 0.3], "quaternion": [0, 1, 0, 0], "frame": "world"}
+            ]
+        },
+    )
+
+    position: Triple = Field(description="x, y, z in `frame` [m]")
+    quaternion: Quadruple | None = Field(
+        default=None, description="Rotation as [w, x, y, z]; normalised when read, never zero"
+    )
+    rpy: Triple | None = Field(
+        default=None, description="Rotation as roll, pitch, yaw about fixed x, y, z [rad]"
+    )
+    frame: Name = Field(
+        default="world", description="The frame that the pose is given in: any frame of the scene"
+    )
+
+    @model_validator(mode="after")
+    def _one_rotation(self) -> Self:
+        require_one_rotation(self.quaternion, self.rpy)
+        return self

@@ -1,0 +1,36 @@
+"""Planners on the wire."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from service.api.models import Answer
+
+
+class ParameterWire(Answer):
+    """A parameter of a planner."""
+
+    name: str = Field(description="OMPL's name")
+    default: str = Field(description="Its value if it is not given, as text")
+    range: str = Field(description="The values that it may have, for a person")
+    type: Literal["boolean", "integer", "number"] = Field(description="JSON type of its values")
+    minimum: float | None = Field(description="Least value, or null where there is none")
+    maximum: float | None = Field(description="Greatest value, or null where there is none")
+
+
+class PlannerWire(Answer):
+    """A planner that a plan may name."""
+
+    model_config = ConfigDict(title="Planner")
+
+    name: str = Field(description="OMPL's name, or `GCS`")
+    needs_regions: bool = Field(
+        description="Whether it plans inside regions, see POST /v1/scenes/{id}/regions"
+    )
+    parameters: list[ParameterWire] = Field(description="What can be set")
+
+
+class PlannerList(Answer):
+    """All planners."""
+
+    items: list[PlannerWire] = Field(description="Sorted by name")

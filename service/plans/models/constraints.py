@@ -1,0 +1,190 @@
+"""Path constraints on the wire: what a motion shall keep on its whole way."""
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from service.api.models import Name, Wire
+from service.api.numbers import NonNegative, Real, Triple
+from service.api.pose import PoseWire
+
+type Side = Annotated[Real, Field(gt=0, le=1e6)]
+type Names = Annotated[list[Name], Field(min_length=1, max_length=1000)]
+
+_SHORTEST = 1e-9
+
+
+class BoxWire(Wire):
+    """A box, placed by the pose of its middle."""
+
+    size: Annotated[list[Side], Field(min_length=3, max_length=3)] = Field(
+        description="Full side lengths along the axes of `pose` [m]"
+    )
+    pose: PoseWire = Field(
+        default_factory=lambda: PoseWire(position=[0.0, 0.0, 0.0]),
+        description="Of its middle; in a frame that moves with the group, where the start puts it",
+    )
+
+
+class DistanceBandWire(Wire):
+    """The smallest distance between two sets of bodies stays within bounds."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"type": "distance_band", "min": 0.01, "max": 0.05}]}
+    )
+
+    type: Literal["distance_band"] = Field(description="Says which constraint this is")
+    bodies: Names | None = Field(
+        default=None, description="Full names; null for all bodies that the group moves"
+    )
+    to: Names | None = Field(
+        default=None, description="Full names of the others; null for all not in `bodies`"
+    )
+    min: Annotated[NonNegative, Field(le=10)] = Field(
+        default=0.0, description="No two of them are nearer than this [m]"
+    )
+    max: Annotated[Real, Field(gt=0, le=10)] | None = Field(
+        default=None, description="At least two of them are no farther apart [m]; null for any"
+    )
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.max is not None and not self.min < self.max:
+            message = "`min` must be less than `max`"
+            raise ValueError(message)
+        return self
+
+
+class KeepOutWire(Wire):
+    """The origin of a frame stays out of a box."""
+
+    type: Literal["keep_out"] = Field(description="Says which constraint this is")
+    frame: Name = Field(description="Whose origin")
+    box: BoxWire = Field(description="Where it must not be")
+
+
+class KeepInWire(Wire):
+    """The origin of a frame stays in a box."""
+
+    type: Literal["keep_in"] = Field(description="Says which constraint this is")
+    frame: Name = Field(description="Whose origin")
+    box: BoxWire = Field(description="Where it must be")
+
+
+class PositionWire(Wire):
+    """The origin of a frame stays near a line, a plane or a point."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "position",
+                    "frame": "arm::tcp",
+                    "size": [None, None, 0.01],
+                    "pose": {"position": [0, 0, 0.3]},
+                }
+            ]
+        }
+    )
+
+    type: Literal["position"] = Field(description="Says which constraint this is")
+    frame: Name = Field(description="Whose origin")
+    size: Annotated[list[Side | None], Field(min_length=3, max_length=3)] = Field(
+        description="How wide the band is along each axis of `pose` [m]; null for an axis that is "
+        "free: one number is a plane, two are a line"
+    )
+    pose: PoseWire = Field(
+        default_factory=lambda: PoseWire(position=[0.0, 0.0, 0.0]),
+        description="Of its middle; in a frame that moves with the group, where the start puts it",
+    )
+
+    @model_validator(mode="after")
+    def _is_bounded(self) -> Self:
+        if all(side is None for side in self.size):
+            message = "`size` must have at least one number"
+            raise ValueError(message)
+        return self
+
+
+class OrientationWire(Wire):
+    """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "orientation",
+                    "frame": "arm::tcp",
+                    "axis": [0, 0, 1],
+                    "direction": [0, 0, -1],
+                    "tolerance": 0.1,
+                }
+            ]
+        }
+    )
+
+    type: Literal["orientation"] = Field(description="Says which constraint this is")
+    frame: Name = Field(description="Whose axis")
+    axis: Triple = Field(description="In that frame; any length but zero")
+    direction: Triple = Field(description="In `reference`; any length but zero")
+    tolerance: Annotated[Real, Field(gt=0, le=math.pi)] = Field(
+        description="Largest angle between them [rad]"
+    )
+    reference: Name = Field(
+        default="world",
+        description="Whose axes `direction` counts in; of a frame that moves, as the start has it",
+    )
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        for name, vector in (("axis", self.axis), ("direction", self.direction)):
+            if not math.hypot(*vector) > _SHORTEST:
+                message = f"`{name}` must not be zero"
+                raise ValueError(message)
+        return self
+
+
+class LockedJointsWire(Wire):
+    """Some joints of the group stay where the start has them."""
+
+    type: Literal["locked_joints"] = Field(description="Says which constraint this is")
+    joints: Names = Field(description="Full names")
+
+
+class JointLimitsWire(Wire):
+    """Some coordinates of the group stay within bounds, besides those of the robot."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"type": "joint_limits", "limits": {"arm::elbow_joint": [0.5, 2.5]}}]
+        }
+    )
+
+    type: Literal["joint_limits"] = Field(description="Says which constraint this is")
+    limits: dict[Name, Annotated[list[Real], Field(min_length=2, max_length=2)]] = Field(
+        min_length=1,
+        max_length=256,
+        description="Smallest and largest position by the name of a joint, or of a coordinate of "
+        "one that has several [rad or m]",
+    )
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        for name, (low, high) in self.limits.items():
+            if low > high:
+                message = f"limits of {name!r}: the lower one must not exceed the upper one"
+                raise ValueError(message)
+        return self
+
+
+type ConstraintWire = Annotated[
+    DistanceBandWire
+    | KeepOutWire
+    | KeepInWire
+    | PositionWire
+    | OrientationWire
+    | LockedJointsWire
+    | JointLimitsWire,
+    Field(discriminator="type", description="What a motion shall keep on its whole way"),
+]

@@ -1,0 +1,215 @@
+"""Goals on the wire: what a motion shall reach."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from service.api.models import Name, Wire
+from service.api.numbers import NonNegative, Positions, Quadruple, Real, Triple
+from service.api.pose import PoseWire, require_one_rotation
+from service.plans.models.line_goals import LineGoalWire, PathGoalWire
+from service.plans.models.tool_frame import ToolFrame
+
+
+class ToleranceWire(Wire):
+    """How far from a target the tool frame may end, in the target's own axes."""
+
+    position: Annotated[list[NonNegative], Field(min_length=3, max_length=3)] = Field(
+        default=[0.0, 0.0, 0.0], description="Half-widths of a box about the target [m]"
+    )
+    rotation: Annotated[list[NonNegative], Field(min_length=3, max_length=3)] = Field(
+        default=[0.0, 0.0, 0.0],
+        description="Largest rotation about each axis [rad]; pi or more leaves the axis free",
+    )
+
+
+class JointGoalWire(Wire):
+    """Reach a configuration, or any of several."""
+
+    type: Literal["joint"] = Field(description="Says which goal this is")
+    positions: Positions | Annotated[list[Positions], Field(min_length=1, max_length=1000)] = Field(
+        description="The group's positions, one list or several [rad or m]"
+    )
+
+
+class ConfigurationGoalWire(Wire):
+    """Reach a configuration that the scene or the robot names."""
+
+    type: Literal["configuration"] = Field(description="Says which goal this is")
+    name: Name = Field(description="Of the configuration, for example `home`")
+
+
+type Weight = Annotated[Real, Field(ge=0, le=1e3)]
+
+
+class PoseBallWire(Wire):
+    """All poses within a weighted distance: sqrt(sum (w_i * way_i)^2 + (w_r * angle)^2)."""
+
+    tolerance: Annotated[Real, Field(ge=1e-6, le=1e3)] = Field(
+        description="The largest distance [1]"
+    )
+    weights: Annotated[list[Weight], Field(min_length=4, max_length=4)] = Field(
+        default=[1.0, 1.0, 1.0, 0.1],
+        description="w_x, w_y, w_z [1/m] and w_r [1/rad]; what has no weight is free",
+    )
+    frame: Name | None = Field(
+        default=None,
+        description="By whose axes the way from the target's origin is, as they stand at the "
+        "start: any frame; null for the target's own",
+    )
+
+
+class PoseGoalWire(Wire):
+    """Bring a tool frame to a pose, or to any of several."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "pose",
+                    "poses": [{"position": [0, 0, 0], "frame": "pick"}],
+                    "tolerance": {"position": [0, 0, 0], "rotation": [0, 0, 3.15]},
+                }
+            ]
+        }
+    )
+
+    type: Literal["pose"] = Field(description="Says which goal this is")
+    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
+        description="The candidates; `goal_index` of the result says which one was reached"
+    )
+    frame: ToolFrame = None
+    tolerance: ToleranceWire = Field(
+        default_factory=ToleranceWire, description="How far off it may be"
+    )
+    metric: PoseBallWire | None = Field(
+        default=None,
+        description="Instead of `tolerance`: how far off it may be by a weighted metric",
+    )
+    approach: Triple | None = Field(
+        default=None,
+        description="The motion ends in a straight line without a turn, which begins where the "
+        "tool is displaced by this, in the target's axes [m]; null for none",
+    )
+    retreat: Triple | None = Field(
+        default=None,
+        description="After the goal the tool goes on in a straight line by this, in the target's "
+        "axes [m]; null for none",
+    )
+
+    @model_validator(mode="after")
+    def _one_tolerance(self) -> Self:
+        if self.metric is not None and any([*self.tolerance.position, *self.tolerance.rotation]):
+            message = "give `tolerance` or `metric`, and not both"
+            raise ValueError(message)
+        return self
+
+
+class RegionGoalWire(Wire):
+    """Bring a tool frame anywhere into a region, or into any of several."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "region",
+                    "pose": {"position": [0.45, 0.25, 0.4], "rpy": [3.1416, 0, 0]},
+                    "tolerance": {"position": [0.05, 0.05, 0], "rotation": [0.1, 0.1, 0]},
+                    "free_axes": ["rz"],
+                }
+            ]
+        }
+    )
+
+    type: Literal["region"] = Field(description="Says which goal this is")
+    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] | None = Field(
+        default=None, description="The middles of the regions; or one as `pose`"
+    )
+    pose: PoseWire | None = Field(default=None, description="The middle of the only region")
+    frame: ToolFrame = None
+    tolerance: ToleranceWire = Field(
+        default_factory=ToleranceWire,
+        description="How far from the middle the region goes, by its axes",
+    )
+    free_axes: Annotated[list[Literal["x", "y", "z", "rx", "ry", "rz"]], Field(max_length=6)] = (
+        Field(
+            default=[],
+            description="Axes of the region that it is unbounded along (`x`, `y`, `z`: as far as "
+            "the group reaches) or free to turn about (`rx`, `ry`, `rz`)",
+        )
+    )
+
+    approach: Triple | None = Field(
+        default=None,
+        description="As of a pose: the last way to wherever in the region the motion ends begins "
+        "where the tool is displaced by this, in the region's axes [m]; null for none",
+    )
+    retreat: Triple | None = Field(
+        default=None,
+        description="As of a pose: the way that the tool goes on, in the region's axes [m]; null "
+        "for none",
+    )
+
+    @model_validator(mode="after")
+    def _one_or_several(self) -> Self:
+        if (self.pose is None) == (self.poses is None):
+            message = "give `pose` or `poses`, and not both"
+            raise ValueError(message)
+        return self
+
+
+class DisplacementWire(Wire):
+    """A displacement: a translation, a rotation, or both."""
+
+    position: Triple | None = Field(default=None, description="Translation [m]; null for none")
+    quaternion: Quadruple | None = Field(
+        default=None, description="Rotation as [w, x, y, z]; normalised when read, never zero"
+    )
+    rpy: Triple | None = Field(
+        default=None, description="Rotation as roll, pitch, yaw about fixed x, y, z [rad]"
+    )
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.position is None and self.quaternion is None and self.rpy is None:
+            message = "give `position`, `quaternion` or `rpy`"
+            raise ValueError(message)
+        require_one_rotation(self.quaternion, self.rpy)
+        return self
+
+
+class RelativeGoalWire(Wire):
+    """Move a tool frame by a displacement from where the start has it."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "relative",
+                    "displacement": {"position": [0, 0, 0.05]},
+                    "reference": "world",
+                }
+            ]
+        }
+    )
+
+    type: Literal["relative"] = Field(description="Says which goal this is")
+    displacement: DisplacementWire = Field(description="By how much")
+    frame: ToolFrame = None
+    reference: Name | None = Field(
+        default=None,
+        description="The frame by whose axes, as they are at the start, the tool is shifted, and "
+        "turned about its own origin; null for the tool frame itself",
+    )
+
+
+type GoalWire = Annotated[
+    JointGoalWire
+    | ConfigurationGoalWire
+    | PoseGoalWire
+    | RegionGoalWire
+    | RelativeGoalWire
+    | LineGoalWire
+    | PathGoalWire,
+    Field(discriminator="type", description="What a motion shall reach"),
+]

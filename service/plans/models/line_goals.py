@@ -1,0 +1,97 @@
+"""Goals that are straight lines, on the wire."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from service.api.models import Name, Wire
+from service.api.numbers import Real, Triple
+from service.api.pose import PoseWire
+from service.plans.models.tool_frame import ToolFrame
+
+type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
+type Turn = Annotated[Real, Field(ge=1e-5, le=3)]
+
+
+class DeviationWire(Wire):
+    """How far a tool may be from its line, between waypoints and samples too."""
+
+    position: Shift = Field(default=0.001, description="Of its origin, from the line [m]")
+    rotation: Turn = Field(default=0.008726646259971648, description="Of its rotation [rad]")
+
+
+class WayWire(Wire):
+    """A way without a turn."""
+
+    vector: Triple = Field(description="The way [m]")
+    frame: Name = Field(
+        default="world", description="In whose axes, as they stand at the start: any frame"
+    )
+
+
+class LineEndWire(Wire):
+    """Where a straight line ends that begins where the tool stands."""
+
+    pose: PoseWire | None = Field(
+        default=None,
+        description="Where the line ends, and the rotation turns along with the translation; this "
+        "or `displacement`",
+    )
+    displacement: WayWire | None = Field(
+        default=None, description="Or the way from where the tool stands"
+    )
+
+    @model_validator(mode="after")
+    def _one_end(self) -> Self:
+        if (self.pose is None) == (self.displacement is None):
+            message = "give `pose` or `displacement`, and not both"
+            raise ValueError(message)
+        return self
+
+
+class LineGoalWire(LineEndWire):
+    """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"type": "line", "displacement": {"vector": [0, 0, 0.1]}},
+                {"type": "line", "pose": {"position": [0, 0, -0.05], "frame": "arm::tcp"}},
+            ]
+        }
+    )
+
+    type: Literal["line"] = Field(description="Says which goal this is")
+    frame: ToolFrame = None
+    deviation: DeviationWire = Field(
+        default_factory=DeviationWire,
+        description="How far from the line the motion may be, between samples too",
+    )
+
+
+class PathGoalWire(Wire):
+    """Bring a tool frame through poses in straight lines, at rest at each."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "path",
+                    "poses": [
+                        {"position": [0.4, 0.2, 0.3], "quaternion": [0, 1, 0, 0]},
+                        {"position": [0.4, 0.3, 0.3], "quaternion": [0, 1, 0, 0]},
+                    ],
+                }
+            ]
+        }
+    )
+
+    type: Literal["path"] = Field(description="Says which goal this is")
+    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
+        description="In this order; frames that move count where the start puts them"
+    )
+    frame: ToolFrame = None
+    deviation: DeviationWire = Field(
+        default_factory=DeviationWire,
+        description="How far from the lines the motion may be, between samples too",
+    )

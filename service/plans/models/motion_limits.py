@@ -1,0 +1,106 @@
+"""Limits on a motion besides those of its joints, on the wire."""
+
+from typing import Annotated, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from service.api.models import Boolean, Name, Wire
+from service.api.numbers import Coordinate, Real, Scale
+from service.plans.models.constraints import BoxWire
+from service.plans.models.payload import PayloadWire
+
+type Speed = Annotated[Real, Field(ge=1e-3, le=1e3)]
+type AccelerationPair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+
+
+class ToolLimitWire(Wire):
+    """How fast the origin of a frame may move."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"frame": "arm::tcp", "speed": 0.25, "acceleration": 1.0}]}
+    )
+
+    frame: Name = Field(description="Any frame of the scene; each is limited once")
+    speed: Speed | None = Field(default=None, description="At most [m/s]; null for any")
+    acceleration: Annotated[Real, Field(ge=1e-2, le=1e4)] | None = Field(
+        default=None, description="At most, in any direction [m/s^2]; null for any"
+    )
+
+    @model_validator(mode="after")
+    def _limits_something(self) -> Self:
+        if self.speed is None and self.acceleration is None:
+            message = "give `speed`, `acceleration` or both"
+            raise ValueError(message)
+        return self
+
+
+class SpeedZoneWire(Wire):
+    """How fast the origin of a frame may move while it is in a box."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "name": "table",
+                    "frame": "arm::tcp",
+                    "box": {"size": [0.6, 0.6, 0.2], "pose": {"position": [0.5, 0.0, 0.1]}},
+                    "speed": 0.1,
+                }
+            ]
+        }
+    )
+
+    name: Name = Field(description="For the certificate's check; no two zones share one")
+    frame: Name = Field(description="Whose origin: any frame of the scene")
+    box: BoxWire = Field(description="Where")
+    speed: Speed = Field(description="At most, in the box [m/s]")
+
+
+class MotionLimits(Wire):
+    """What limits a motion besides the limits of its joints; the scales do not change it."""
+
+    tool_limits: Annotated[list[ToolLimitWire], Field(max_length=16)] = Field(
+        default=[], description="Largest speeds and accelerations of frames"
+    )
+    speed_zones: Annotated[list[SpeedZoneWire], Field(max_length=64)] = Field(
+        default=[], description="Boxes in which a frame is slower"
+    )
+    acceleration_bounds: Annotated[dict[Name, AccelerationPair], Field(max_length=256)] = Field(
+        default={},
+        description="Lowest (below 0) and highest (above 0) acceleration, by name of a joint with "
+        "one coordinate, or `joint.angular` of a planar one [rad/s^2 or m/s^2]",
+    )
+    effort: Boolean = Field(
+        default=False,
+        description="Whether joint torques and forces stay within their limits, gravity and all "
+        "that is carried included: check `torque` of the certificate",
+    )
+    payload: PayloadWire | None = Field(
+        default=None,
+        description="What the group carries that the scene does not show; it counts for torques",
+    )
+
+    @model_validator(mode="after")
+    def _distinct(self) -> Self:
+        for what, names in (
+            ("tool_limits: frame", [limit.frame for limit in self.tool_limits]),
+            ("speed_zones: name", [zone.name for zone in self.speed_zones]),
+        ):
+            twice = sorted({name for name in names if names.count(name) > 1})
+            if twice:
+                message = f"{what} {twice[0]!r} comes twice"
+                raise ValueError(message)
+        for name, (low, high) in self.acceleration_bounds.items():
+            if not low < 0 < high:
+                message = f"acceleration_bounds of {name!r}: the lowest must be below 0, "
+                raise ValueError(message + "the highest above")
+        return self
+
+
+class ScaledLimits(MotionLimits):
+    """What limits a motion, and how much of the limits of its joints it may use."""
+
+    velocity_scale: Scale = Field(default=1.0, description="Factor on every velocity limit, 0..1")
+    acceleration_scale: Scale = Field(
+        default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
+    )

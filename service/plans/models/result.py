@@ -1,0 +1,95 @@
+"""PlanResult: a certified motion and everything that is known of it."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from service.api.models import Answer
+from service.plans.models.reports import StagesWire
+from service.plans.models.trajectory import TrajectoryWire
+from service.queries.models.check import PairWire, UncheckedPairWire
+from service.queries.models.checked import CheckWire
+
+
+class CertificateWire(Answer):
+    """The verdict on the motion, between its samples too."""
+
+    model_config = ConfigDict(title="Certificate")
+
+    proven: bool = Field(description="Every check passed on the whole interval")
+    min_clearance: float | None = Field(
+        description="If clearance is proven, a lower bound on the distance of all pairs at all "
+        "instants [m]; if not, the same as `observed_clearance`; null if there is no pair"
+    )
+    observed_clearance: float | None = Field(
+        default=None,
+        description="Smallest signed distance at any instant that was measured [m]; the true "
+        "smallest one lies between `min_clearance`, if that is proven, and this",
+    )
+    pair: tuple[str, str] = Field(
+        description="The two bodies of `observed_clearance`, or empty names"
+    )
+    time: float = Field(
+        description="When it was observed [s]; if clearance is not proven neither the first "
+        "instant that is too near nor for certain the worst"
+    )
+    points: list[list[float]] = Field(
+        default=[],
+        description="The nearest point of each of `pair` then, in world [m], of shapes that "
+        "overlap the deepest; empty without a pair",
+    )
+    proven_until: float = Field(
+        default=0.0,
+        description="Clearance is proven from the beginning until then [s]: the duration, if the "
+        "check `clearance` passed",
+    )
+    first_unproven: PairWire | None = Field(
+        default=None,
+        description="The pair that stopped the proof of clearance there, at most 0.1 ms later; "
+        "null if none did",
+    )
+    unchecked: list[UncheckedPairWire] = Field(
+        default=[],
+        description="Pairs of bodies whose clearance is not looked at, and why: the certificate "
+        "says nothing of them",
+    )
+    checks: list[CheckWire] = Field(description="All checks, passed or not")
+
+
+class PartWire(Answer):
+    """A part of the motion, from rest to rest."""
+
+    kind: Literal["free", "approach", "retreat", "line"] = Field(
+        description="What it is for; all but `free` are straight lines of the tool"
+    )
+    begin: float = Field(description="First instant [s]")
+    end: float = Field(description="Last instant [s]")
+    length: float = Field(description="Of the tool's way [m]")
+    num_waypoints: int = Field(description="Of its part of `path`, both ends included")
+
+
+class PlanResult(Answer):
+    """What a solved problem gives."""
+
+    goal_configuration: list[float] = Field(
+        description="Where the motion reaches the goal: its end, but for a retreat [rad or m]"
+    )
+    goal_index: int = Field(description="Which of the goal's candidates that is, from 0")
+    start: list[float] = Field(description="Where it starts, clipped into the limits [rad or m]")
+    start_clipped: list[float] = Field(
+        description="By how much the given start was clipped, at most 1e-6 [rad or m]"
+    )
+    path: list[list[float]] = Field(description="Untimed waypoints, one row each [rad or m]")
+    parts: list[PartWire] = Field(
+        default=[], description="The free motion and the straight lines it is made of, in order"
+    )
+    trajectory: TrajectoryWire = Field(description="The timed motion, sampled as asked for")
+    certificate: CertificateWire = Field(description="The proof")
+    stages: StagesWire = Field(description="What every stage did")
+    cut_short: list[str] | None = Field(
+        default=None,
+        description="Stages that ended early because of the clock, by their names in `timings`: "
+        "what they give may be something else another time. Empty: the same request gives the "
+        "same numbers again, but for `timings`. Null: made by a version that did not tell",
+    )
+    digest: str = Field(description="sha256 over the delivered numbers")

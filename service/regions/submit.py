@@ -1,0 +1,49 @@
+"""Admission: what must be so before regions are grown."""
+
+from planning.domain.request.region_request import validate_one_turn
+from planning.errors import UnknownName
+from service.desk import Desk
+from service.job_spec import spec_of
+from service.jobs.key import Key
+from service.jobs.records import Job
+from service.regions.eligibility import own_cars, require_fit
+from service.regions.models import RegionsRequest
+from service.scenes.shelf import SceneShelf
+from service.scenes.validation import joints_of, require_group
+
+TASK = "service.regions.worker:grow"
+
+# Growth minds its deadline by itself, between two regions; it is this much too late at most [s].
+_SLACK = 60.0
+
+
+async def submit_regions(
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneShelf, desk: Desk
+) -> Job:
+    """Queue the growth of regions.
+
+    Raises:
+        UnknownResource: There is no such scene or revision.
+        UnknownName: The scene has no such group, or the group no such coordinate.
+        ProblemInvalid: The group can have no regions, or bounds are wider than a turn.
+        IdempotencyConflict: The key was used for another request.
+        QueueFull: The queue is full.
+    """
+    record = await scenes.get(scene, request.revision)
+    group = require_group(record, request.group)
+    require_fit(group, own_cars(group), "group")
+    for name in request.bounds:
+        if name not in group["position_names"]:
+            raise UnknownName.among("position", name, group["position_names"])
+    validate_one_turn(joints_of(group), request.bounds)
+    asked = request.model_dump(mode="json")
+    payload = {
+        **await desk.scene_payload(record),
+        "request": asked,
+        "revision": record.revision,
+    }
+    allowed = request.allowed_time + _SLACK
+    named = Key(key, {"scene": record.id, **asked})
+    return await desk.submit(
+        spec_of("regions", TASK, payload, scene=record, key=named, allowed=allowed)
+    )
