@@ -5,7 +5,7 @@ from enum import StrEnum
 
 from pydantic import Field
 
-from service.api.models import UNRECORDED, Answer
+from service.api.models import UNRECORDED, ResponseModel
 from service.api.problem import Failure
 from service.plans.models.request import PlanRequest
 from service.plans.models.result import PlanResult
@@ -21,7 +21,7 @@ class JobState(StrEnum):
     CANCELED = "canceled"
 
 
-class JobBrief(Answer):
+class JobBrief(ResponseModel):
     """A plan without its result."""
 
     id: str = Field(description="Of the plan")
@@ -54,7 +54,7 @@ class Job(JobBrief):
     result: PlanResult | None = Field(description="What it gave, once it succeeded")
 
 
-class JobPage(Answer):
+class JobPage(ResponseModel):
     """Plans, newest first."""
 
     items: list[JobBrief] = Field(description="On this page, without their results")

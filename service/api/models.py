@@ -1,4 +1,4 @@
-"""Wire: the base of every wire type."""
+"""RequestModel and ResponseModel: the bases of what goes over HTTP as JSON."""
 
 from typing import Annotated
 
@@ -17,13 +17,13 @@ UNRECORDED = (
 )
 
 
-class Wire(BaseModel):
+class RequestModel(BaseModel):
     """What is asked: a JSON object with no unknown fields."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Answer(BaseModel):
+class ResponseModel(BaseModel):
     """What is answered: clients must expect fields that are added later."""
 
     model_config = ConfigDict(extra="ignore", frozen=True)

@@ -1,7 +1,5 @@
 """The OpenAPI document: FastAPI's, with what FastAPI cannot know."""
 
-import json
-import re
 from typing import Any
 
 from fastapi import FastAPI
@@ -49,14 +47,8 @@ def _document(app: FastAPI) -> dict[str, Any]:
         for name, part in schema.pop("$defs", {}).items():
             schemas.setdefault(name, part)
         schemas[model.__name__] = schema
-    return _renamed(_inlined(document, schemas))
-
-
-def _renamed(document: dict[str, Any]) -> dict[str, Any]:
-    """Return the document without the suffix that tells our wire types from the domain's."""
-    text = re.sub(r'"((?:#/components/schemas/)?[A-Z]\w+)Wire"', r'"\1"', json.dumps(document))
-    renamed: dict[str, Any] = json.loads(text)
-    return renamed
+    inlined: dict[str, Any] = _inlined(document, schemas)
+    return inlined
 
 
 def _inlined(part: Any, schemas: dict[str, Any]) -> Any:

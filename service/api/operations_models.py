@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 
 
-class Health(Answer):
+class Health(ResponseModel):
     """That the server is there."""
 
     status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
@@ -18,7 +18,7 @@ class Health(Answer):
     )
 
 
-class Readiness(Answer):
+class Readiness(ResponseModel):
     """Whether the server takes jobs."""
 
     status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")

@@ -5,7 +5,7 @@ from typing import Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Name, Wire
+from service.api.models import Name, RequestModel
 from service.api.numbers import Quadruple, Triple
 
 
@@ -23,7 +23,7 @@ def require_one_rotation(quaternion: list[float] | None, rpy: list[float] | None
         raise ValueError(message)
 
 
-class PoseWire(Wire):
+class Pose(RequestModel):
     """A rigid transform in a frame; `quaternion` or `rpy`, or neither for no rotation."""
 
     model_config = ConfigDict(

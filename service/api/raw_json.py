@@ -6,14 +6,16 @@ from anyio import to_thread
 from fastapi import Response
 from fastapi.responses import StreamingResponse
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 from service.jobs.json_steps import STEP, member_of
 from service.jobs.json_text import Encoded
 
 _JSON = "application/json"
 
 
-async def whole(brief: Answer, found: Encoded | None, told: Response | None = None) -> Response:
+async def whole(
+    brief: ResponseModel, found: Encoded | None, told: Response | None = None
+) -> Response:
     """Return the answer of a job in full.
 
     Args:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Response
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 from service.api.responses import problems
 from service.api.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
 from service.dependencies import DeskDep, SettingsDep
@@ -58,7 +58,9 @@ async def _submission(
 type SubmissionDep = Annotated[Submission, Depends(_submission)]
 
 
-def taken_in(model: type[Answer], what: str, *refusals: int) -> dict[int | str, dict[str, Any]]:
+def taken_in(
+    model: type[ResponseModel], what: str, *refusals: int
+) -> dict[int | str, dict[str, Any]]:
     """Return the declaration of what a request for a job is answered with.
 
     Args:

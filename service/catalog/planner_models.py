@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 
 
-class ParameterWire(Answer):
+class Parameter(ResponseModel):
     """A parameter of a planner."""
 
     name: str = Field(description="OMPL's name")
@@ -18,7 +18,7 @@ class ParameterWire(Answer):
     maximum: float | None = Field(description="Greatest value, or null where there is none")
 
 
-class PlannerWire(Answer):
+class Planner(ResponseModel):
     """A planner that a plan may name."""
 
     model_config = ConfigDict(title="Planner")
@@ -27,10 +27,10 @@ class PlannerWire(Answer):
     needs_regions: bool = Field(
         description="Whether it plans inside regions, see POST /v1/scenes/{id}/regions"
     )
-    parameters: list[ParameterWire] = Field(description="What can be set")
+    parameters: list[Parameter] = Field(description="What can be set")
 
 
-class PlannerList(Answer):
+class PlannerList(ResponseModel):
     """All planners."""
 
-    items: list[PlannerWire] = Field(description="Sorted by name")
+    items: list[Planner] = Field(description="Sorted by name")

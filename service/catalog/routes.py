@@ -9,7 +9,7 @@ from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import DeskDep
 from service.errors import UnknownResource
-from service.scenes.summary_models import ModelList, ModelWire
+from service.scenes.summary_models import Model, ModelList
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/models", tags=["models"])
 
@@ -25,7 +25,7 @@ async def list_models(desk: DeskDep) -> object:
 @router.get(
     "/{name}",
     operation_id="getModel",
-    response_model=ModelWire,
+    response_model=Model,
     responses=problems(404, 422, 429, 503),
 )
 async def get_model(

@@ -6,10 +6,10 @@ import typer
 
 from service.cli.screen import complaints
 from service.scenes.models import Scene
-from service.scenes.summary_models import GroupWire
+from service.scenes.summary_models import Group
 
 
-def group_of(scene: Scene, name: str | None) -> GroupWire:
+def group_of(scene: Scene, name: str | None) -> Group:
     """Return a group of the scene, by default its first.
 
     Raises:
@@ -23,7 +23,7 @@ def group_of(scene: Scene, name: str | None) -> GroupWire:
     raise typer.Exit(1)
 
 
-def goal_of(scene: Scene, group: GroupWire, target: str) -> dict[str, Any]:
+def goal_of(scene: Scene, group: Group, target: str) -> dict[str, Any]:
     """Return the goal that a name means: a frame, else a configuration.
 
     Raises:
@@ -41,7 +41,7 @@ def goal_of(scene: Scene, group: GroupWire, target: str) -> dict[str, Any]:
     raise typer.Exit(1)
 
 
-def start_of(group: GroupWire, name: str | None) -> list[float] | None:
+def start_of(group: Group, name: str | None) -> list[float] | None:
     """Return the configuration to start from, None for the scene's current state.
 
     Raises:

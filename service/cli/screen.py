@@ -11,7 +11,7 @@ from service.api.job_models import Job
 from service.api.problem import Failure
 from service.client.events import Event
 from service.plans.models.result import PlanResult
-from service.scenes.summary_models import GroupWire
+from service.scenes.summary_models import Group
 
 console = Console(highlight=False)
 complaints = Console(stderr=True, highlight=False)
@@ -52,7 +52,7 @@ def _described(event: Event) -> str:
     return str(event.data.get("stage") or event.data.get("state") or event.type)
 
 
-def unit_of(group: GroupWire) -> str:
+def unit_of(group: Group) -> str:
     """Return what lengths in a group's joint space are measured in."""
     turns = {joint.type in _TURNS for joint in group.joints}
     shifts = {joint.type == "prismatic" for joint in group.joints}

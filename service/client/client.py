@@ -11,7 +11,7 @@ from service.client.events import Event, decode_events
 from service.client.refused import checked
 from service.executions.models import Execution
 from service.scenes.models import Scene
-from service.scenes.summary_models import ModelWire
+from service.scenes.summary_models import Model
 
 _CONNECT_TIMEOUT = 5.0
 _ANSWER_TIMEOUT = 120.0
@@ -59,9 +59,9 @@ class Client:
         names: list[str] = checked(self._http.get("/v1/models")).json()["items"]
         return names
 
-    def model(self, name: str) -> ModelWire:
+    def model(self, name: str) -> Model:
         """Return what a robot can do."""
-        return ModelWire.model_validate_json(checked(self._http.get(f"/v1/models/{name}")).content)
+        return Model.model_validate_json(checked(self._http.get(f"/v1/models/{name}")).content)
 
     def add_scene(self, text: str | bytes, media_type: str = "application/yaml") -> Scene:
         """Post a scene."""

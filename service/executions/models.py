@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import UNRECORDED, Answer, Identifier, Wire
+from service.api.models import UNRECORDED, Identifier, RequestModel, ResponseModel
 from service.api.numbers import Real
 from service.api.problem import Failure
 
@@ -23,7 +23,7 @@ class ExecutionState(StrEnum):
     ABORTED = "aborted"
 
 
-class ExecutionRequest(Wire):
+class ExecutionRequest(RequestModel):
     """Carry out a plan."""
 
     model_config = ConfigDict(
@@ -44,7 +44,7 @@ class ExecutionRequest(Wire):
     )
 
 
-class ContactWire(Answer):
+class Contact(ResponseModel):
     """Two bodies that touched during the motion."""
 
     bodies: tuple[str, str] = Field(description="Full names")
@@ -52,7 +52,7 @@ class ContactWire(Answer):
     time: float = Field(description="When, along the motion [s]")
 
 
-class ExecutionStatus(Answer):
+class ExecutionStatus(ResponseModel):
     """How far an execution is; also the data of its events."""
 
     state: ExecutionState = Field(description="Where it stands")
@@ -68,10 +68,10 @@ class ExecutionStatus(Answer):
         description="The longest so far that the controller was late to look at the clock [s]: "
         "what else runs on the machine makes the motion fall behind; null if not recorded",
     )
-    contacts: list[ContactWire] = Field(description="Touches so far that the scene does not allow")
+    contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
 
 
-class Execution(Answer):
+class Execution(ResponseModel):
     """An execution of a plan; poll it until its state is final."""
 
     id: str = Field(description="Of the execution")
@@ -87,14 +87,14 @@ class Execution(Answer):
     unrecorded: list[str] = Field(description=UNRECORDED)
 
 
-class ExecutionPage(Answer):
+class ExecutionPage(ResponseModel):
     """Executions, newest first."""
 
     items: list[Execution] = Field(description="On this page")
     next: str | None = Field(description="Cursor of the next page; null on the last one")
 
 
-class SpeedRequest(Wire):
+class SpeedRequest(RequestModel):
     """Change how fast a motion is carried out."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"speed": 0.5}]})

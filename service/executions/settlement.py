@@ -9,7 +9,7 @@ from service.desk import Desk
 from service.errors import RevisionConflict
 from service.executions.position import last_status
 from service.jobs.records import JobBrief
-from service.scenes.edit_models import SceneEdit, SetPositionsOperationWire
+from service.scenes.edit_models import SceneEdit, SetPositionsOperation
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.scenes.validation import Group, require_group
@@ -59,7 +59,7 @@ async def _pending(record: SceneRecord, job: JobBrief, desk: Desk) -> SceneEdit 
     group = require_group(record, job.payload["group"])
     robot = group["name"].partition("::")[0]
     positions = _by_joint(group, robot, status["positions"])
-    operation = SetPositionsOperationWire(op="set_positions", robot=robot, positions=positions)
+    operation = SetPositionsOperation(op="set_positions", robot=robot, positions=positions)
     return SceneEdit(operations=[operation])
 
 

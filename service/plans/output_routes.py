@@ -9,7 +9,7 @@ from service.api.raw_json import passed_on
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import DeskDep, PlanJob
-from service.plans.models.trajectory import TrajectoryWire
+from service.plans.models.trajectory import Trajectory
 from service.plans.resource import motion_of, polynomial_of, sampling_of
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
@@ -84,7 +84,7 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
 @router.get(
     "/trajectory",
     operation_id="getTrajectory",
-    response_model=TrajectoryWire,
+    response_model=Trajectory,
     responses={
         200: {"content": {"text/csv": _CSV}, "headers": _TOLD},
         **problems(404, 409, 422, 429, 503),

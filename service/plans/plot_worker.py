@@ -8,7 +8,7 @@ from planning.api.motion_series import motion_series
 from service.jobs.channel import Channel
 from service.plans.charts import OF_DISTANCES, draw
 from service.plans.models.goal_values import retime_value
-from service.plans.models.request import RetimeWire
+from service.plans.models.request import Retime
 from service.plans.models.trajectory_conversion import trajectory_value
 from service.scenes.world_cache import borrow_world
 
@@ -24,7 +24,7 @@ def plot(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         DeadlineExceeded: Its distances take too long.
     """
     trajectory = trajectory_value(payload["trajectory"])
-    options = retime_value(RetimeWire.model_validate(payload["retime"]))
+    options = retime_value(Retime.model_validate(payload["retime"]))
     with borrow_world(payload) as world:
         series = motion_series(
             world,

@@ -17,7 +17,7 @@ from service.api.submission import SubmissionDep, taken_in
 from service.dependencies import DeskDep, OpenPlan, PlanJob, PlanText, ScenesDep
 from service.desk import Desk
 from service.jobs.records import JobText
-from service.plans.models.graph import PlannerGraphWire
+from service.plans.models.graph import PlannerGraph
 from service.plans.models.request import PlanRequest
 from service.plans.resource import graph_of, job_brief
 from service.plans.reversal import submit_reversal
@@ -77,7 +77,7 @@ async def stream_plan_events(
 @router.get(
     "/{plan}/graph",
     operation_id="getPlannerGraph",
-    response_model=PlannerGraphWire,
+    response_model=PlannerGraph,
     responses=problems(404, 409, 422),
 )
 async def get_planner_graph(job: PlanJob) -> Any:

@@ -13,7 +13,7 @@ from service.jobs.key import Key
 from service.jobs.records import Job
 from service.plans.models.goal_values import steering_value
 from service.plans.models.request import PlanRequest
-from service.plans.models.search import CarWire, SearchWire
+from service.plans.models.search import Car, Search
 from service.plans.models.trajectory_conversion import require_one_sampling
 from service.regions.eligibility import asks_for_regions, own_cars, require_fit
 from service.regions.selection import chosen_regions, regions_file
@@ -95,7 +95,7 @@ def _settled(request: PlanRequest, record: SceneRecord, regions: Job | None) -> 
     return settled
 
 
-def require_planner(planners: list[dict[str, Any]], search: SearchWire) -> None:
+def require_planner(planners: list[dict[str, Any]], search: Search) -> None:
     """Go on only if there are such planners, and one of them has such parameters.
 
     Raises:
@@ -113,7 +113,7 @@ def require_planner(planners: list[dict[str, Any]], search: SearchWire) -> None:
             raise UnknownName.among("parameter", parameter, known)
 
 
-def require_search_names(group: Group, search: SearchWire) -> None:
+def require_search_names(group: Group, search: Search) -> None:
     """Go on only if the group has the joints and coordinates that the search names.
 
     Raises:
@@ -132,7 +132,7 @@ def require_search_names(group: Group, search: SearchWire) -> None:
                 raise UnknownName.among(kind, name, dict.fromkeys(known))
 
 
-def require_cars(group: Group, search: SearchWire) -> None:
+def require_cars(group: Group, search: Search) -> None:
     """Go on only if the group's bases can drive as is asked, and the planners can search for that.
 
     Raises:
@@ -143,7 +143,7 @@ def require_cars(group: Group, search: SearchWire) -> None:
     asked = {
         name: steering_value(space)
         for name, space in search.spaces.items()
-        if isinstance(space, CarWire)
+        if isinstance(space, Car)
     }
     planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
     names = [search.planner] if isinstance(search.planner, str) else search.planner

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 from planning.domain.request.region_request import validate_convex
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.steering import Steering
-from service.plans.models.search import SearchWire
+from service.plans.models.search import Search
 from service.scenes.validation import Group
 
 PLANNER = "GCS"
 
 
-def asks_for_regions(search: SearchWire) -> bool:
+def asks_for_regions(search: Search) -> bool:
     """Return whether the planner that plans inside regions is among those asked for."""
     return PLANNER in ([search.planner] if isinstance(search.planner, str) else search.planner)
 

@@ -6,13 +6,13 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field, Strict
 
 from service.api.job_models import JobState
-from service.api.models import UNRECORDED, Answer, Name, Wire
+from service.api.models import UNRECORDED, Name, RequestModel, ResponseModel
 from service.api.numbers import WHOLE, NonNegative, Real
 from service.api.problem import Failure
 from service.plans.models.search import Interval
 
 
-class RegionsRequest(Wire):
+class RegionsRequest(RequestModel):
     """Grow regions for a group of a scene."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"group": "arm", "num_regions": 40}]})
@@ -60,7 +60,7 @@ class RegionsRequest(Wire):
     )
 
 
-class RegionWire(Answer):
+class Region(ResponseModel):
     """A region: those configurations q with normals q <= offsets."""
 
     normals: list[list[float]] = Field(description="Unit normals of its faces, a row each")
@@ -72,7 +72,7 @@ class RegionWire(Answer):
     )
 
 
-class PortalWire(Answer):
+class Portal(ResponseModel):
     """Where two regions overlap."""
 
     regions: tuple[int, int] = Field(description="Their places in the list")
@@ -80,7 +80,7 @@ class PortalWire(Answer):
     radius: float = Field(description="Of that ball [rad or m]")
 
 
-class RegionsSummary(Answer):
+class RegionsSummary(ResponseModel):
     """What has grown."""
 
     digest: str = Field(description="sha256 over all numbers of the regions")
@@ -104,11 +104,11 @@ class RegionsSummary(Answer):
 class RegionsResult(RegionsSummary):
     """What has grown, in full."""
 
-    regions: list[RegionWire] = Field(description="In the order in which they were grown")
-    portals: list[PortalWire] = Field(description="Where they overlap")
+    regions: list[Region] = Field(description="In the order in which they were grown")
+    portals: list[Portal] = Field(description="Where they overlap")
 
 
-class RegionsBrief(Answer):
+class RegionsBrief(ResponseModel):
     """Regions that were asked for, without their faces."""
 
     id: str = Field(description="Of the regions")
@@ -137,7 +137,7 @@ class RegionsJob(RegionsBrief):
     result: RegionsResult | None = Field(description="What has grown, once it succeeded")
 
 
-class RegionsPage(Answer):
+class RegionsPage(ResponseModel):
     """Regions, newest first."""
 
     items: list[RegionsBrief] = Field(description="On this page, without their faces")

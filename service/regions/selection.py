@@ -13,7 +13,7 @@ from service.desk import Desk
 from service.errors import NoRegions
 from service.jobs.records import Job, JobBrief
 from service.plans.models.request import PlanRequest
-from service.plans.models.search import SearchWire
+from service.plans.models.search import Search
 from service.regions.eligibility import PLANNER, asks_for_regions
 from service.scenes.records import SceneRecord
 from service.scenes.validation import require_group
@@ -60,7 +60,7 @@ async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: Desk) 
     )
 
 
-def _require_none(search: SearchWire) -> None:
+def _require_none(search: Search) -> None:
     if search.regions is not None:
         field = "search.regions"
         message = f"{field}: only the planner {PLANNER!r} plans inside regions, and nobody asked it"

@@ -10,44 +10,44 @@ from planning import (
     RemoveObject,
     SetPositions,
 )
-from planning.domain.scene.scene_operation import SceneOperation
+from planning.domain.scene import scene_operation as domain
 from service.scenes.edit_models import (
-    AddOperationWire,
-    AllowOperationWire,
-    AttachOperationWire,
-    DetachOperationWire,
-    ForbidOperationWire,
-    MoveOperationWire,
-    RemoveOperationWire,
-    SceneOperationWire,
-    SetPositionsOperationWire,
+    AddOperation,
+    AllowOperation,
+    AttachOperation,
+    DetachOperation,
+    ForbidOperation,
+    MoveOperation,
+    RemoveOperation,
+    SceneOperation,
+    SetPositionsOperation,
 )
 
 
-def operation_value(wire: SceneOperationWire) -> SceneOperation:  # noqa: C901, PLR0911  (one case each)
+def operation_value(wire: SceneOperation) -> domain.SceneOperation:  # noqa: C901, PLR0911  (one case each)
     """Return an operation for the domain."""
     match wire:
-        case AddOperationWire():
+        case AddOperation():
             return AddObject(wire.object.value())
-        case MoveOperationWire():
+        case MoveOperation():
             return MoveObject(wire.object, wire.pose.value())
-        case RemoveOperationWire():
+        case RemoveOperation():
             return RemoveObject(wire.object)
-        case AttachOperationWire():
+        case AttachOperation():
             touch = None if wire.touch is None else tuple(wire.touch)
             pose = None if wire.pose is None else wire.pose.value()
             return AttachObject(wire.object, wire.frame, touch, pose)
-        case DetachOperationWire():
+        case DetachOperation():
             return DetachObject(wire.object)
-        case SetPositionsOperationWire():
+        case SetPositionsOperation():
             return _set_positions(wire)
-        case AllowOperationWire():
+        case AllowOperation():
             return AllowPair((wire.pair[0], wire.pair[1]))
-        case ForbidOperationWire():
+        case ForbidOperation():
             return ForbidPair((wire.pair[0], wire.pair[1]))
 
 
-def _set_positions(wire: SetPositionsOperationWire) -> SetPositions:
+def _set_positions(wire: SetPositionsOperation) -> SetPositions:
     match wire.positions:
         case str() as name:
             return SetPositions(wire.robot, name)

@@ -5,10 +5,10 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, Strict, model_validator
 
 from planning.world.documents.scene_document import ObjectDocument, PoseDocument
-from service.api.models import Boolean, Name, Wire
+from service.api.models import Boolean, Name, RequestModel
 from service.api.numbers import WHOLE, Coordinate, Positions
 
-type Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
+type BodyNames = Annotated[list[Name], Field(min_length=2, max_length=2)]
 
 EXAMPLE: dict[str, Any] = {
     "operations": [
@@ -20,7 +20,7 @@ EXAMPLE: dict[str, Any] = {
 }
 
 
-class AddOperationWire(Wire):
+class AddOperation(RequestModel):
     """Add an object."""
 
     model_config = ConfigDict(title="AddOperation")
@@ -29,7 +29,7 @@ class AddOperationWire(Wire):
     object: ObjectDocument = Field(description="As in a scene document, under a name that is free")
 
 
-class MoveOperationWire(Wire):
+class MoveOperation(RequestModel):
     """Put an object that is not attached elsewhere; frames that hang on it go along."""
 
     model_config = ConfigDict(title="MoveOperation")
@@ -39,7 +39,7 @@ class MoveOperationWire(Wire):
     pose: PoseDocument = Field(description="X_WO, its new pose in the world")
 
 
-class RemoveOperationWire(Wire):
+class RemoveOperation(RequestModel):
     """Remove an object, the frames that hang on it, and the pairs and margins that name it."""
 
     model_config = ConfigDict(title="RemoveOperation")
@@ -48,7 +48,7 @@ class RemoveOperationWire(Wire):
     object: Name = Field(description="Its name")
 
 
-class AttachOperationWire(Wire):
+class AttachOperation(RequestModel):
     """Let a robot hold an object: from now on it follows a frame and counts as the robot's body."""
 
     model_config = ConfigDict(title="AttachOperation")
@@ -79,7 +79,7 @@ class AttachOperationWire(Wire):
         return self
 
 
-class DetachOperationWire(Wire):
+class DetachOperation(RequestModel):
     """Leave an object where it is in the world at the scene's positions."""
 
     model_config = ConfigDict(title="DetachOperation")
@@ -88,7 +88,7 @@ class DetachOperationWire(Wire):
     object: Name = Field(description="Its name")
 
 
-class SetPositionsOperationWire(Wire):
+class SetPositionsOperation(RequestModel):
     """Put joints of a robot elsewhere; joints that are not named stay where they are."""
 
     model_config = ConfigDict(title="SetPositionsOperation")
@@ -102,43 +102,43 @@ class SetPositionsOperationWire(Wire):
     )
 
 
-class AllowOperationWire(Wire):
+class AllowOperation(RequestModel):
     """Let two bodies touch."""
 
     model_config = ConfigDict(title="AllowOperation")
 
     op: Literal["allow"] = Field(description="What to do")
-    pair: Pair = Field(description="Full names of the bodies")
+    pair: BodyNames = Field(description="Full names of the bodies")
 
 
-class ForbidOperationWire(Wire):
+class ForbidOperation(RequestModel):
     """No longer let two bodies touch, which the scene allowed."""
 
     model_config = ConfigDict(title="ForbidOperation")
 
     op: Literal["forbid"] = Field(description="What to do")
-    pair: Pair = Field(description="Full names of the bodies")
+    pair: BodyNames = Field(description="Full names of the bodies")
 
 
-type SceneOperationWire = Annotated[
-    AddOperationWire
-    | MoveOperationWire
-    | RemoveOperationWire
-    | AttachOperationWire
-    | DetachOperationWire
-    | SetPositionsOperationWire
-    | AllowOperationWire
-    | ForbidOperationWire,
+type SceneOperation = Annotated[
+    AddOperation
+    | MoveOperation
+    | RemoveOperation
+    | AttachOperation
+    | DetachOperation
+    | SetPositionsOperation
+    | AllowOperation
+    | ForbidOperation,
     Field(discriminator="op", description="What to do, by `op`"),
 ]
 
 
-class SceneEdit(Wire):
+class SceneEdit(RequestModel):
     """Operations, carried out in order; all of them or none."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
 
-    operations: Annotated[list[SceneOperationWire], Field(min_length=1, max_length=1000)] = Field(
+    operations: Annotated[list[SceneOperation], Field(min_length=1, max_length=1000)] = Field(
         description="In order"
     )
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(

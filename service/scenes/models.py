@@ -5,12 +5,12 @@ from datetime import datetime
 from pydantic import ConfigDict, Field
 
 from planning.world.documents.scene_document import SceneDocument
-from service.api.models import Answer
-from service.queries.models.check import UncheckedPairWire
-from service.scenes.summary_models import GroupWire
+from service.api.models import ResponseModel
+from service.queries.models.check import UncheckedPair
+from service.scenes.summary_models import Group
 
 
-class SceneBrief(Answer):
+class SceneBrief(ResponseModel):
     """A scene without its content."""
 
     id: str = Field(description="Of the scene")
@@ -20,7 +20,7 @@ class SceneBrief(Answer):
     created_at: datetime = Field(description="When this revision was made (UTC)")
 
 
-class FilesWire(Answer):
+class Files(ResponseModel):
     """The files of a robot or a mesh, as they were when it entered the scene."""
 
     named: str = Field(description="What the document calls them: `model`, or the mesh's `uri`")
@@ -36,26 +36,26 @@ class Scene(SceneBrief):
 
     model_config = ConfigDict(title="Scene")
 
-    groups: list[GroupWire] = Field(description="What can be planned for")
+    groups: list[Group] = Field(description="What can be planned for")
     frames: list[str] = Field(description="Frames that poses may be given in")
     bodies: list[str] = Field(description="Everything that can collide")
     num_pairs: int = Field(description="Pairs of bodies that are kept apart")
     assumed: list[str] = Field(
         description="Joints whose rate limits nobody states, so that ours are assumed"
     )
-    unchecked: list[UncheckedPairWire] = Field(
+    unchecked: list[UncheckedPair] = Field(
         default=[], description="Pairs of bodies that no collision check looks at, and why"
     )
     warnings: list[str] = Field(description="What was found odd, for example concave meshes")
     document: SceneDocument = Field(description="As it was posted or edited, defaults filled in")
-    files: dict[str, FilesWire] = Field(
+    files: dict[str, Files] = Field(
         default={},
         description="What its robots and meshes were made from, by name: they are kept, and no "
         "change of a file on the disk changes this scene",
     )
 
 
-class ScenePage(Answer):
+class ScenePage(ResponseModel):
     """Scenes, newest first."""
 
     items: list[SceneBrief] = Field(description="On this page")

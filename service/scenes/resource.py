@@ -5,12 +5,11 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from service.jobs.json_text import Encoded, encode
-from service.scenes.models import Scene
-from service.scenes.models import SceneBrief as SceneBriefWire
+from service.scenes import models
 from service.scenes.records import SceneBrief, SceneRecord
-from service.scenes.summary_models import GroupWire
+from service.scenes.summary_models import Group
 
-_GROUPS = TypeAdapter(list[GroupWire])
+_GROUPS = TypeAdapter(list[Group])
 
 
 def scene_brief(record: SceneBrief) -> dict[str, Any]:
@@ -29,8 +28,10 @@ def scene_text(record: SceneRecord) -> Encoded:
 
     What grows with the scene goes out as the text that it was made as: it is not read here.
     """
-    brief = SceneBriefWire.model_validate(scene_brief(record)).model_dump(mode="json")
-    known = {name: part for name, part in record.summary.items() if name in Scene.model_fields}
+    brief = models.SceneBrief.model_validate(scene_brief(record)).model_dump(mode="json")
+    known = {
+        name: part for name, part in record.summary.items() if name in models.Scene.model_fields
+    }
     groups = _GROUPS.validate_python(known["groups"])
     known["groups"] = _GROUPS.dump_python(groups, mode="json", exclude_none=True)
     small = encode({"files": {}, **known, **brief})

@@ -2,19 +2,19 @@
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 
 type Bound = float | None
 
 
-class SteeringWire(Answer):
+class Steering(ResponseModel):
     """What a car can drive."""
 
     turning_radius: float = Field(description="Of its tightest turn, at the base's origin [m]")
     reverse: bool = Field(description="Whether it drives backwards too")
 
 
-class JointWire(Answer):
+class Joint(ResponseModel):
     """A joint of a group."""
 
     name: str = Field(description="Full name, `robot::joint`")
@@ -22,12 +22,12 @@ class JointWire(Answer):
         description="revolute, continuous, prismatic, planar or floating; whole turns are nothing "
         "only to continuous joints, and a joint that another one follows by less is revolute"
     )
-    steering: SteeringWire | None = Field(
+    steering: Steering | None = Field(
         default=None, description="How a planar joint is steered; null if it moves any way"
     )
 
 
-class LimitsWire(Answer):
+class Limits(ResponseModel):
     """What the joints of a group may do; null is unlimited.
 
     Positions are limited per coordinate. Rates are limited per block: the Euclidean norm of the
@@ -44,30 +44,30 @@ class LimitsWire(Answer):
     effort: list[Bound] = Field(description="Per block [N m or N]")
 
 
-class GroupWire(Answer):
+class Group(ResponseModel):
     """Joints that are planned for together."""
 
     name: str = Field(description="`robot` or `robot::group`")
     aliases: list[str] = Field(description="Other names that it answers to")
-    joints: list[JointWire] = Field(description="In the group's order")
+    joints: list[Joint] = Field(description="In the group's order")
     position_names: list[str] = Field(description="A name per position coordinate, in order")
     velocity_names: list[str] = Field(description="A name per velocity coordinate, in order")
     tool_frames: list[str] = Field(description="Frames that it moves; the first is the default")
-    limits: LimitsWire = Field(description="What its joints may do")
+    limits: Limits = Field(description="What its joints may do")
     configurations: dict[str, list[float]] = Field(
         description="Named configurations, in the group's order [rad or m]"
     )
     positions: list[float] = Field(description="The current state [rad or m]")
 
 
-class SourceWire(Answer):
+class Source(ResponseModel):
     """Where a number is from."""
 
     what: str = Field(description="Which numbers")
     source: str = Field(description="Where they were published")
 
 
-class ModelWire(Answer):
+class Model(ResponseModel):
     """A robot that scenes may name."""
 
     model_config = ConfigDict(title="Model")
@@ -75,15 +75,15 @@ class ModelWire(Answer):
     name: str = Field(description="As `model` of a scene's robot has it")
     description: str = Field(description="What it is")
     default_group: str = Field(description="The group that the bare robot name stands for")
-    groups: list[GroupWire] = Field(description="What can be planned for, in a robot of this name")
+    groups: list[Group] = Field(description="What can be planned for, in a robot of this name")
     bodies: list[str] = Field(description="Its bodies, in a robot of this name")
-    sources: list[SourceWire] = Field(description="Where its numbers are from")
+    sources: list[Source] = Field(description="Where its numbers are from")
     assumed: list[str] = Field(
         description="Joints whose rate limits nobody states, so that ours are assumed"
     )
 
 
-class ModelList(Answer):
+class ModelList(ResponseModel):
     """Robots there are."""
 
     items: list[str] = Field(description="Names, sorted; GET /v1/models/{name} says more")

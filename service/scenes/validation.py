@@ -7,24 +7,24 @@ from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ModelInvalid, UnknownName
 from service.errors import WrongCount
 from service.plans.models.constraints import (
-    ConstraintWire,
-    DistanceBandWire,
-    JointLimitsWire,
-    KeepInWire,
-    KeepOutWire,
-    LockedJointsWire,
-    OrientationWire,
-    PositionWire,
+    Constraint,
+    DistanceBand,
+    JointLimits,
+    KeepIn,
+    KeepOut,
+    LockedJoints,
+    Orientation,
+    Position,
 )
 from service.plans.models.goals import (
-    ConfigurationGoalWire,
-    GoalWire,
-    JointGoalWire,
-    PoseGoalWire,
-    RegionGoalWire,
-    RelativeGoalWire,
+    ConfigurationGoal,
+    Goal,
+    JointGoal,
+    PoseGoal,
+    RegionGoal,
+    RelativeGoal,
 )
-from service.plans.models.line_goals import LineGoalWire, PathGoalWire
+from service.plans.models.line_goals import LineGoal, PathGoal
 from service.scenes.records import SceneRecord
 
 type Group = dict[str, Any]
@@ -86,7 +86,7 @@ def require_count(group: Group, positions: Sequence[float], field: str) -> None:
         raise WrongCount(message, evidence)
 
 
-def require_goal(scene: SceneRecord, group: Group, goal: GoalWire) -> None:
+def require_goal(scene: SceneRecord, group: Group, goal: Goal) -> None:
     """Go on only if the goal can be meant in this scene.
 
     Raises:
@@ -94,10 +94,10 @@ def require_goal(scene: SceneRecord, group: Group, goal: GoalWire) -> None:
         WrongCount: A list of positions does not fit the group.
     """
     match goal:
-        case JointGoalWire():
+        case JointGoal():
             for q in rows(goal.positions):
                 require_count(group, q, "goal.positions")
-        case ConfigurationGoalWire():
+        case ConfigurationGoal():
             if goal.name not in group["configurations"]:
                 raise UnknownName.among("configuration", goal.name, group["configurations"])
         case _:
@@ -105,19 +105,19 @@ def require_goal(scene: SceneRecord, group: Group, goal: GoalWire) -> None:
 
 
 def frames_of(
-    goal: PoseGoalWire | RegionGoalWire | RelativeGoalWire | LineGoalWire | PathGoalWire,
+    goal: PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal,
 ) -> list[str]:
     """Return the frames that a goal names."""
     match goal:
-        case RelativeGoalWire():
+        case RelativeGoal():
             named = [goal.reference]
-        case RegionGoalWire():
+        case RegionGoal():
             named = [pose.frame for pose in goal.poses or [goal.pose] if pose is not None]
-        case PoseGoalWire():
+        case PoseGoal():
             named = [pose.frame for pose in goal.poses] + [goal.metric and goal.metric.frame]
-        case LineGoalWire():
+        case LineGoal():
             named = [end.frame for end in (goal.pose, goal.displacement) if end is not None]
-        case PathGoalWire():
+        case PathGoal():
             named = [pose.frame for pose in goal.poses]
     return [name for name in [goal.frame, *named] if name is not None]
 
@@ -141,7 +141,7 @@ def rows(positions: Sequence[float] | Sequence[Sequence[float]]) -> list[list[fl
 
 
 def require_constraints(
-    scene: SceneRecord, group: Group, constraints: Sequence[ConstraintWire]
+    scene: SceneRecord, group: Group, constraints: Sequence[Constraint]
 ) -> None:
     """Go on only if the path constraints name what the scene has.
 
@@ -150,19 +150,19 @@ def require_constraints(
     """
     for constraint in constraints:
         match constraint:
-            case DistanceBandWire():
+            case DistanceBand():
                 names = [*(constraint.bodies or []), *(constraint.to or [])]
                 _require("body", names, scene.summary["bodies"])
-            case KeepOutWire() | KeepInWire():
+            case KeepOut() | KeepIn():
                 require_frames(scene, [constraint.frame, constraint.box.pose.frame])
-            case PositionWire():
+            case Position():
                 require_frames(scene, [constraint.frame, constraint.pose.frame])
-            case OrientationWire():
+            case Orientation():
                 require_frames(scene, [constraint.frame, constraint.reference])
-            case LockedJointsWire():
+            case LockedJoints():
                 joints = [joint["name"] for joint in group["joints"]]
                 _require("joint", constraint.joints, joints)
-            case JointLimitsWire():
+            case JointLimits():
                 _require("joint", list(constraint.limits), group["position_names"])
 
 

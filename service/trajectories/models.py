@@ -4,15 +4,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
-from service.api.models import Answer, Boolean, Identifier, Name, Wire
+from service.api.models import Boolean, Identifier, Name, RequestModel, ResponseModel
 from service.api.numbers import WHOLE, Coordinate, NonNegative, Positions, Real
 from service.api.problem import Failure
-from service.plans.models.constraints import ConstraintWire
+from service.plans.models.constraints import Constraint
 from service.plans.models.motion_limits import ScaledLimits
-from service.plans.models.reports import CertifyReportWire, RetimeReportWire
-from service.plans.models.request import CertifyWire, RetimeWire
-from service.plans.models.result import CertificateWire
-from service.plans.models.trajectory import TrajectoryWire
+from service.plans.models.reports import CertifyReport, RetimeReport
+from service.plans.models.request import Certify, Retime
+from service.plans.models.result import Certificate
+from service.plans.models.trajectory import Trajectory
 
 type Rows = Annotated[list[Positions], Field(min_length=2, max_length=20_000)]
 type Instants = Annotated[list[NonNegative], Field(min_length=2, max_length=20_001)]
@@ -39,7 +39,7 @@ _MOTION: dict[str, Any] = {
 }
 
 
-class InScene(Wire):
+class InScene(RequestModel):
     """What all these questions have in common."""
 
     scene: Identifier = Field(description="Id of a scene")
@@ -55,10 +55,10 @@ class InScene(Wire):
     )
 
 
-class KeptConstraints(Wire):
+class KeptConstraints(RequestModel):
     """What a motion keeps besides its limits."""
 
-    path_constraints: Annotated[list[ConstraintWire], Field(max_length=64)] = Field(
+    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
         default=[],
         description="What to keep on the way; what counts from the start counts from where the "
         "given path or motion begins",
@@ -74,25 +74,25 @@ class RetimeRequest(InScene, KeptConstraints):
         description="The group's positions from start to goal, joined by straight lines in joint "
         "space [rad or m]"
     )
-    retime: RetimeWire = Field(default_factory=RetimeWire, description="How to time it")
-    certify: CertifyWire = Field(
-        default_factory=CertifyWire, description="What to find out besides the proof"
+    retime: Retime = Field(default_factory=Retime, description="How to time it")
+    certify: Certify = Field(
+        default_factory=Certify, description="What to find out besides the proof"
     )
     polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
 
 
-class RetimeStages(Answer):
+class RetimeStages(ResponseModel):
     """What the two stages did."""
 
-    retime: RetimeReportWire = Field(description="How the path was timed")
-    certify: CertifyReportWire = Field(description="How the motion was proven")
+    retime: RetimeReport = Field(description="How the path was timed")
+    certify: CertifyReport = Field(description="How the motion was proven")
 
 
-class RetimeResponse(Answer):
+class RetimeResponse(ResponseModel):
     """A certified motion along the path, or why there is none."""
 
-    trajectory: TrajectoryWire | None = Field(description="The motion; null if there is none")
-    certificate: CertificateWire | None = Field(description="The proof; null if there is none")
+    trajectory: Trajectory | None = Field(description="The motion; null if there is none")
+    certificate: Certificate | None = Field(description="The proof; null if there is none")
     stages: RetimeStages | None = Field(description="What was done; null if there is no motion")
     cut_short: list[str] = Field(
         default=[],
@@ -105,7 +105,7 @@ class RetimeResponse(Answer):
     )
 
 
-class OwnPolynomial(Wire):
+class OwnPolynomial(RequestModel):
     """The exact motion, as `Trajectory.polynomial` has it."""
 
     breaks: Instants = Field(description="Instants between pieces, from 0, n + 1 of them [s]")
@@ -117,7 +117,7 @@ class OwnPolynomial(Wire):
     joint_types: list[Name] | None = Field(default=None, description="Ignored: the scene knows")
 
 
-class OwnTrajectory(Wire):
+class OwnTrajectory(RequestModel):
     """A timed motion as `Trajectory` has it: samples, or with `polynomial` exactly."""
 
     times: Instants = Field(description="Instants of the samples, from 0 [s]")
@@ -175,19 +175,19 @@ class CertifyMotionRequest(InScene, KeptConstraints, ScaledLimits):
     limit_jerk: Boolean = Field(
         default=False, description="Hold it against the limits on jerk as well"
     )
-    certify: CertifyWire = Field(
-        default_factory=CertifyWire, description="What to find out besides the proof"
+    certify: Certify = Field(
+        default_factory=Certify, description="What to find out besides the proof"
     )
 
 
-class CertifyMotionResponse(Answer):
+class CertifyMotionResponse(ResponseModel):
     """The verdict on the motion, between its samples too."""
 
-    certificate: CertificateWire = Field(description="What was proven, and what failed")
+    certificate: Certificate = Field(description="What was proven, and what failed")
     interpolation: Interpolation = Field(description="What the samples were taken for")
     unchecked: list[str] = Field(
         default=[],
         description="Checks that straight lines are not held to, as their velocity jumps",
     )
     duration: float = Field(description="Of the motion [s]")
-    stage: CertifyReportWire = Field(description="What it took")
+    stage: CertifyReport = Field(description="What it took")

@@ -4,14 +4,14 @@ from typing import Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Answer, Boolean
+from service.api.models import Boolean, ResponseModel
 from service.api.numbers import NonNegative
 from service.api.problem import Failure
 from service.plans.models.motion_limits import ScaledLimits
-from service.plans.models.reports import CertifyReportWire
-from service.plans.models.result import CertificateWire
-from service.plans.models.sampling import SamplingWire
-from service.plans.models.trajectory import TrajectoryWire
+from service.plans.models.reports import CertifyReport
+from service.plans.models.result import Certificate
+from service.plans.models.sampling import Sampling
+from service.plans.models.trajectory import Trajectory
 from service.trajectories.models import InScene, Interpolation, KeptConstraints, OwnTrajectory
 
 _REST = [[0] * 6, [0] * 6]
@@ -33,7 +33,7 @@ _ONTO: dict[str, Any] = {
 }
 
 
-class _LeavingRequest(InScene, KeptConstraints, SamplingWire, ScaledLimits):
+class _LeavingRequest(InScene, KeptConstraints, Sampling, ScaledLimits):
     """What is left and when, and what to keep on the way."""
 
     trajectory: OwnTrajectory = Field(
@@ -77,15 +77,15 @@ class SpliceMotionRequest(_LeavingRequest):
     onto: OwnTrajectory = Field(description="The other motion, which is followed to its end")
 
 
-class StopMotionResponse(Answer):
+class StopMotionResponse(ResponseModel):
     """A certified motion from the instant on, or why there is none."""
 
-    trajectory: TrajectoryWire | None = Field(
+    trajectory: Trajectory | None = Field(
         description="The motion, from the running motion's state at `time`, which is its 0; null "
         "if there is none"
     )
-    certificate: CertificateWire | None = Field(description="The proof; null if there is none")
-    stage: CertifyReportWire | None = Field(description="What it took; null if there is none")
+    certificate: Certificate | None = Field(description="The proof; null if there is none")
+    stage: CertifyReport | None = Field(description="What it took; null if there is none")
     interpolation: Interpolation = Field(
         description="What the samples of the running motion were taken for"
     )

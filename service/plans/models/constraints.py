@@ -5,9 +5,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Name, Wire
+from service.api.models import Name, RequestModel
 from service.api.numbers import NonNegative, Real, Triple
-from service.api.pose import PoseWire
+from service.api.pose import Pose
 
 type Side = Annotated[Real, Field(gt=0, le=1e6)]
 type Names = Annotated[list[Name], Field(min_length=1, max_length=1000)]
@@ -15,19 +15,19 @@ type Names = Annotated[list[Name], Field(min_length=1, max_length=1000)]
 _SHORTEST = 1e-9
 
 
-class BoxWire(Wire):
+class Box(RequestModel):
     """A box, placed by the pose of its middle."""
 
     size: Annotated[list[Side], Field(min_length=3, max_length=3)] = Field(
         description="Full side lengths along the axes of `pose` [m]"
     )
-    pose: PoseWire = Field(
-        default_factory=lambda: PoseWire(position=[0.0, 0.0, 0.0]),
+    pose: Pose = Field(
+        default_factory=lambda: Pose(position=[0.0, 0.0, 0.0]),
         description="Of its middle; in a frame that moves with the group, where the start puts it",
     )
 
 
-class DistanceBandWire(Wire):
+class DistanceBand(RequestModel):
     """The smallest distance between two sets of bodies stays within bounds."""
 
     model_config = ConfigDict(
@@ -56,23 +56,23 @@ class DistanceBandWire(Wire):
         return self
 
 
-class KeepOutWire(Wire):
+class KeepOut(RequestModel):
     """The origin of a frame stays out of a box."""
 
     type: Literal["keep_out"] = Field(description="Says which constraint this is")
     frame: Name = Field(description="Whose origin")
-    box: BoxWire = Field(description="Where it must not be")
+    box: Box = Field(description="Where it must not be")
 
 
-class KeepInWire(Wire):
+class KeepIn(RequestModel):
     """The origin of a frame stays in a box."""
 
     type: Literal["keep_in"] = Field(description="Says which constraint this is")
     frame: Name = Field(description="Whose origin")
-    box: BoxWire = Field(description="Where it must be")
+    box: Box = Field(description="Where it must be")
 
 
-class PositionWire(Wire):
+class Position(RequestModel):
     """The origin of a frame stays near a line, a plane or a point."""
 
     model_config = ConfigDict(
@@ -94,8 +94,8 @@ class PositionWire(Wire):
         description="How wide the band is along each axis of `pose` [m]; null for an axis that is "
         "free: one number is a plane, two are a line"
     )
-    pose: PoseWire = Field(
-        default_factory=lambda: PoseWire(position=[0.0, 0.0, 0.0]),
+    pose: Pose = Field(
+        default_factory=lambda: Pose(position=[0.0, 0.0, 0.0]),
         description="Of its middle; in a frame that moves with the group, where the start puts it",
     )
 
@@ -107,7 +107,7 @@ class PositionWire(Wire):
         return self
 
 
-class OrientationWire(Wire):
+class Orientation(RequestModel):
     """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
 
     model_config = ConfigDict(
@@ -145,14 +145,14 @@ class OrientationWire(Wire):
         return self
 
 
-class LockedJointsWire(Wire):
+class LockedJoints(RequestModel):
     """Some joints of the group stay where the start has them."""
 
     type: Literal["locked_joints"] = Field(description="Says which constraint this is")
     joints: Names = Field(description="Full names")
 
 
-class JointLimitsWire(Wire):
+class JointLimits(RequestModel):
     """Some coordinates of the group stay within bounds, besides those of the robot."""
 
     model_config = ConfigDict(
@@ -178,13 +178,7 @@ class JointLimitsWire(Wire):
         return self
 
 
-type ConstraintWire = Annotated[
-    DistanceBandWire
-    | KeepOutWire
-    | KeepInWire
-    | PositionWire
-    | OrientationWire
-    | LockedJointsWire
-    | JointLimitsWire,
+type Constraint = Annotated[
+    DistanceBand | KeepOut | KeepIn | Position | Orientation | LockedJoints | JointLimits,
     Field(discriminator="type", description="What a motion shall keep on its whole way"),
 ]

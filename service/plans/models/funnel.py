@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 
 
-class PairTallyWire(Answer):
+class PairTally(ResponseModel):
     """How often two bodies were the deepest collision of a rejected configuration."""
 
     bodies: tuple[str, str] = Field(description="Full names")
@@ -16,7 +16,7 @@ class PairTallyWire(Answer):
     max_depth: float = Field(description="Largest depth among them [m]")
 
 
-class LegTallyWire(Answer):
+class LegTally(ResponseModel):
     """How often one thing stopped the approach or retreat of a configuration."""
 
     leg: str = Field(description="`approach` or `retreat`")
@@ -28,7 +28,7 @@ class LegTallyWire(Answer):
     )
 
 
-class FunnelWire(Answer):
+class Funnel(ResponseModel):
     """How many IK samples survived what; every number is at most the one before it."""
 
     tried: int = Field(description="Seeds given to the solver")
@@ -40,10 +40,10 @@ class FunnelWire(Answer):
         description="Have a free, continuous approach and retreat; all of them if none is asked",
     )
     distinct: int = Field(description="Differ from all others")
-    rejected_by: list[PairTallyWire] = Field(
+    rejected_by: list[PairTally] = Field(
         description="Which pairs the colliding ones hit, of the first few that were measured"
     )
-    blocked_by: list[LegTallyWire] = Field(
+    blocked_by: list[LegTally] = Field(
         default=[], description="What stopped approaches and retreats, most frequent first"
     )
     violating: int = Field(
@@ -56,7 +56,7 @@ class FunnelWire(Answer):
     )
 
 
-class RejectionWire(Answer):
+class Rejection(ResponseModel):
     """Why some samples are no goal configurations."""
 
     reason: Literal[
@@ -76,8 +76,8 @@ class RejectionWire(Answer):
     max_depth: float | None = Field(description="Largest depth among them [m]")
 
 
-class IkFunnelWire(FunnelWire):
+class IkFunnel(Funnel):
     """The same, with the reason of every rejected sample."""
 
-    rejected: list[RejectionWire] = Field(default=[], description="Why the others are no solutions")
+    rejected: list[Rejection] = Field(default=[], description="Why the others are no solutions")
     summary: str = Field(default="", description="The same as a sentence")

@@ -4,19 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from planning.domain.geometry.pose import Pose
-from planning.domain.goals.goal import (
-    ConfigurationGoal,
-    Goal,
-    JointGoal,
-    LineGoal,
-    PoseBall,
-    PoseGoal,
-    PoseTarget,
-    ReachGoal,
-    RegionGoal,
-    RelativeGoal,
-)
+from planning.domain.geometry import pose as geometry
+from planning.domain.goals import goal as domain
 from planning.domain.goals.linear_moves import Displacement
 from planning.domain.request.options import (
     CertifyOptions,
@@ -30,30 +19,30 @@ from planning.domain.request.options import (
 )
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.steering import Steering
-from service.api.pose import PoseWire
+from service.api.pose import Pose
 from service.plans.models.constraint_values import constraint_values
 from service.plans.models.goals import (
-    ConfigurationGoalWire,
-    GoalWire,
-    JointGoalWire,
-    PoseBallWire,
-    PoseGoalWire,
-    RegionGoalWire,
-    RelativeGoalWire,
+    ConfigurationGoal,
+    Goal,
+    JointGoal,
+    PoseBall,
+    PoseGoal,
+    RegionGoal,
+    RelativeGoal,
 )
-from service.plans.models.ik import IkWire
-from service.plans.models.line_goals import LineEndWire, LineGoalWire, PathGoalWire, WayWire
+from service.plans.models.ik import Ik
+from service.plans.models.line_goals import LineEnd, LineGoal, PathGoal, Way
 from service.plans.models.motion_limit_values import motion_limits
-from service.plans.models.request import CertifyWire, PlanRequest, RefineWire, RetimeWire
-from service.plans.models.search import CarWire, RoadmapWire, SearchWire
+from service.plans.models.request import Certify, PlanRequest, Refine, Retime
+from service.plans.models.search import Car, Roadmap, Search
 
 
-def pose_value(pose: PoseWire) -> Pose:
+def pose_value(pose: Pose) -> geometry.Pose:
     """Return the domain's pose, without its frame."""
-    return Pose.from_parts(pose.position, pose.quaternion, pose.rpy)
+    return geometry.Pose.from_parts(pose.position, pose.quaternion, pose.rpy)
 
 
-def pose_wire(pose: Pose) -> dict[str, object]:
+def pose_wire(pose: geometry.Pose) -> dict[str, object]:
     """Return a pose in world for the wire."""
     return {
         "position": pose.position.tolist(),
@@ -62,14 +51,14 @@ def pose_wire(pose: Pose) -> dict[str, object]:
     }
 
 
-def target_value(pose: PoseWire) -> PoseTarget:
+def target_value(pose: Pose) -> domain.PoseTarget:
     """Return the domain's pose with the frame that it is given in."""
-    return PoseTarget(pose_value(pose), pose.frame)
+    return domain.PoseTarget(pose_value(pose), pose.frame)
 
 
-def pose_goal_value(goal: PoseGoalWire) -> PoseGoal:
+def pose_goal_value(goal: PoseGoal) -> domain.PoseGoal:
     """Return the domain's pose goal."""
-    return PoseGoal(
+    return domain.PoseGoal(
         targets=tuple(map(target_value, goal.poses)),
         frame=goal.frame or "",
         position_tolerance=np.array(goal.tolerance.position, dtype=np.float64),
@@ -80,41 +69,41 @@ def pose_goal_value(goal: PoseGoalWire) -> PoseGoal:
     )
 
 
-def _ball(metric: PoseBallWire) -> PoseBall:
+def _ball(metric: PoseBall) -> domain.PoseBall:
     weights = np.array(metric.weights, dtype=np.float64)
-    return PoseBall(metric.tolerance, weights, metric.frame or "")
+    return domain.PoseBall(metric.tolerance, weights, metric.frame or "")
 
 
-def line_end_value(end: LineEndWire) -> PoseTarget | Displacement:
+def line_end_value(end: LineEnd) -> domain.PoseTarget | Displacement:
     """Return where a line shall lead."""
     if end.pose is not None:
         return target_value(end.pose)
-    way = end.displacement or WayWire(vector=[0.0, 0.0, 0.0])
+    way = end.displacement or Way(vector=[0.0, 0.0, 0.0])
     return Displacement(np.array(way.vector, dtype=np.float64), way.frame)
 
 
-def line_goal_value(goal: LineGoalWire | PathGoalWire) -> LineGoal:
+def line_goal_value(goal: LineGoal | PathGoal) -> domain.LineGoal:
     """Return the domain's goal of one line or several."""
     ends = (
         (line_end_value(goal),)
-        if isinstance(goal, LineGoalWire)
+        if isinstance(goal, LineGoal)
         else tuple(map(target_value, goal.poses))
     )
-    return LineGoal(ends, goal.frame or "", goal.deviation.position, goal.deviation.rotation)
+    return domain.LineGoal(ends, goal.frame or "", goal.deviation.position, goal.deviation.rotation)
 
 
 def _way(vector: list[float] | None) -> np.ndarray[Any, np.dtype[np.float64]] | None:
     return None if vector is None else np.array(vector, dtype=np.float64)
 
 
-def region_goal_value(goal: RegionGoalWire) -> RegionGoal:
+def region_goal_value(goal: RegionGoal) -> domain.RegionGoal:
     """Return the domain's region goal; what is free has no bound."""
     poses = goal.poses if goal.pose is None else [goal.pose]
     position = np.array(goal.tolerance.position, dtype=np.float64)
     turn = np.array(goal.tolerance.rotation, dtype=np.float64)
     position[[axis in goal.free_axes for axis in ("x", "y", "z")]] = np.inf
     turn[[axis in goal.free_axes for axis in ("rx", "ry", "rz")]] = np.pi
-    return RegionGoal(
+    return domain.RegionGoal(
         targets=tuple(map(target_value, poses or ())),
         frame=goal.frame or "",
         position_tolerance=position,
@@ -124,40 +113,40 @@ def region_goal_value(goal: RegionGoalWire) -> RegionGoal:
     )
 
 
-def reach_goal_value(goal: PoseGoalWire | RegionGoalWire | RelativeGoalWire) -> ReachGoal:
+def reach_goal_value(goal: PoseGoal | RegionGoal | RelativeGoal) -> domain.ReachGoal:
     """Return the domain's goal of a tool frame."""
     match goal:
-        case PoseGoalWire():
+        case PoseGoal():
             return pose_goal_value(goal)
-        case RegionGoalWire():
+        case RegionGoal():
             return region_goal_value(goal)
-        case RelativeGoalWire():
+        case RelativeGoal():
             by = goal.displacement
-            moved = Pose.from_parts(by.position or (0.0, 0.0, 0.0), by.quaternion, by.rpy)
-            return RelativeGoal(moved, goal.frame or "", goal.reference or "")
+            moved = geometry.Pose.from_parts(by.position or (0.0, 0.0, 0.0), by.quaternion, by.rpy)
+            return domain.RelativeGoal(moved, goal.frame or "", goal.reference or "")
 
 
-def goal_value(goal: GoalWire) -> Goal:
+def goal_value(goal: Goal) -> domain.Goal:
     """Return the domain's goal."""
     match goal:
-        case JointGoalWire():
-            return JointGoal(np.atleast_2d(np.array(goal.positions, dtype=np.float64)))
-        case ConfigurationGoalWire():
-            return ConfigurationGoal(goal.name)
-        case LineGoalWire() | PathGoalWire():
+        case JointGoal():
+            return domain.JointGoal(np.atleast_2d(np.array(goal.positions, dtype=np.float64)))
+        case ConfigurationGoal():
+            return domain.ConfigurationGoal(goal.name)
+        case LineGoal() | PathGoal():
             return line_goal_value(goal)
         case _:
             return reach_goal_value(goal)
 
 
-def ik_value(ik: IkWire) -> IkOptions:
+def ik_value(ik: Ik) -> IkOptions:
     """Return the domain's IK options."""
     metric = PoseMetric(ik.pose_metric.translation, ik.pose_metric.rotation)
     weights = dict(ik.joint_weights)
     return IkOptions(ik.max_configurations, ik.max_trials, weights, metric, ik.time_limit)
 
 
-def retime_value(retime: RetimeWire) -> RetimeOptions:
+def retime_value(retime: Retime) -> RetimeOptions:
     """Return the domain's options of the timing."""
     return RetimeOptions(
         method=retime.method,
@@ -169,22 +158,22 @@ def retime_value(retime: RetimeWire) -> RetimeOptions:
     )
 
 
-def roadmap_value(roadmap: RoadmapWire) -> RoadmapOptions:
+def roadmap_value(roadmap: Roadmap) -> RoadmapOptions:
     """Return the domain's options of a roadmap."""
     return RoadmapOptions(roadmap.states, roadmap.neighbours, roadmap.seed)
 
 
-def certify_value(certify: CertifyWire) -> CertifyOptions:
+def certify_value(certify: Certify) -> CertifyOptions:
     """Return the domain's options of the proof."""
     return CertifyOptions(certify.stop_anywhere, certify.max_stopping_time, certify.robustness)
 
 
-def steering_value(car: CarWire) -> Steering:
+def steering_value(car: Car) -> Steering:
     """Return how the domain says that a base is steered."""
     return Steering(car.turning_radius, car.reverse)
 
 
-def search_value(search: SearchWire) -> SearchOptions:
+def search_value(search: Search) -> SearchOptions:
     """Return the domain's search options."""
     return SearchOptions(
         planner=search.planner if isinstance(search.planner, str) else tuple(search.planner),
@@ -197,7 +186,7 @@ def search_value(search: SearchWire) -> SearchOptions:
         weights=dict(search.weights),
         bounds={name: (low, high) for name, (low, high) in search.bounds.items()},
         spaces={
-            name: steering_value(space) if isinstance(space, CarWire) else space
+            name: steering_value(space) if isinstance(space, Car) else space
             for name, space in search.spaces.items()
         },
         setup_time=search.setup_time,
@@ -212,7 +201,7 @@ def search_value(search: SearchWire) -> SearchOptions:
     )
 
 
-def _refine(wire: RefineWire) -> RefineOptions:
+def _refine(wire: Refine) -> RefineOptions:
     wish = wire.clearance
     return RefineOptions(wire.method, wish and ClearanceObjective(wish.distance, wish.weight))
 

@@ -4,14 +4,14 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Name, Wire
+from service.api.models import Name, RequestModel
 from service.api.numbers import NonNegative, Positions, Quadruple, Real, Triple
-from service.api.pose import PoseWire, require_one_rotation
-from service.plans.models.line_goals import LineGoalWire, PathGoalWire
+from service.api.pose import Pose, require_one_rotation
+from service.plans.models.line_goals import LineGoal, PathGoal
 from service.plans.models.tool_frame import ToolFrame
 
 
-class ToleranceWire(Wire):
+class Tolerance(RequestModel):
     """How far from a target the tool frame may end, in the target's own axes."""
 
     position: Annotated[list[NonNegative], Field(min_length=3, max_length=3)] = Field(
@@ -23,7 +23,7 @@ class ToleranceWire(Wire):
     )
 
 
-class JointGoalWire(Wire):
+class JointGoal(RequestModel):
     """Reach a configuration, or any of several."""
 
     type: Literal["joint"] = Field(description="Says which goal this is")
@@ -32,7 +32,7 @@ class JointGoalWire(Wire):
     )
 
 
-class ConfigurationGoalWire(Wire):
+class ConfigurationGoal(RequestModel):
     """Reach a configuration that the scene or the robot names."""
 
     type: Literal["configuration"] = Field(description="Says which goal this is")
@@ -42,7 +42,7 @@ class ConfigurationGoalWire(Wire):
 type Weight = Annotated[Real, Field(ge=0, le=1e3)]
 
 
-class PoseBallWire(Wire):
+class PoseBall(RequestModel):
     """All poses within a weighted distance: sqrt(sum (w_i * way_i)^2 + (w_r * angle)^2)."""
 
     tolerance: Annotated[Real, Field(ge=1e-6, le=1e3)] = Field(
@@ -59,7 +59,7 @@ class PoseBallWire(Wire):
     )
 
 
-class PoseGoalWire(Wire):
+class PoseGoal(RequestModel):
     """Bring a tool frame to a pose, or to any of several."""
 
     model_config = ConfigDict(
@@ -75,14 +75,12 @@ class PoseGoalWire(Wire):
     )
 
     type: Literal["pose"] = Field(description="Says which goal this is")
-    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
+    poses: Annotated[list[Pose], Field(min_length=1, max_length=1000)] = Field(
         description="The candidates; `goal_index` of the result says which one was reached"
     )
     frame: ToolFrame = None
-    tolerance: ToleranceWire = Field(
-        default_factory=ToleranceWire, description="How far off it may be"
-    )
-    metric: PoseBallWire | None = Field(
+    tolerance: Tolerance = Field(default_factory=Tolerance, description="How far off it may be")
+    metric: PoseBall | None = Field(
         default=None,
         description="Instead of `tolerance`: how far off it may be by a weighted metric",
     )
@@ -105,7 +103,7 @@ class PoseGoalWire(Wire):
         return self
 
 
-class RegionGoalWire(Wire):
+class RegionGoal(RequestModel):
     """Bring a tool frame anywhere into a region, or into any of several."""
 
     model_config = ConfigDict(
@@ -122,13 +120,13 @@ class RegionGoalWire(Wire):
     )
 
     type: Literal["region"] = Field(description="Says which goal this is")
-    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] | None = Field(
+    poses: Annotated[list[Pose], Field(min_length=1, max_length=1000)] | None = Field(
         default=None, description="The middles of the regions; or one as `pose`"
     )
-    pose: PoseWire | None = Field(default=None, description="The middle of the only region")
+    pose: Pose | None = Field(default=None, description="The middle of the only region")
     frame: ToolFrame = None
-    tolerance: ToleranceWire = Field(
-        default_factory=ToleranceWire,
+    tolerance: Tolerance = Field(
+        default_factory=Tolerance,
         description="How far from the middle the region goes, by its axes",
     )
     free_axes: Annotated[list[Literal["x", "y", "z", "rx", "ry", "rz"]], Field(max_length=6)] = (
@@ -158,7 +156,7 @@ class RegionGoalWire(Wire):
         return self
 
 
-class DisplacementWire(Wire):
+class Displacement(RequestModel):
     """A displacement: a translation, a rotation, or both."""
 
     position: Triple | None = Field(default=None, description="Translation [m]; null for none")
@@ -178,7 +176,7 @@ class DisplacementWire(Wire):
         return self
 
 
-class RelativeGoalWire(Wire):
+class RelativeGoal(RequestModel):
     """Move a tool frame by a displacement from where the start has it."""
 
     model_config = ConfigDict(
@@ -194,7 +192,7 @@ class RelativeGoalWire(Wire):
     )
 
     type: Literal["relative"] = Field(description="Says which goal this is")
-    displacement: DisplacementWire = Field(description="By how much")
+    displacement: Displacement = Field(description="By how much")
     frame: ToolFrame = None
     reference: Name | None = Field(
         default=None,
@@ -203,13 +201,7 @@ class RelativeGoalWire(Wire):
     )
 
 
-type GoalWire = Annotated[
-    JointGoalWire
-    | ConfigurationGoalWire
-    | PoseGoalWire
-    | RegionGoalWire
-    | RelativeGoalWire
-    | LineGoalWire
-    | PathGoalWire,
+type Goal = Annotated[
+    JointGoal | ConfigurationGoal | PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal,
     Field(discriminator="type", description="What a motion shall reach"),
 ]

@@ -2,10 +2,10 @@
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 
 
-class PlannerGraphWire(Answer):
+class PlannerGraph(ResponseModel):
     """What a planner explored: trees or a roadmap, the first 2,000 vertices of it at most."""
 
     model_config = ConfigDict(title="PlannerGraph")

@@ -4,11 +4,11 @@ from typing import Annotated
 
 from pydantic import Field, Strict
 
-from service.api.models import Name, Wire
+from service.api.models import Name, RequestModel
 from service.api.numbers import WHOLE, NonNegative, Real
 
 
-class PoseMetricWire(Wire):
+class PoseMetric(RequestModel):
     """How far apart two poses are: sqrt((translation * t)^2 + (rotation * angle)^2)."""
 
     translation: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
@@ -20,7 +20,7 @@ class PoseMetricWire(Wire):
     )
 
 
-class IkWire(Wire):
+class Ik(RequestModel):
     """How hard to look for goal configurations, and which of them are near."""
 
     max_configurations: Annotated[int, Strict(), Field(ge=1, le=10_000), WHOLE] = Field(
@@ -37,8 +37,8 @@ class IkWire(Wire):
         description="Factor on each joint's part of the distance from the start, by full name "
         "(`robot::joint`); 1 for joints that are not named [1]",
     )
-    pose_metric: PoseMetricWire = Field(
-        default_factory=PoseMetricWire,
+    pose_metric: PoseMetric = Field(
+        default_factory=PoseMetric,
         description="Which pose is the nearest to one that no configuration reaches",
     )
     time_limit: Annotated[Real, Field(gt=0, le=3600)] | None = Field(

@@ -4,23 +4,23 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Name, Wire
+from service.api.models import Name, RequestModel
 from service.api.numbers import Real, Triple
-from service.api.pose import PoseWire
+from service.api.pose import Pose
 from service.plans.models.tool_frame import ToolFrame
 
 type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
 type Turn = Annotated[Real, Field(ge=1e-5, le=3)]
 
 
-class DeviationWire(Wire):
+class Deviation(RequestModel):
     """How far a tool may be from its line, between waypoints and samples too."""
 
     position: Shift = Field(default=0.001, description="Of its origin, from the line [m]")
     rotation: Turn = Field(default=0.008726646259971648, description="Of its rotation [rad]")
 
 
-class WayWire(Wire):
+class Way(RequestModel):
     """A way without a turn."""
 
     vector: Triple = Field(description="The way [m]")
@@ -29,15 +29,15 @@ class WayWire(Wire):
     )
 
 
-class LineEndWire(Wire):
+class LineEnd(RequestModel):
     """Where a straight line ends that begins where the tool stands."""
 
-    pose: PoseWire | None = Field(
+    pose: Pose | None = Field(
         default=None,
         description="Where the line ends, and the rotation turns along with the translation; this "
         "or `displacement`",
     )
-    displacement: WayWire | None = Field(
+    displacement: Way | None = Field(
         default=None, description="Or the way from where the tool stands"
     )
 
@@ -49,7 +49,7 @@ class LineEndWire(Wire):
         return self
 
 
-class LineGoalWire(LineEndWire):
+class LineGoal(LineEnd):
     """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
 
     model_config = ConfigDict(
@@ -63,13 +63,13 @@ class LineGoalWire(LineEndWire):
 
     type: Literal["line"] = Field(description="Says which goal this is")
     frame: ToolFrame = None
-    deviation: DeviationWire = Field(
-        default_factory=DeviationWire,
+    deviation: Deviation = Field(
+        default_factory=Deviation,
         description="How far from the line the motion may be, between samples too",
     )
 
 
-class PathGoalWire(Wire):
+class PathGoal(RequestModel):
     """Bring a tool frame through poses in straight lines, at rest at each."""
 
     model_config = ConfigDict(
@@ -87,11 +87,11 @@ class PathGoalWire(Wire):
     )
 
     type: Literal["path"] = Field(description="Says which goal this is")
-    poses: Annotated[list[PoseWire], Field(min_length=1, max_length=1000)] = Field(
+    poses: Annotated[list[Pose], Field(min_length=1, max_length=1000)] = Field(
         description="In this order; frames that move count where the start puts them"
     )
     frame: ToolFrame = None
-    deviation: DeviationWire = Field(
-        default_factory=DeviationWire,
+    deviation: Deviation = Field(
+        default_factory=Deviation,
         description="How far from the lines the motion may be, between samples too",
     )

@@ -4,16 +4,16 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Boolean, Name, Wire
+from service.api.models import Boolean, Name, RequestModel
 from service.api.numbers import Coordinate, Real, Scale
-from service.plans.models.constraints import BoxWire
-from service.plans.models.payload import PayloadWire
+from service.plans.models.constraints import Box
+from service.plans.models.payload import Payload
 
 type Speed = Annotated[Real, Field(ge=1e-3, le=1e3)]
 type AccelerationPair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 
 
-class ToolLimitWire(Wire):
+class ToolLimit(RequestModel):
     """How fast the origin of a frame may move."""
 
     model_config = ConfigDict(
@@ -34,7 +34,7 @@ class ToolLimitWire(Wire):
         return self
 
 
-class SpeedZoneWire(Wire):
+class SpeedZone(RequestModel):
     """How fast the origin of a frame may move while it is in a box."""
 
     model_config = ConfigDict(
@@ -52,17 +52,17 @@ class SpeedZoneWire(Wire):
 
     name: Name = Field(description="For the certificate's check; no two zones share one")
     frame: Name = Field(description="Whose origin: any frame of the scene")
-    box: BoxWire = Field(description="Where")
+    box: Box = Field(description="Where")
     speed: Speed = Field(description="At most, in the box [m/s]")
 
 
-class MotionLimits(Wire):
+class MotionLimits(RequestModel):
     """What limits a motion besides the limits of its joints; the scales do not change it."""
 
-    tool_limits: Annotated[list[ToolLimitWire], Field(max_length=16)] = Field(
+    tool_limits: Annotated[list[ToolLimit], Field(max_length=16)] = Field(
         default=[], description="Largest speeds and accelerations of frames"
     )
-    speed_zones: Annotated[list[SpeedZoneWire], Field(max_length=64)] = Field(
+    speed_zones: Annotated[list[SpeedZone], Field(max_length=64)] = Field(
         default=[], description="Boxes in which a frame is slower"
     )
     acceleration_bounds: Annotated[dict[Name, AccelerationPair], Field(max_length=256)] = Field(
@@ -75,7 +75,7 @@ class MotionLimits(Wire):
         description="Whether joint torques and forces stay within their limits, gravity and all "
         "that is carried included: check `torque` of the certificate",
     )
-    payload: PayloadWire | None = Field(
+    payload: Payload | None = Field(
         default=None,
         description="What the group carries that the scene does not show; it counts for torques",
     )

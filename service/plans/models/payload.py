@@ -4,9 +4,9 @@ from typing import Annotated, Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from planning import Payload
+import planning
 from planning.errors import ProblemInvalid
-from service.api.models import Name, Wire
+from service.api.models import Name, RequestModel
 from service.api.numbers import Coordinate, Real, Triple
 
 type Moments = Annotated[list[Coordinate], Field(min_length=6, max_length=6)]
@@ -14,7 +14,7 @@ type Moments = Annotated[list[Coordinate], Field(min_length=6, max_length=6)]
 EXAMPLE: dict[str, Any] = {"frame": "arm::tool0", "mass": 2.0, "center_of_mass": [0, 0, 0.05]}
 
 
-class PayloadWire(Wire):
+class Payload(RequestModel):
     """A rigid mass that follows a frame and burdens every joint that carries it."""
 
     model_config = ConfigDict(title="Payload", json_schema_extra={"examples": [EXAMPLE]})
@@ -36,6 +36,6 @@ class PayloadWire(Wire):
             raise ValueError(fault.detail) from fault
         return self
 
-    def value(self) -> Payload:
+    def value(self) -> planning.Payload:
         """Return the domain's payload."""
-        return Payload.from_parts(self.frame, self.mass, self.center_of_mass, self.inertia)
+        return planning.Payload.from_parts(self.frame, self.mass, self.center_of_mass, self.inertia)

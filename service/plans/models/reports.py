@@ -2,19 +2,19 @@
 
 from pydantic import Field
 
-from service.api.models import Answer
-from service.plans.models.funnel import IkFunnelWire
-from service.plans.models.search_reports import SearchReportWire
+from service.api.models import ResponseModel
+from service.plans.models.funnel import IkFunnel
+from service.plans.models.search_reports import SearchReport
 
 
-class GoalsReportWire(Answer):
+class GoalsReport(ResponseModel):
     """What the goals stage found."""
 
     num_configurations: int = Field(description="Goal configurations that were offered to search")
-    funnel: IkFunnelWire = Field(description="How many samples survived what")
+    funnel: IkFunnel = Field(description="How many samples survived what")
 
 
-class RefineReportWire(Answer):
+class RefineReport(ResponseModel):
     """What the refine stage did."""
 
     method: str = Field(description="`trajopt`, `auto` or `none`")
@@ -36,7 +36,7 @@ class RefineReportWire(Answer):
     )
 
 
-class BindingIntervalWire(Answer):
+class BindingInterval(ResponseModel):
     """What keeps the motion from being quicker for a while."""
 
     begin: float = Field(description="[s]")
@@ -52,7 +52,7 @@ class BindingIntervalWire(Answer):
     )
 
 
-class SavingWire(Answer):
+class Saving(ResponseModel):
     """How much shorter the motion would be with one limit relaxed."""
 
     limit: str = Field(description="Which, as in the intervals")
@@ -60,19 +60,19 @@ class SavingWire(Answer):
     seconds: float = Field(description="How much shorter [s]")
 
 
-class DurationExplanationWire(Answer):
+class DurationExplanation(ResponseModel):
     """Why the motion takes as long as it does."""
 
-    intervals: list[BindingIntervalWire] = Field(
+    intervals: list[BindingInterval] = Field(
         description="What binds when; together they cover the motion"
     )
     relaxed: float = Field(description="The factor by which limits were relaxed, one at a time")
-    savings: list[SavingWire] = Field(
+    savings: list[Saving] = Field(
         description="What that saved, the most first; measured for limits that are met"
     )
 
 
-class RetimeReportWire(Answer):
+class RetimeReport(ResponseModel):
     """What the retime stage did."""
 
     method: str = Field(description="`toppra` or `ruckig`")
@@ -85,13 +85,13 @@ class RetimeReportWire(Answer):
         description="How far corners were rounded, or the smoothed curve may be from the path "
         "[rad or m]"
     )
-    explanation: DurationExplanationWire | None = Field(
+    explanation: DurationExplanation | None = Field(
         default=None,
         description="Why it takes that long; null if not asked for, or no time was left",
     )
 
 
-class StopReportWire(Answer):
+class StopReport(ResponseModel):
     """Stops along the path within limits, from every instant: guaranteed upper bounds."""
 
     time: float = Field(description="Of the longest stop [s]")
@@ -112,7 +112,7 @@ class StopReportWire(Answer):
     )
 
 
-class RobustnessWire(Answer):
+class Robustness(ResponseModel):
     """What the proof of clearance survives: guaranteed lower bounds, each by itself."""
 
     obstacle_displacement: float = Field(
@@ -128,28 +128,28 @@ class RobustnessWire(Answer):
     joint_time: float = Field(description="When they do [s]")
 
 
-class CertifyReportWire(Answer):
+class CertifyReport(ResponseModel):
     """What the certify stage did."""
 
     intervals: int = Field(description="Intervals on which clearance was bounded")
     distance_queries: int = Field(description="Configurations at which distances were measured")
     candidates: int = Field(description="Candidate motions that were looked at")
     refused: list[str] = Field(description="What was wrong with those before the delivered one")
-    stop: StopReportWire | None = Field(
+    stop: StopReport | None = Field(
         default=None,
         description="How it can be stopped; null if not asked for, or no time was left",
     )
-    robustness: RobustnessWire | None = Field(
+    robustness: Robustness | None = Field(
         default=None,
         description="How wrong world and robot may be; null if not asked for, or no time was left",
     )
 
 
-class StagesWire(Answer):
+class Stages(ResponseModel):
     """One report per stage."""
 
-    goals: GoalsReportWire = Field(description="Goal configurations")
-    search: SearchReportWire = Field(description="The path")
-    refine: RefineReportWire = Field(description="The optimisation")
-    retime: RetimeReportWire = Field(description="The timing")
-    certify: CertifyReportWire = Field(description="The proof")
+    goals: GoalsReport = Field(description="Goal configurations")
+    search: SearchReport = Field(description="The path")
+    refine: RefineReport = Field(description="The optimisation")
+    retime: RetimeReport = Field(description="The timing")
+    certify: CertifyReport = Field(description="The proof")

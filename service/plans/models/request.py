@@ -4,15 +4,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, Strict, model_validator
 
-from service.api.models import Boolean, Identifier, Name, Wire
+from service.api.models import Boolean, Identifier, Name, RequestModel
 from service.api.numbers import WHOLE, NonNegative, Positions, Real
-from service.plans.models.constraints import ConstraintWire
-from service.plans.models.goals import GoalWire
-from service.plans.models.ik import IkWire
-from service.plans.models.line_goals import LineGoalWire, PathGoalWire
+from service.plans.models.constraints import Constraint
+from service.plans.models.goals import Goal
+from service.plans.models.ik import Ik
+from service.plans.models.line_goals import LineGoal, PathGoal
 from service.plans.models.motion_limits import ScaledLimits
-from service.plans.models.sampling import SamplingWire
-from service.plans.models.search import SearchWire
+from service.plans.models.sampling import Sampling
+from service.plans.models.search import Search
 
 EXAMPLE: dict[str, Any] = {
     "scene": "scn_3f0c5b1e9a7d4c62",
@@ -29,7 +29,7 @@ EXAMPLE: dict[str, Any] = {
 }
 
 
-class ClearanceWishWire(Wire):
+class ClearanceWish(RequestModel):
     """Clearance that is wished for, beyond the margin that is demanded."""
 
     distance: Annotated[Real, Field(gt=0, le=1)] = Field(
@@ -41,7 +41,7 @@ class ClearanceWishWire(Wire):
     )
 
 
-class RefineWire(Wire):
+class Refine(RequestModel):
     """Whether and how to optimise the path."""
 
     method: Literal["trajopt", "auto", "none"] = Field(
@@ -49,7 +49,7 @@ class RefineWire(Wire):
         description="Optimise the duration; do so only if at least half a second is left; or leave "
         "the path as it is",
     )
-    clearance: ClearanceWishWire | None = Field(
+    clearance: ClearanceWish | None = Field(
         default=None,
         description="What the duration is weighed against; `none` has no use for it",
     )
@@ -62,7 +62,7 @@ class RefineWire(Wire):
         return self
 
 
-class RetimeWire(SamplingWire, ScaledLimits):
+class Retime(Sampling, ScaledLimits):
     """How to time the path."""
 
     method: Literal["toppra", "ruckig"] = Field(
@@ -89,7 +89,7 @@ class RetimeWire(SamplingWire, ScaledLimits):
     )
 
 
-class CertifyWire(Wire):
+class Certify(RequestModel):
     """What to find out about the motion once it is proven; told in the report on `certify`."""
 
     stop_anywhere: Boolean = Field(
@@ -109,7 +109,7 @@ class CertifyWire(Wire):
     )
 
 
-class PlanRequest(Wire):
+class PlanRequest(RequestModel):
     """Move a group of a scene from a start to a goal."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
@@ -123,18 +123,18 @@ class PlanRequest(Wire):
         default=None,
         description="The group's positions [rad or m]; null for the scene's current state",
     )
-    goal: GoalWire = Field(description="What to reach")
-    path_constraints: Annotated[list[ConstraintWire], Field(max_length=64)] = Field(
+    goal: Goal = Field(description="What to reach")
+    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
         default=[],
         description="What the motion shall keep on its whole way, all of it; each has a check of "
         "its own in the certificate",
     )
-    ik: IkWire = Field(default_factory=IkWire, description="Options of the goals stage")
-    search: SearchWire = Field(default_factory=SearchWire, description="Options of the search")
-    refine: RefineWire = Field(default_factory=RefineWire, description="Options of the refinement")
-    retime: RetimeWire = Field(default_factory=RetimeWire, description="Options of the timing")
-    certify: CertifyWire = Field(
-        default_factory=CertifyWire, description="What to find out besides the proof"
+    ik: Ik = Field(default_factory=Ik, description="Options of the goals stage")
+    search: Search = Field(default_factory=Search, description="Options of the search")
+    refine: Refine = Field(default_factory=Refine, description="Options of the refinement")
+    retime: Retime = Field(default_factory=Retime, description="Options of the timing")
+    certify: Certify = Field(
+        default_factory=Certify, description="What to find out besides the proof"
     )
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
@@ -145,7 +145,7 @@ class PlanRequest(Wire):
 
     @model_validator(mode="after")
     def _know_no_lines_in_roadmaps(self) -> Self:
-        if self.search.roadmap is not None and isinstance(self.goal, LineGoalWire | PathGoalWire):
+        if self.search.roadmap is not None and isinstance(self.goal, LineGoal | PathGoal):
             message = "search.roadmap: goals `line` and `path` are not searched for; leave it out"
             raise ValueError(message)
         return self

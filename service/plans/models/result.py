@@ -4,14 +4,14 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Answer
-from service.plans.models.reports import StagesWire
-from service.plans.models.trajectory import TrajectoryWire
-from service.queries.models.check import PairWire, UncheckedPairWire
-from service.queries.models.checked import CheckWire
+from service.api.models import ResponseModel
+from service.plans.models.reports import Stages
+from service.plans.models.trajectory import Trajectory
+from service.queries.models.check import Pair, UncheckedPair
+from service.queries.models.checked import Check
 
 
-class CertificateWire(Answer):
+class Certificate(ResponseModel):
     """The verdict on the motion, between its samples too."""
 
     model_config = ConfigDict(title="Certificate")
@@ -43,20 +43,20 @@ class CertificateWire(Answer):
         description="Clearance is proven from the beginning until then [s]: the duration, if the "
         "check `clearance` passed",
     )
-    first_unproven: PairWire | None = Field(
+    first_unproven: Pair | None = Field(
         default=None,
         description="The pair that stopped the proof of clearance there, at most 0.1 ms later; "
         "null if none did",
     )
-    unchecked: list[UncheckedPairWire] = Field(
+    unchecked: list[UncheckedPair] = Field(
         default=[],
         description="Pairs of bodies whose clearance is not looked at, and why: the certificate "
         "says nothing of them",
     )
-    checks: list[CheckWire] = Field(description="All checks, passed or not")
+    checks: list[Check] = Field(description="All checks, passed or not")
 
 
-class PartWire(Answer):
+class Part(ResponseModel):
     """A part of the motion, from rest to rest."""
 
     kind: Literal["free", "approach", "retreat", "line"] = Field(
@@ -68,7 +68,7 @@ class PartWire(Answer):
     num_waypoints: int = Field(description="Of its part of `path`, both ends included")
 
 
-class PlanResult(Answer):
+class PlanResult(ResponseModel):
     """What a solved problem gives."""
 
     goal_configuration: list[float] = Field(
@@ -80,12 +80,12 @@ class PlanResult(Answer):
         description="By how much the given start was clipped, at most 1e-6 [rad or m]"
     )
     path: list[list[float]] = Field(description="Untimed waypoints, one row each [rad or m]")
-    parts: list[PartWire] = Field(
+    parts: list[Part] = Field(
         default=[], description="The free motion and the straight lines it is made of, in order"
     )
-    trajectory: TrajectoryWire = Field(description="The timed motion, sampled as asked for")
-    certificate: CertificateWire = Field(description="The proof")
-    stages: StagesWire = Field(description="What every stage did")
+    trajectory: Trajectory = Field(description="The timed motion, sampled as asked for")
+    certificate: Certificate = Field(description="The proof")
+    stages: Stages = Field(description="What every stage did")
     cut_short: list[str] | None = Field(
         default=None,
         description="Stages that ended early because of the clock, by their names in `timings`: "

@@ -4,15 +4,15 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict, model_validator
 
-from planning.domain.curves.sampling import Sampling
-from service.api.models import Boolean, Wire
+from planning.domain.curves import sampling as domain
+from service.api.models import Boolean, RequestModel
 from service.api.numbers import WHOLE, Real
 
 # Between samples [s].
 DEFAULT_PERIOD = 0.01
 
 
-class SamplingWire(Wire):
+class Sampling(RequestModel):
     """So many samples, or one every so often."""
 
     sample_period: Annotated[Real, Field(ge=1e-4, le=10)] | None = Field(
@@ -42,7 +42,7 @@ class SamplingWire(Wire):
         return given
 
     @property
-    def sampling(self) -> Sampling:
+    def sampling(self) -> domain.Sampling:
         """At which instants to sample."""
         period = self.sample_period or DEFAULT_PERIOD
-        return Sampling(period, self.num_points, self.even_samples)
+        return domain.Sampling(period, self.num_points, self.even_samples)

@@ -4,14 +4,14 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Strict, Tag
 
-from service.api.models import Boolean, Identifier, Name, Wire
+from service.api.models import Boolean, Identifier, Name, RequestModel
 from service.api.numbers import WHOLE, Coordinate, Integer, Real
 
 type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 type ParameterValue = Boolean | Integer | Real | Annotated[str, Field(max_length=256)]
 
 
-class RoadmapWire(Wire):
+class Roadmap(RequestModel):
     """A roadmap that many plans share; it is built once for a scene as a group sees it."""
 
     states: Annotated[int, Strict(), Field(ge=1, le=20_000), WHOLE] = Field(
@@ -26,7 +26,7 @@ class RoadmapWire(Wire):
     )
 
 
-class CarWire(Wire):
+class Car(RequestModel):
     """A planar base that moves like a car: never sideways, in no tighter turn than it can."""
 
     turning_radius: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
@@ -39,19 +39,18 @@ class CarWire(Wire):
 
 
 def _kind_of_space(space: object) -> str:
-    return "space[car]" if isinstance(space, dict | CarWire) else "space[name]"
+    return "space[car]" if isinstance(space, dict | Car) else "space[name]"
 
 
 # Faults are told of what was meant alone; steps in brackets are no part of a fault's path.
-type SpaceWire = Annotated[
-    Annotated[Literal["full", "position"], Tag("space[name]")]
-    | Annotated[CarWire, Tag("space[car]")],
+type Space = Annotated[
+    Annotated[Literal["full", "position"], Tag("space[name]")] | Annotated[Car, Tag("space[car]")],
     Discriminator(_kind_of_space),
     Field(description="How much of a joint is searched, or what a car of it can drive"),
 ]
 
 
-class SearchWire(Wire):
+class Search(RequestModel):
     """How to search for a path."""
 
     planner: Name | Annotated[list[Name], Field(min_length=1, max_length=16)] = Field(
@@ -99,7 +98,7 @@ class SearchWire(Wire):
         description="Lowest and highest value to search in [rad or m], by position name, within "
         "the limits",
     )
-    spaces: dict[Name, SpaceWire] = Field(
+    spaces: dict[Name, Space] = Field(
         default={},
         max_length=64,
         description="`position` keeps the rotation of a planar or floating joint, named here, as "
@@ -145,7 +144,7 @@ class SearchWire(Wire):
         description="Interpolate each straight part to at least this many waypoints; `num_states` "
         "is then for the free part",
     )
-    roadmap: RoadmapWire | None = Field(
+    roadmap: Roadmap | None = Field(
         default=None,
         description="Look for a path in this roadmap first, and ask the planner only where it has "
         "none; under `path_constraints` it is one that keeps them",

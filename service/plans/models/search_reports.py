@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 
 
-class AttemptReportWire(Answer):
+class AttemptReport(ResponseModel):
     """What one attempt at a solution came to."""
 
     planner: str = Field(description="OMPL's name")
@@ -21,7 +21,7 @@ class AttemptReportWire(Answer):
     num_states_checked: int = Field(description="Configurations checked for collision")
 
 
-class RegionsReportWire(Answer):
+class RegionsReport(ResponseModel):
     """What regions were good for in a search."""
 
     digest: str = Field(
@@ -33,7 +33,7 @@ class RegionsReportWire(Answer):
     fallback: str = Field(description="Why it did not, or empty")
 
 
-class RoadmapReportWire(Answer):
+class RoadmapReport(ResponseModel):
     """What a roadmap did; the same whether it was built for this plan or there already."""
 
     digest: str = Field(description="sha256 of its content")
@@ -59,7 +59,7 @@ class RoadmapReportWire(Answer):
     )
 
 
-class SearchReportWire(Answer):
+class SearchReport(ResponseModel):
     """What the search stage did; lengths are in joint space [rad or m]."""
 
     planner: str = Field(
@@ -86,14 +86,14 @@ class SearchReportWire(Answer):
         description="Of the kept solution: a length [rad or m], a duration [s], or, for clearance, "
         "length over distance",
     )
-    attempts_log: list[AttemptReportWire] = Field(
+    attempts_log: list[AttemptReport] = Field(
         default=[], description="One entry per attempt, the first hundred"
     )
     was_canceled: bool = Field(default=False, description="Whether a cancel ended the search early")
-    regions: RegionsReportWire | None = Field(
+    regions: RegionsReport | None = Field(
         default=None, description="What regions were good for, if the planner is GCS"
     )
-    roadmap: RoadmapReportWire | None = Field(
+    roadmap: RoadmapReport | None = Field(
         default=None, description="What a roadmap did, if one was asked for"
     )
     interpolated: bool = Field(

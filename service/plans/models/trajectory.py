@@ -2,13 +2,13 @@
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Answer
-from service.queries.models.checked import InterpolationWire
+from service.api.models import ResponseModel
+from service.queries.models.checked import Interpolation
 
 type Row = list[float]
 
 
-class PolynomialWire(Answer):
+class Polynomial(ResponseModel):
     """The exact motion: q(t) = bases[i] [+] sum_k coefficients[i][k] (t - breaks[i])^k.
 
     It holds on breaks[i] <= t <= breaks[i + 1]. `[+]` is the plain sum, but for floating joints,
@@ -26,7 +26,7 @@ class PolynomialWire(Answer):
     )
 
 
-class TrajectoryWire(Answer):
+class Trajectory(ResponseModel):
     """A timed motion, sampled; the first and the last instant are included."""
 
     model_config = ConfigDict(
@@ -57,11 +57,11 @@ class TrajectoryWire(Answer):
     velocities: list[Row] = Field(description="One row per instant [rad/s or m/s]")
     accelerations: list[Row] = Field(description="One row per instant [rad/s^2 or m/s^2]")
     duration: float = Field(description="Of the whole motion [s]")
-    interpolations: list[InterpolationWire] = Field(
+    interpolations: list[Interpolation] = Field(
         default=[],
         description="What is proven of the samples, by what receivers make of them; the "
         "certificate beside them is that of the exact motion. Empty of plans that are older",
     )
-    polynomial: PolynomialWire | None = Field(
+    polynomial: Polynomial | None = Field(
         default=None, description="The exact motion, where it was asked for"
     )

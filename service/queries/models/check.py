@@ -4,11 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Answer, Name, Wire
+from service.api.models import Name, RequestModel, ResponseModel
 from service.api.numbers import NonNegative, Positions
 
 
-class CheckRequest(Wire):
+class CheckRequest(RequestModel):
     """Check configurations of a group against limits and collisions."""
 
     model_config = ConfigDict(
@@ -26,7 +26,7 @@ class CheckRequest(Wire):
     )
 
 
-class UncheckedPairWire(Answer):
+class UncheckedPair(ResponseModel):
     """Two bodies that no collision check looks at."""
 
     model_config = ConfigDict(title="UncheckedPair")
@@ -41,7 +41,7 @@ class UncheckedPairWire(Answer):
     evidence: str = Field(description="What that rests on, in words")
 
 
-class PairWire(Answer):
+class Pair(ResponseModel):
     """Two bodies and how near they are."""
 
     bodies: tuple[str, str] = Field(description="Full names")
@@ -50,7 +50,7 @@ class PairWire(Answer):
     points: list[list[float]] = Field(description="The nearest point of each, in world [m]")
 
 
-class LimitViolationWire(Answer):
+class LimitViolation(ResponseModel):
     """A joint outside its position limits."""
 
     joint: str = Field(description="Name of the position coordinate")
@@ -59,21 +59,21 @@ class LimitViolationWire(Answer):
     upper: float | None = Field(description="Largest allowed [rad or m]; null for none")
 
 
-class VerdictWire(Answer):
+class Verdict(ResponseModel):
     """What was found of one configuration."""
 
     valid: bool = Field(description="Within limits, and nothing nearer than the margin")
-    collisions: list[PairWire] = Field(
+    collisions: list[Pair] = Field(
         description="All pairs that touch or are nearer than the margin, deepest first"
     )
     distance: float | None = Field(
         description="Smallest signed distance [m]; null if there is no pair to look at"
     )
-    nearest: PairWire | None = Field(description="The pair that is nearest; null if there is none")
-    limit_violations: list[LimitViolationWire] = Field(description="Joints outside their limits")
+    nearest: Pair | None = Field(description="The pair that is nearest; null if there is none")
+    limit_violations: list[LimitViolation] = Field(description="Joints outside their limits")
 
 
-class CheckResponse(Answer):
+class CheckResponse(ResponseModel):
     """A verdict per configuration, in order."""
 
-    results: list[VerdictWire] = Field(description="In the order of the configurations")
+    results: list[Verdict] = Field(description="In the order of the configurations")

@@ -4,10 +4,10 @@ from typing import Literal
 
 from pydantic import Field
 
-from service.api.models import Answer
+from service.api.models import ResponseModel
 
 
-class CheckWire(Answer):
+class Check(ResponseModel):
     """One property that was checked on the whole interval."""
 
     name: str = Field(description="position, velocity, acceleration, jerk, clearance, start, ...")
@@ -28,7 +28,7 @@ class CheckWire(Answer):
     )
 
 
-class InterpolationWire(Answer):
+class Interpolation(ResponseModel):
     """Whether the samples keep what the motion was proven to keep, read in one way."""
 
     kind: Literal["linear", "cubic", "quintic"] = Field(
@@ -48,7 +48,7 @@ class InterpolationWire(Answer):
         "duration if that is however long; of samples that are evenly apart only that of theirs; "
         "null if none is known"
     )
-    failed: list[CheckWire] = Field(description="The checks that did not pass")
+    failed: list[Check] = Field(description="The checks that did not pass")
     unchecked: list[str] = Field(
         description="Checks of the certificate that straight lines are not held to: at every "
         "sample their velocity jumps"

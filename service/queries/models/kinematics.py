@@ -4,17 +4,17 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
-from service.api.models import Answer, Name, Wire
+from service.api.models import Name, RequestModel, ResponseModel
 from service.api.numbers import WHOLE, NonNegative, Positions, Real
-from service.api.pose import PoseWire
+from service.api.pose import Pose
 from service.api.problem import Failure
-from service.plans.models.constraints import ConstraintWire
-from service.plans.models.funnel import IkFunnelWire
-from service.plans.models.goals import PoseGoalWire, RegionGoalWire, RelativeGoalWire
-from service.plans.models.ik import IkWire
+from service.plans.models.constraints import Constraint
+from service.plans.models.funnel import IkFunnel
+from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
+from service.plans.models.ik import Ik
 
 
-class FkRequest(Wire):
+class FkRequest(RequestModel):
     """Ask where frames are in given configurations."""
 
     model_config = ConfigDict(
@@ -32,15 +32,15 @@ class FkRequest(Wire):
     )
 
 
-class FkResponse(Answer):
+class FkResponse(ResponseModel):
     """Poses per configuration, in order."""
 
-    results: list[dict[str, PoseWire]] = Field(
+    results: list[dict[str, Pose]] = Field(
         description="Pose in world per frame, in the order of the configurations"
     )
 
 
-class IkRequest(Wire):
+class IkRequest(RequestModel):
     """Ask for all configurations that reach a pose, a region or a displacement."""
 
     model_config = ConfigDict(
@@ -59,18 +59,18 @@ class IkRequest(Wire):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    goal: PoseGoalWire | RegionGoalWire | RelativeGoalWire = Field(
+    goal: PoseGoal | RegionGoal | RelativeGoal = Field(
         discriminator="type", description="Where the tool frame shall be"
     )
     start: Positions | None = Field(
         default=None,
         description="What `nearest` is measured from [rad or m]; null for the scene's state",
     )
-    path_constraints: Annotated[list[ConstraintWire], Field(max_length=64)] = Field(
+    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
         default=[],
         description="What solutions shall keep; joints are locked where `start` has them",
     )
-    ik: IkWire = Field(default_factory=IkWire, description="How hard to look")
+    ik: Ik = Field(default_factory=Ik, description="How hard to look")
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
@@ -82,7 +82,7 @@ class IkRequest(Wire):
     )
 
 
-class BranchWire(Answer):
+class Branch(ResponseModel):
     """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
 
     shoulder: Literal[-1, 0, 1] = Field(description="On which side of the first axis the wrist is")
@@ -90,7 +90,7 @@ class BranchWire(Answer):
     wrist: Literal[-1, 0, 1] = Field(description="To which side the wrist bends")
 
 
-class IkSolutionWire(Answer):
+class IkSolution(ResponseModel):
     """A goal configuration, and how good it is."""
 
     positions: list[float] = Field(description="The group's positions [rad or m]")
@@ -110,17 +110,17 @@ class IkSolutionWire(Answer):
     distance: float = Field(
         description="From the start, by `ik.joint_weights`; the answers are sorted by it [rad or m]"
     )
-    branch: BranchWire | None = Field(
+    branch: Branch | None = Field(
         description="Of six-joint arms with a spherical wrist or one like Universal Robots'; else "
         "null"
     )
 
 
-class IkResponse(Answer):
+class IkResponse(ResponseModel):
     """All distinct goal configurations, nearest to the start first, or why there are none."""
 
-    configurations: list[IkSolutionWire] = Field(description="Free, within limits, distinct")
-    funnel: IkFunnelWire | None = Field(description="How many samples survived what")
+    configurations: list[IkSolution] = Field(description="Free, within limits, distinct")
+    funnel: IkFunnel | None = Field(description="How many samples survived what")
     failure: Failure | None = Field(
         description="Why there is none, `goal_unreachable`, `goal_in_collision`, "
         "`goal_too_near`, `approach_blocked` or `goal_violates_constraint`; the evidence has the "

@@ -4,22 +4,22 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Answer, Boolean, Name
+from service.api.models import Boolean, Name, ResponseModel
 from service.api.numbers import NonNegative, Positions, Real
-from service.api.pose import PoseWire
-from service.plans.models.line_goals import DeviationWire, LineEndWire
+from service.api.pose import Pose
+from service.plans.models.line_goals import Deviation, LineEnd
 from service.plans.models.tool_frame import ToolFrame
-from service.queries.models.check import PairWire
+from service.queries.models.check import Pair
 
 
-class FoundDeviationWire(Answer):
+class FoundDeviation(ResponseModel):
     """How far a tool is from its line at most, between waypoints too."""
 
     position: float = Field(description="Of its origin, from the line [m]")
     rotation: float = Field(description="Of its rotation [rad]")
 
 
-class LineRequest(LineEndWire):
+class LineRequest(LineEnd):
     """Move a tool in a straight line, as far as it goes."""
 
     model_config = ConfigDict(
@@ -42,8 +42,8 @@ class LineRequest(LineEndWire):
     max_step: Annotated[Real, Field(ge=1e-4, le=10)] = Field(
         default=0.05, description="Between waypoints the tool moves by this much at most [m]"
     )
-    deviation: DeviationWire = Field(
-        default_factory=DeviationWire,
+    deviation: Deviation = Field(
+        default_factory=Deviation,
         description="How far from the line straight ways between the waypoints may lead",
     )
     poses: Boolean = Field(default=False, description="Whether to answer the tool's poses as well")
@@ -52,7 +52,7 @@ class LineRequest(LineEndWire):
     )
 
 
-class LineStopWire(Answer):
+class LineStop(ResponseModel):
     """What ended a line before its end."""
 
     reason: Literal["limit", "singularity", "collision", "unreachable"] = Field(
@@ -61,17 +61,17 @@ class LineStopWire(Answer):
         "`unreachable`: the joints cannot move the tool that way"
     )
     fraction: float = Field(description="Of the line that was reached, to about 1e-5 [1]")
-    where: PoseWire = Field(description="The tool there, in world")
+    where: Pose = Field(description="The tool there, in world")
     positions: list[float] = Field(description="The group there [rad or m]")
     joint: str | None = Field(description="The position coordinate at its limit, for `limit`")
-    pair: PairWire | None = Field(description="The two bodies just beyond, for `collision`")
+    pair: Pair | None = Field(description="The two bodies just beyond, for `collision`")
     singular_value: float = Field(
         description="Smallest singular value there of the tool's Jacobian, of those that are not "
         "zero everywhere [1 or m per rad or m]"
     )
 
 
-class LineResponse(Answer):
+class LineResponse(ResponseModel):
     """How far it goes, on what way, and what stops it."""
 
     fraction: float = Field(description="Of the line that is reached, 0 to 1 [1]", ge=0, le=1)
@@ -80,10 +80,10 @@ class LineResponse(Answer):
     positions: list[list[float]] = Field(
         description="Waypoints from the start on, to be joined straight [rad or m]"
     )
-    poses: list[PoseWire] | None = Field(
+    poses: list[Pose] | None = Field(
         description="The tool at each waypoint, in world; null if not asked for"
     )
-    deviation: FoundDeviationWire = Field(
+    deviation: FoundDeviation = Field(
         description="How far from the line the tool is at most, between waypoints too"
     )
-    stopped_by: LineStopWire | None = Field(description="What ended it; null if all is reached")
+    stopped_by: LineStop | None = Field(description="What ended it; null if all is reached")

@@ -9,8 +9,8 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 import service.app
 from planning.world.documents.strict_model import StrictModel
-from service.api.models import Wire
-from service.plans.models.search import CarWire
+from service.api.models import RequestModel
+from service.plans.models.search import Car
 
 assert service.app  # it imports every wire type there is
 
@@ -26,7 +26,7 @@ def booleans() -> dict[str, TypeAdapter]:
     """Return the fields of all bodies that may be booleans and nothing else."""
     fields = {
         f"{model.__name__}.{name}": TypeAdapter(field.rebuild_annotation())
-        for base in (Wire, StrictModel)
+        for base in (RequestModel, StrictModel)
         for model in descendants(base)
         for name, field in model.model_fields.items()
     }
@@ -38,7 +38,7 @@ def booleans() -> dict[str, TypeAdapter]:
 
 
 def test_every_body_was_looked_at():
-    looked_at = {"CarWire.reverse", "SearchWire.approximate", "ObjectDocument.movable"}
+    looked_at = {"Car.reverse", "Search.approximate", "ObjectDocument.movable"}
     assert looked_at <= set(booleans())
 
 
@@ -54,4 +54,4 @@ def test_lookalikes_are_no_booleans(wrong):
 
 def test_a_car_is_told_what_is_wrong():
     with pytest.raises(ValidationError, match="reverse"):
-        CarWire.model_validate({"turning_radius": 1, "reverse": "no"})
+        Car.model_validate({"turning_radius": 1, "reverse": "no"})

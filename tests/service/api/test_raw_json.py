@@ -7,13 +7,13 @@ import pytest
 
 from service.api import raw_json as whole_module
 from service.api.job_models import Job
-from service.api.models import Answer
+from service.api.models import ResponseModel
 from service.api.raw_json import passed_on, whole
 from service.jobs import json_steps
 from service.jobs.database import is_in_loop
 from service.jobs.json_text import Encoded, encode
 from service.jobs.records import JobSpec
-from service.plans.models.trajectory import TrajectoryWire
+from service.plans.models.trajectory import Trajectory
 from service.regions.models import RegionsJob
 
 # A megabyte, in steps of which it has hundreds.
@@ -50,7 +50,7 @@ def test_answers_are_what_is_declared(client, solved, few_regions):
         assert again == {**answer, "unrecorded": []}
         assert model.model_validate(again).model_dump(mode="json") == again
     trajectory = client.get(f"/v1/plans/{solved['id']}/trajectory?points=50").json()
-    assert TrajectoryWire.model_validate(trajectory).model_dump(mode="json") == trajectory
+    assert Trajectory.model_validate(trajectory).model_dump(mode="json") == trajectory
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_a_large_result_is_not_decoded_in_the_loop(client, vast, decoded_in_loop
     assert len(listed.content) < STEP * 2
 
 
-class Brief(Answer):
+class Brief(ResponseModel):
     id: str
 
 

@@ -6,7 +6,7 @@ from service.api.job_models import Job
 from service.cli import screen
 from service.client.events import Event
 from service.scenes.models import Scene
-from service.scenes.summary_models import JointWire
+from service.scenes.summary_models import Joint
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def test_what_is_not_in_the_total_stands_below_it(solved, capsys):
 )
 def test_lengths_have_the_unit_of_the_joints(client, scene, solved, capsys, types, unit):
     group = Scene.model_validate(client.get(f"/v1/scenes/{scene}").json()).groups[0]
-    joints = [JointWire(name="r::j", type=type_) for type_ in types]
+    joints = [Joint(name="r::j", type=type_) for type_ in types]
     measured = screen.unit_of(group.model_copy(update={"joints": joints}))
     screen.show_plans({"to ready": Job.model_validate(solved)}, measured)
     assert f"path length, {unit} " in capsys.readouterr().out

@@ -14,16 +14,16 @@ from service.plans.models import result
 from service.plans.models import search_reports as search_wire
 
 PAIRS = [
-    (search_report.SearchReport, search_wire.SearchReportWire),
-    (report.RefineReport, wire.RefineReportWire),
-    (report.RetimeReport, wire.RetimeReportWire),
-    (report.CertifyReport, wire.CertifyReportWire),
-    (funnel.Funnel, funnel_wire.FunnelWire),
-    (funnel.PairTally, funnel_wire.PairTallyWire),
-    (stop_report.StopReport, wire.StopReportWire),
-    (robustness.Robustness, wire.RobustnessWire),
-    (certificate.Certificate, result.CertificateWire),
-    (certificate.Check, result.CheckWire),
+    (search_report.SearchReport, search_wire.SearchReport),
+    (report.RefineReport, wire.RefineReport),
+    (report.RetimeReport, wire.RetimeReport),
+    (report.CertifyReport, wire.CertifyReport),
+    (funnel.Funnel, funnel_wire.Funnel),
+    (funnel.PairTally, funnel_wire.PairTally),
+    (stop_report.StopReport, wire.StopReport),
+    (robustness.Robustness, wire.Robustness),
+    (certificate.Certificate, result.Certificate),
+    (certificate.Check, result.Check),
 ]
 
 
