@@ -12,7 +12,6 @@ from service.api.client_disconnect import ClientWatch
 from service.api.graceful_shutdown import Farewell
 from service.api.host_check import Gate
 from service.api.query_parameters import require_known_query
-from service.catalog import planner_routes
 from service.catalog import routes as catalog
 from service.engine import open_desk
 from service.executions import routes as executions
@@ -37,7 +36,6 @@ PARTS = (
     queries,
     regions,
     catalog,
-    planner_routes,
     plans,
     output_routes,
     trajectories,

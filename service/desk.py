@@ -10,6 +10,8 @@ from anyio import to_thread
 from pydantic import BaseModel
 
 from service.api.client_disconnect import note_question, unless_client_leaves
+from service.catalog.models import Planner
+from service.catalog.tasks import LIST_PLANNERS, NoWork
 from service.errors import NotReady, UnknownResource
 from service.job_spec import PREFIXES
 from service.jobs.calls import Question
@@ -19,13 +21,14 @@ from service.jobs.json_text import Encoded
 from service.jobs.records import Job, JobBrief, JobPage, JobSpec, JobText, LoggedEvent
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.tasks import Task
 from service.scenes.records import LoadedScene, SceneRecord
 from service.scenes.shelf import SceneShelf
+from service.scenes.tasks import LibraryWork, SceneWork
 from service.settings import Settings
 
 LANES = ("plan", "query", "execution", "regions")
 _CHUNK = 20
-_PLANNERS = "service.catalog.planner_worker:name_planners"
 _REVISE = "service.scenes.worker:revise_scene"
 
 
@@ -40,7 +43,7 @@ class Desk:
         self._store = store
         self._dispatcher = dispatcher
         self._scenes = scenes
-        self._planners: list[dict[str, Any]] = []
+        self._planners: list[Planner] = []
         self.admitting_motion = asyncio.Lock()
         # Where links lead is asked of the disk once, not for each task.
         self._folder = settings.data_dir.resolve()
@@ -61,6 +64,36 @@ class Desk:
         """Return what a task is told of a scene."""
         file = await self._scenes.file(record)
         return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
+
+    @property
+    def library(self) -> LibraryWork:
+        """What a task that loads robots is given."""
+        return LibraryWork.model_validate(self.common)
+
+    async def scene_work(self, record: SceneRecord) -> SceneWork:
+        """Return what a task about a scene is given."""
+        return SceneWork.model_validate(await self.scene_payload(record))
+
+    async def call[In: BaseModel, Out: BaseModel](
+        self, task: Task[In, Out], work: In, size: int = 0
+    ) -> Out:
+        """Have a worker carry out a short task and return its answer; raises as `ask`.
+
+        Args:
+            task: Of the queue of questions.
+            work: What it is given.
+            size: How much is asked: what is twice as much takes longer.
+        """
+        content = await self._ask(task.name, work.model_dump(mode="json"), size=size)
+        return task.result.model_validate(content)
+
+    async def call_text[In: BaseModel, Out: BaseModel](
+        self, task: Task[In, Out], work: In, size: int = 0
+    ) -> Encoded:
+        """Call as `call` does, for an answer that is passed on as it is."""
+        payload = work.model_dump(mode="json")
+        found: Encoded = await self._ask(task.name, payload, size=size, is_passed_on=True)
+        return found
 
     async def ask(self, task: str, payload: dict[str, Any], size: int = 0) -> Any:
         """Run a short task in the query lane and return its answer; it ends if the client leaves.
@@ -109,12 +142,10 @@ class Desk:
         payload = {**await self.scene_payload(record), "request": asked}
         return payload, sum(len(field) for field in asked.values() if isinstance(field, list))
 
-    async def planners(self) -> list[dict[str, Any]]:
+    async def planners(self) -> list[Planner]:
         """Return all planners; they are asked for once, because they never change."""
         if not self._planners:
-            self._planners = (await self.ask("service.catalog.planner_worker:name_planners", {}))[
-                "items"
-            ]
+            self._planners = (await self.call(LIST_PLANNERS, NoWork())).items
         return self._planners
 
     async def submit(self, spec: JobSpec) -> Job:

@@ -25,7 +25,7 @@ from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
 from service.settings import Settings
 from service.versions import versions
-from service.workers import PRELOAD, WARM_UP
+from service.workers import PRELOAD, WARM_UP, import_tasks
 
 # Slots for short questions only: they go on while scenes are loaded.
 _KEPT = 1
@@ -49,6 +49,8 @@ async def open_desk(
     keep_off_loops(engine)
     store = JobStore(engine, versions())
     dispatcher = Dispatcher(store, Ownership(engine), _lanes(settings), on_taken=on_taken)
+    if settings.engine == "inline":
+        await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
         await to_thread.run_sync(scenes.open)

@@ -1,5 +1,6 @@
 """Workers: what their processes import before they run anything. Light: no web, no Drake."""
 
+import importlib
 import multiprocessing.forkserver
 
 from service.jobs.worker_process import forkserver
@@ -14,7 +15,6 @@ PRELOAD = (
     "service.catalog.worker",
     "service.trajectories.worker",
     "service.plans.worker",
-    "service.catalog.planner_worker",
     "service.executions.proof",
     "service.queries.worker",
     "service.regions.worker",
@@ -24,6 +24,13 @@ PRELOAD = (
     "service.plans.warm_up",
 )
 WARM_UP = "service.plans.warm_up:warm_up"
+
+
+def import_tasks() -> None:
+    """Have this process carry tasks out itself."""
+    for name in PRELOAD:
+        if name.startswith("service."):
+            importlib.import_module(name)
 
 
 def start_to_import() -> None:

@@ -1,23 +1,33 @@
-"""Which robots there are."""
-
-from typing import Any
+"""What there is to choose from, found where Drake and OMPL are loaded."""
 
 from planning import describe_model, list_models
-from service.jobs.channel import Channel
-from service.scenes.summary_conversion import robot_wire
+from planning.api.planners import list_planners
+from service.catalog.models import ModelList, Planner, PlannerList
+from service.catalog.tasks import LIST_MODELS, LIST_PLANNERS, SHOW_MODEL, ModelWork, NoWork
+from service.jobs.context import TaskContext
+from service.scenes.summary_models import Model
+from service.scenes.tasks import LibraryWork
 from service.scenes.world_cache import library_of
 
 
-def name_models(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+@LIST_MODELS.runs
+def name_models(work: LibraryWork, _: TaskContext) -> ModelList:
     """Return the names of all robots."""
-    return {"items": list(list_models(library_of(payload["library"])))}
+    return ModelList(items=list(list_models(library_of(work.library))))
 
 
-def show_model(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+@SHOW_MODEL.runs
+def show_model(work: ModelWork, _: TaskContext) -> Model:
     """Return what a robot can do.
 
     Raises:
         UnknownName: There is none of that name.
         ModelInvalid: It does not load.
     """
-    return robot_wire(describe_model(library_of(payload["library"]), payload["name"]))
+    return Model.from_summary(describe_model(library_of(work.library), work.name))
+
+
+@LIST_PLANNERS.runs
+def name_planners(_: NoWork, __: TaskContext) -> PlannerList:
+    """Return all planners with their parameters."""
+    return PlannerList(items=[Planner.model_validate(card) for card in list_planners()])

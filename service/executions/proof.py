@@ -6,17 +6,18 @@ from typing import Any
 from planning import Deadline, certify_trajectory
 from planning.domain.report.certificate import Certificate
 from planning.errors import NotCertified
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.models.goal_values import problem_value
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory_conversion import trajectory_value
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 # A motion is proven in milliseconds, or it is a hard case [s].
 _ALLOWED = 10.0
 
 
-def certify_again(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def certify_again(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Hold the motion against the scene with all that its plan was asked for.
 
     Returns:
@@ -30,7 +31,7 @@ def certify_again(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     # A motion backwards was asked for with what the one forwards was asked for.
     request = PlanRequest.model_validate(payload["origin"] or payload["request"])
     problem = problem_value(request)
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         certificate, _ = certify_trajectory(
             world,
             problem.group,

@@ -13,8 +13,9 @@ from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
 from service.executions.controls import IS_PAUSED, SPEED
 from service.executions.conversion import StatusLog
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.models.trajectory_conversion import trajectory_value
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 # How long a tick takes, or works [s].
@@ -24,7 +25,7 @@ _EVENT_PERIOD = 0.05
 LONGEST_SILENCE = 3.0
 
 
-def execute(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def execute(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Follow a plan until it has ended; every `status` event says how it goes.
 
     Returns:
@@ -34,7 +35,7 @@ def execute(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         Canceled: The end was asked for; the robot came to rest on its path first.
         ExecutionFailure: The robot left its trajectory or touched something.
     """
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         runner = _runner(world, payload)
         last = follow(runner, channel, payload["speed"])
     if runner.execution.failure is not None:
@@ -57,7 +58,7 @@ def _runner(world: World, payload: dict[str, Any]) -> Runner:
 
 def follow(
     runner: Runner,
-    channel: Channel,
+    channel: TaskContext,
     speed: float,
     clock: Callable[[], float] = time.monotonic,
     wait: Callable[[float], object] | None = None,
@@ -96,7 +97,7 @@ def follow(
             wait(left)
 
 
-def _obey(runner: Runner, channel: Channel, obeyed: dict[str, Any]) -> dict[str, Any]:
+def _obey(runner: Runner, channel: TaskContext, obeyed: dict[str, Any]) -> dict[str, Any]:
     """Do what was asked since the last tick; return what is obeyed now."""
     if runner.is_done or runner.execution.state is ExecutionState.CANCELING:
         return obeyed

@@ -11,11 +11,12 @@ from sqlalchemy import Connection, insert
 from service.jobs.errors import IdempotencyConflict
 from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import log
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.prepared import Prepared
 from service.jobs.reading import job_of, jobs_where, now
 from service.jobs.records import Job, JobSpec, bodies, briefs, jobs
 from service.jobs.states import JobState
+from service.jobs.tasks import outline_of
 
 _COPIED = (
     "lane",

@@ -19,7 +19,7 @@ from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded, encode
 from service.jobs.moving import Moved, log, move, reserve
 from service.jobs.outcome import failure_of
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.prepared import Prepared
 from service.jobs.reading import now
 from service.jobs.reads import JobReads
@@ -35,6 +35,7 @@ from service.jobs.records import (
     owner,
 )
 from service.jobs.states import JobEvent, JobState
+from service.jobs.tasks import outline_of
 
 _OPEN = [state.value for state in JobState if not state.is_final]
 _WHOSE = bindparam("whose")

@@ -12,7 +12,8 @@ from service.jobs.error_text import error_text
 from service.jobs.errors import InternalError
 from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
 from service.jobs.link import FrameKind
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
+from service.jobs.tasks import outline_of, task_named
 
 # Events are for people; whatever is larger belongs into the result.
 MAX_EVENT = 64 * 1024
@@ -41,6 +42,9 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     interrupt, memory that ran out) is a crash.
     """
     try:
+        if ":" not in task:
+            done = task_named(task).run(payload, channel)
+            return TaskEnd(FrameKind.RESULT, done.text, done.brief)
         found = load_task(task)(json.loads(payload), channel)
         large = outline_of(task).result
         brief = encode_result(without(found, large)) if large else ""

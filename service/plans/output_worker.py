@@ -14,7 +14,7 @@ from planning.domain.curves.sampling import Sampling
 from planning.domain.report.motion_plan import PlanPart
 from planning.errors import InputError
 from planning.world.replay.replay_writer import ShownMotion, replay_html, replay_motions_html
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.models.goal_values import problem_value
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory_conversion import (
@@ -25,10 +25,11 @@ from service.plans.models.trajectory_conversion import (
     trajectory_value,
 )
 from service.plans.worker import PROVING
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 
-def sample(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def sample(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return a trajectory slowed to `scale` of its speed, sampled as `sampling` says.
 
     Raises:
@@ -39,7 +40,7 @@ def sample(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     return {**_proven(payload, trajectory, channel), "polynomial": exact}
 
 
-def sample_csv(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def sample_csv(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return `text`, and `proven`: what is proven of it, in a line.
 
     The text is a header, then a row per instant: time, positions, velocities, accelerations.
@@ -66,7 +67,7 @@ def sample_csv(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
 
 
 def _proven(
-    payload: dict[str, Any], trajectory: TimedTrajectory, channel: Channel
+    payload: dict[str, Any], trajectory: TimedTrajectory, channel: TaskContext
 ) -> dict[str, Any]:
     """Return samples and what is proven of them: nothing, if the scene does not load any more."""
     sampling, scale = Sampling(**payload["sampling"]), payload["scale"]
@@ -76,7 +77,7 @@ def _proven(
     deadline = Deadline.after(PROVING, time.monotonic, channel.is_canceled)
     try:
         problem = problem_value(PlanRequest.model_validate(payload["request"]))
-        with borrow_world(payload) as world:
+        with borrow_world(SceneWork.model_validate(payload)) as world:
             proven = sample_plan(
                 world,
                 problem,
@@ -102,18 +103,18 @@ def _clearance(certificate: dict[str, Any]) -> float:
     return math.inf if nearest is None else nearest
 
 
-def replay(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def replay(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Return `html`: a page that replays the motion in 3-D and needs nothing else.
 
     Raises:
         InputError: The scene does not load any more.
     """
     trajectory = trajectory_value(payload["trajectory"])
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         return {"html": replay_html(world, world.group(payload["group"]), trajectory)}
 
 
-def replay_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def replay_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Return `html`: a page that replays `motions` in 3-D, each in a scene of its own.
 
     Raises:
@@ -125,7 +126,9 @@ def replay_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         for motion in payload["motions"]:
             digest = motion["scene"]["digest"]
             if digest not in worlds:
-                worlds[digest] = borrowed.enter_context(borrow_world(motion))
+                worlds[digest] = borrowed.enter_context(
+                    borrow_world(SceneWork.model_validate(motion))
+                )
             world, trajectory = worlds[digest], trajectory_value(motion["trajectory"])
             group = world.group(motion["group"])
             shown.append(ShownMotion(motion["title"], world, group, trajectory, motion["until"]))

@@ -5,18 +5,19 @@ from typing import Any
 
 from planning import Deadline
 from planning.api.motion_series import motion_series
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.charts import OF_DISTANCES, draw
 from service.plans.models.goal_values import retime_value
 from service.plans.models.request import Retime
 from service.plans.models.trajectory_conversion import trajectory_value
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 # A chart of a motion among few bodies takes a tenth of a second [s].
 _ALLOWED = 20.0
 
 
-def plot(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def plot(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return `svg`: a chart of the motion.
 
     Raises:
@@ -25,7 +26,7 @@ def plot(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     """
     trajectory = trajectory_value(payload["trajectory"])
     options = retime_value(Retime.model_validate(payload["retime"]))
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         series = motion_series(
             world,
             payload["group"],

@@ -4,7 +4,7 @@ import time
 from typing import Any
 
 from planning.domain.report.motion_plan import Progress
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 
 # Events are for people and progress bars: twenty a second are enough.
 _EVENT_PERIOD = 0.05
@@ -16,7 +16,7 @@ class StageLog:
     With a stage come the seconds of those before it: they are known even if the process is ended.
     """
 
-    def __init__(self, channel: Channel) -> None:
+    def __init__(self, channel: TaskContext) -> None:
         """Speak through `channel`."""
         self._channel = channel
         self._stage = ""

@@ -4,8 +4,9 @@ from typing import Any
 
 from service.desk import Desk
 from service.errors import NotFinished
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.records import Job, JobBrief
+from service.jobs.tasks import outline_of
 from service.plans.models.sampling import DEFAULT_PERIOD
 from service.plans.models.trajectory_conversion import IN_QUERY, require_one_sampling
 

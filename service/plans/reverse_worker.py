@@ -8,16 +8,17 @@ import numpy as np
 from planning import Deadline, reverse_plan
 from planning.domain.curves.path import JointPath
 from planning.domain.report.motion_plan import PlanPart, Progress
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.models.goal_values import problem_value
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory_conversion import trajectory_value
 from service.plans.progress import StageLog
 from service.plans.worker import delivered, loaded_in, mind, mind_delivery
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 
-def reverse_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def reverse_motion(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return what `plan_motion` returns, for the motion backwards.
 
     Raises:
@@ -29,7 +30,7 @@ def reverse_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     log = StageLog(channel)
     log(Progress("load", 0.0))
     begun = time.monotonic()
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         loaded = time.monotonic() - begun
         log(Progress("certify", 0.5, "certifying the motion backwards"))
         allowed = request.search.allowed_planning_time

@@ -1,5 +1,6 @@
 """Admission: what a plan request must satisfy before it becomes a job."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from anyio import to_thread
@@ -7,6 +8,7 @@ from anyio import to_thread
 from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
+from service.catalog.models import Planner
 from service.desk import Desk
 from service.job_spec import spec_of
 from service.jobs.key import Key
@@ -95,19 +97,19 @@ def _settled(request: PlanRequest, record: SceneRecord, regions: Job | None) -> 
     return settled
 
 
-def require_planner(planners: list[dict[str, Any]], search: Search) -> None:
+def require_planner(planners: Sequence[Planner], search: Search) -> None:
     """Go on only if there are such planners, and one of them has such parameters.
 
     Raises:
         UnknownName: There are not.
     """
-    by_name = {planner["name"]: planner for planner in planners}
+    by_name = {planner.name: planner for planner in planners}
     names = [search.planner] if isinstance(search.planner, str) else search.planner
     known: set[str] = set()
     for name in names:
         if name not in by_name:
             raise unknown_planner(name, by_name)
-        known |= {parameter["name"] for parameter in by_name[name]["parameters"]}
+        known |= {parameter.name for parameter in by_name[name].parameters}
     for parameter in search.parameters:
         if parameter not in known:
             raise UnknownName.among("parameter", parameter, known)

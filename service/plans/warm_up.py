@@ -14,7 +14,7 @@ from planning import (
     parse_scene,
     plan,
 )
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 
 _SCENE = "{name: warm-up, robots: [{name: body, model: planar_l, positions: [0, 0, 0]}]}"
 _GOAL = JointGoal(np.array([[0.2, 0.1, 0.3]]))
@@ -22,7 +22,7 @@ _GOAL = JointGoal(np.array([[0.2, 0.1, 0.3]]))
 _ALLOWED = 60.0
 
 
-def warm_up(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def warm_up(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Plan a motion, certificate included: whatever cannot be imported or run shows now.
 
     Raises:

@@ -11,7 +11,7 @@ from planning.api.sample_motion import sample_plan
 from planning.domain.curves.sampling import Sampling
 from planning.domain.report.motion_plan import MotionPlan, Progress
 from planning.errors import PlanningFailure
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.cores import own_core
 from service.plans.models.goal_values import problem_value
 from service.plans.models.request import PlanRequest
@@ -20,6 +20,7 @@ from service.plans.models.trajectory_conversion import polynomial_wire, require_
 from service.plans.progress import StageLog
 from service.plans.roadmaps import shelf_in
 from service.regions.worker import read_regions
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 # A plan minds its deadline by itself; a process that is this much too late hangs [s].
@@ -30,7 +31,7 @@ PROVING, _LEAST_PROVING = 5.0, 0.25
 _WRITING = 10.0
 
 
-def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def plan_motion(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return a plan's `result`, exact `polynomial`, `timings` [s], `digest`, `cut_short`, `graph`.
 
     The allowed time begins once the scene is loaded; soon after it the process is ended.
@@ -42,7 +43,10 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     log = StageLog(channel)
     log(Progress("load", 0.0))
     begun = time.monotonic()
-    with borrow_world(payload) as world, own_core(payload.get("cores")) as pool:
+    with (
+        borrow_world(SceneWork.model_validate(payload)) as world,
+        own_core(payload.get("cores")) as pool,
+    ):
         loaded = time.monotonic() - begun
         allowed = request.search.allowed_planning_time
         deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
@@ -60,12 +64,12 @@ def plan_motion(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         return delivered(found, problem, world, request.retime.sampling, deadline, loaded)
 
 
-def mind(channel: Channel, allowed: float) -> None:
+def mind(channel: TaskContext, allowed: float) -> None:
     """Have the process ended soon after the allowed time [s], which begins now."""
     channel.allow(allowed + _PATIENCE)
 
 
-def mind_delivery(channel: Channel) -> None:
+def mind_delivery(channel: TaskContext) -> None:
     """Have the process ended if it does not deliver soon what it has found."""
     channel.allow(PROVING + _WRITING)
 

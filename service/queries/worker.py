@@ -17,7 +17,7 @@ from planning.errors import (
     GoalViolatesConstraint,
     PlanningFailure,
 )
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.models.constraint_values import constraint_values
 from service.plans.models.failures import failure_wire
 from service.plans.models.goal_values import ik_value, pose_wire, reach_goal_value
@@ -25,6 +25,7 @@ from service.queries.models.check import CheckRequest
 from service.queries.models.kinematics import FkRequest, IkRequest
 from service.queries.solution_conversion import solution_wire
 from service.queries.verdict_conversion import verdict_wire
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 _NO_SOLUTION = (
@@ -37,27 +38,27 @@ _NO_SOLUTION = (
 )
 
 
-def check(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def check(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Return a verdict per configuration.
 
     Raises:
         InputError: The group or a count is wrong.
     """
     request = CheckRequest.model_validate(payload["request"])
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         configurations = np.array(request.configurations, dtype=np.float64)
         verdicts = check_configurations(world, request.group, configurations, request.margin)
     return {"results": [verdict_wire(verdict) for verdict in verdicts]}
 
 
-def fk(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def fk(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Return the poses of frames per configuration.
 
     Raises:
         InputError: The group, a frame or a count is wrong.
     """
     request = FkRequest.model_validate(payload["request"])
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         frames = tuple(request.frames or world.group(request.group).tool_frames)
         configurations = np.array(request.configurations, dtype=np.float64)
         found = forward_kinematics(world, request.group, configurations, frames)
@@ -68,7 +69,7 @@ def fk(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     }
 
 
-def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def ik(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return all goal configurations that were found, or why there is none.
 
     Raises:
@@ -79,7 +80,7 @@ def ik(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     start = None if request.start is None else np.array(request.start, dtype=np.float64)
     deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
     goal = reach_goal_value(request.goal)
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         try:
             found = solve_ik(
                 world,

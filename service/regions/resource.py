@@ -3,8 +3,9 @@
 from typing import Any
 
 from service.desk import Desk
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.records import JobBrief
+from service.jobs.tasks import outline_of
 
 
 def regions_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:

@@ -8,14 +8,15 @@ from typing import Any
 
 from planning import Deadline, Regions, grow_regions
 from planning.domain.report.motion_plan import Progress
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.progress import StageLog
 from service.regions.conversion import region_options_value, regions_value, regions_wire
 from service.regions.models import RegionsRequest
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 
-def grow(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def grow(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return the `result`, regions in full, and `timings` [s].
 
     Raises:
@@ -25,7 +26,7 @@ def grow(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     log = StageLog(channel)
     log(Progress("load", 0.0))
     begun = time.monotonic()
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         loaded = time.monotonic()
         deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
         regions = grow_regions(

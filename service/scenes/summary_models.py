@@ -1,14 +1,23 @@
 """What a loaded robot or scene holds."""
 
+from collections.abc import Sequence
+from typing import Self
+
 from pydantic import ConfigDict, Field
 
+from planning.domain.robot import joints as domain
+from planning.domain.robot.steering import steering_of
+from planning.domain.scene.summary import GroupSummary, RobotSummary
 from service.api.models import ResponseModel
+from service.api.number_conversion import bounds
 
 type Bound = float | None
 
 
 class Steering(ResponseModel):
     """What a car can drive."""
+
+    model_config = ConfigDict(from_attributes=True)
 
     turning_radius: float = Field(description="Of its tightest turn, at the base's origin [m]")
     reverse: bool = Field(description="Whether it drives backwards too")
@@ -43,6 +52,19 @@ class Limits(ResponseModel):
     jerk: list[Bound] = Field(description="Per block [rad/s^3 or m/s^3]")
     effort: list[Bound] = Field(description="Per block [N m or N]")
 
+    @classmethod
+    def from_domain(cls, limits: domain.JointLimits, blocks: list[str]) -> Self:
+        """Return limits by the names of their blocks."""
+        return cls(
+            lower=bounds(limits.lower),
+            upper=bounds(limits.upper),
+            blocks=blocks,
+            velocity=bounds(limits.velocity),
+            acceleration=bounds(limits.acceleration),
+            jerk=bounds(limits.jerk),
+            effort=bounds(limits.effort),
+        )
+
 
 class Group(ResponseModel):
     """Joints that are planned for together."""
@@ -58,6 +80,31 @@ class Group(ResponseModel):
         description="Named configurations, in the group's order [rad or m]"
     )
     positions: list[float] = Field(description="The current state [rad or m]")
+
+    @classmethod
+    def from_summary(cls, summary: GroupSummary, aliases: Sequence[str]) -> Self:
+        """Return a group with its other names."""
+        group = summary.group
+        cars = steering_of(group)
+        joints = [
+            Joint(
+                name=joint.name,
+                type=str(joint.type),
+                steering=Steering.model_validate(cars[joint.name]) if joint.name in cars else None,
+            )
+            for joint in group.joints
+        ]
+        return cls(
+            name=group.name,
+            aliases=list(aliases),
+            joints=joints,
+            position_names=list(group.position_names),
+            velocity_names=list(group.velocity_names),
+            tool_frames=list(group.tool_frames),
+            limits=Limits.from_domain(summary.limits, [name for name, _ in group.blocks]),
+            configurations={name: list(q) for name, q in summary.configurations.items()},
+            positions=list(summary.positions),
+        )
 
 
 class Source(ResponseModel):
@@ -82,8 +129,19 @@ class Model(ResponseModel):
         description="Joints whose rate limits nobody states, so that ours are assumed"
     )
 
-
-class ModelList(ResponseModel):
-    """Robots there are."""
-
-    items: list[str] = Field(description="Names, sorted; GET /v1/models/{name} says more")
+    @classmethod
+    def from_summary(cls, summary: RobotSummary) -> Self:
+        """Return a robot, its default group first."""
+        ordered = sorted(summary.groups, key=lambda name: name != summary.default_group)
+        return cls(
+            name=summary.name,
+            description=summary.description,
+            default_group=summary.default_group,
+            groups=[
+                Group.from_summary(summary.groups[name], [f"{summary.name}::{name}"])
+                for name in ordered
+            ],
+            bodies=list(summary.bodies),
+            sources=[Source(what=what, source=source) for what, source in summary.sources],
+            assumed=list(summary.assumed),
+        )

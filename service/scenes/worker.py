@@ -18,25 +18,26 @@ from planning import (
 from planning.errors import SceneInvalid
 from planning.world.documents.scene_file import with_line
 from planning.world.files.trial_load import trial_load
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.scenes.document_text import SceneText, keep_text, kept_text
 from service.scenes.edit_conversion import operation_value
 from service.scenes.edit_models import SceneEdit
 from service.scenes.files import files_wire, read_posted
 from service.scenes.parsing import decode_scene
 from service.scenes.summary_conversion import scene_wire
+from service.scenes.tasks import Library, SceneWork
 from service.scenes.unchecked_text import unchecked_text
 from service.scenes.world_cache import keep, library_of, load_like, take_world
 
 
-def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def load_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Return a posted scene as `LoadedScene` has it; its world and text stay warm here.
 
     Raises:
         UnreadableBody: The text is not JSON.
         InputError: The scene has a fault.
     """
-    library = library_of(payload["library"])
+    library = library_of(Library.model_validate(payload["library"]))
     with _no_collections():
         document = decode_scene(payload["text"], payload["media"])
         try:
@@ -46,7 +47,7 @@ def load_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         return _loaded(world, library, SceneText.of(document))
 
 
-def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def revise_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Return the same of a scene after the operations in `request`.
 
     Where its world and text are warm, only what is edited is read and written; else all of it is
@@ -59,10 +60,11 @@ def revise_scene(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
         InputError: What came of it does not load.
     """
     request = SceneEdit.model_validate(payload["request"])
-    library = library_of(payload["library"])
+    library = library_of(Library.model_validate(payload["library"]))
     operations = [operation_value(wire) for wire in request.operations]
     with _no_collections():
-        before, text = _before(payload, library)
+        work = SceneWork.model_validate(payload)
+        before, text = _before(work, library)
         edited = edit_scene(before, operations, library)
         after = text.after(before, edited)
         if after is None:
@@ -83,14 +85,14 @@ def _no_collections() -> Generator[None]:
             gc.enable()
 
 
-def _before(payload: dict[str, Any], library: ModelLibrary) -> tuple[Scene, SceneText]:
+def _before(work: SceneWork, library: ModelLibrary) -> tuple[Scene, SceneText]:
     """Return the scene that a task is about and its text, from here or from its file."""
-    world, text = take_world(payload), kept_text(payload["scene"]["digest"])
+    world, text = take_world(work), kept_text(work.scene.digest)
     if world is not None:
         keep(world, library)
     if world is not None and text is not None:
         return world.scene, text
-    posted, files = read_posted(payload)
+    posted, files = read_posted(work.scene)
     before = replace(posted.value(), files=files) if world is None else world.scene
     return before, SceneText.of(posted)
 

@@ -2,15 +2,15 @@
 
 import threading
 from collections import OrderedDict
-from collections.abc import Generator, Mapping
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from planning import ModelLibrary, Scene, World, load_world
 from planning.errors import InputError
 from service.scenes.files import read_posted, require_same
+from service.scenes.tasks import Library, SceneWork
 
 # A Drake world of an arm and some obstacles takes 5 to 40 MB.
 MAX_WORLDS = 8
@@ -21,30 +21,30 @@ _idle: OrderedDict[tuple[Key, int], World] = OrderedDict()
 _lock = threading.Lock()
 
 
-def library_of(payload: Mapping[str, Any]) -> ModelLibrary:
+def library_of(library: Library) -> ModelLibrary:
     """Return the robots that the server's settings allow."""
-    roots = tuple(Path(root) for root in payload["model_roots"])
-    copies = Path(payload["copies"])
-    return ModelLibrary.bundled(*roots, allow_paths=payload["allow_paths"], copies=copies)
+    roots = map(Path, library.model_roots)
+    copies = Path(library.copies)
+    return ModelLibrary.bundled(*roots, allow_paths=library.allow_paths, copies=copies)
 
 
 @contextmanager
-def borrow_world(payload: Mapping[str, Any]) -> Generator[World]:
+def borrow_world(work: SceneWork) -> Generator[World]:
     """Lend the world of a scene to one task at a time; load it if none is idle.
 
     Args:
-        payload: With `scene` (`digest`, and `document`: the path of its JSON) and `library`.
+        work: With the scene.
 
     Raises:
         InputError: The scene does not load.
         SceneNotKept: It is not what it was when it was accepted.
     """
-    key = (payload["scene"]["digest"], library_of(payload["library"]))
+    key = (work.scene.digest, library_of(work.library))
     world = _take(key)
     if world is None:
-        posted, files = read_posted(payload)
+        posted, files = read_posted(work.scene)
         world = load_like(replace(posted.value(), files=files), key[1])
-        require_same(world, payload)
+        require_same(world, work.scene)
     try:
         yield world
     finally:
@@ -71,9 +71,9 @@ def load_like(scene: Scene, library: ModelLibrary) -> World:
     return world
 
 
-def take_world(payload: Mapping[str, Any]) -> World | None:
+def take_world(work: SceneWork) -> World | None:
     """Return the world of a scene if it is idle here; it is the caller's until it is kept."""
-    return _take((payload["scene"]["digest"], library_of(payload["library"])))
+    return _take((work.scene.digest, library_of(work.library)))
 
 
 def keep(world: World, library: ModelLibrary) -> None:

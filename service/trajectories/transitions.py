@@ -11,7 +11,7 @@ from planning.api.sample_motion import sample_motion
 from planning.api.splice_motion import ProvenMotion
 from planning.domain.robot.joints import JointGroup
 from planning.errors import PlanningFailure, ProblemInvalid
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.models.constraint_values import constraint_values
 from service.plans.models.failures import failure_wire
 from service.plans.models.motion_limit_values import motion_limits
@@ -22,20 +22,21 @@ from service.plans.models.trajectory_conversion import (
     require_few,
     sampled_wire,
 )
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 from service.trajectories.conversion import own_trajectory
 from service.trajectories.models import OwnTrajectory
 from service.trajectories.transition_models import SpliceMotionRequest, StopMotionRequest
 
 
-def stop(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def stop(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return a certified stop, or why there is none.
 
     Raises:
         InputError: The group, the motion, the instant or a limit do not fit the scene.
     """
     request = StopMotionRequest.model_validate(payload["request"])
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         running, kind = _running(world.group(request.group), request.trajectory, "trajectory")
         held = _held(request, channel, jerk=request.limit_jerk)
         along = request.along_path
@@ -49,14 +50,14 @@ def stop(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     return {**found, "interpolation": kind}
 
 
-def splice(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def splice(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return a certified way over into another motion and that motion's rest, or why there is none.
 
     Raises:
         InputError: The group, a motion, the instant or a limit do not fit the scene.
     """
     request = SpliceMotionRequest.model_validate(payload["request"])
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         group = world.group(request.group)
         running, kind = _running(group, request.trajectory, "trajectory")
         onto, other = _running(group, request.onto, "onto")
@@ -83,7 +84,7 @@ def _running(group: JointGroup, wire: OwnTrajectory, field: str) -> tuple[TimedT
 
 
 def _held(
-    request: StopMotionRequest | SpliceMotionRequest, channel: Channel, *, jerk: bool
+    request: StopMotionRequest | SpliceMotionRequest, channel: TaskContext, *, jerk: bool
 ) -> dict[str, Any]:
     """Return what holds on the way."""
     method = "ruckig" if jerk else "toppra"

@@ -10,26 +10,27 @@ from planning import Deadline, RetimeOptions, certify_trajectory, retime_path
 from planning.api.certify_trajectory import certify_positions
 from planning.api.sample_motion import sample_motion
 from planning.errors import PlanningFailure
-from service.jobs.channel import Channel
+from service.jobs.context import TaskContext
 from service.plans.models.constraint_values import constraint_values
 from service.plans.models.failures import failure_wire
 from service.plans.models.goal_values import certify_value, retime_value
 from service.plans.models.motion_limit_values import motion_limits
 from service.plans.models.result_conversion import certificate_wire
 from service.plans.models.trajectory_conversion import polynomial_wire, require_few, sampled_wire
+from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 from service.trajectories.conversion import own_trajectory
 from service.trajectories.models import CertifyMotionRequest, RetimeRequest
 
 
-def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def retime(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return a certified motion along the path, or why there is none.
 
     Raises:
         InputError: The group or the waypoints do not fit the scene.
     """
     request = RetimeRequest.model_validate(payload["request"])
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
         kept: dict[str, Any] = {
             "options": retime_value(request.retime),
@@ -75,7 +76,7 @@ def retime(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     }
 
 
-def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def certify(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return the certificate of a trajectory.
 
     Raises:
@@ -83,7 +84,7 @@ def certify(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
         DeadlineExceeded: Time ran out before the verdict.
     """
     request = CertifyMotionRequest.model_validate(payload["request"])
-    with borrow_world(payload) as world:
+    with borrow_world(SceneWork.model_validate(payload)) as world:
         deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
         trajectory, kind = own_trajectory(world.group(request.group), request.trajectory)
         held: dict[str, Any] = {

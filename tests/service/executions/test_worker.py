@@ -17,7 +17,7 @@ COST = 0.003
 
 
 @dataclass
-class Channel:
+class TaskContext:
     """Asks for the end after so many looks; notes when it was looked at, and what it was told."""
 
     clock: FakeClock
@@ -68,7 +68,7 @@ FURTHER = only_campaign("slow, fast and twice as fast show it")
     [0.5, 2.0, 100.0, pytest.param(1.0, marks=FURTHER), pytest.param(10.0, marks=FURTHER)],
 )
 def test_a_look_is_never_further_away_than_a_tick_and_a_step(speed):
-    channel = Channel(CLOCK, looks_left=200)
+    channel = TaskContext(CLOCK, looks_left=200)
     last = followed(channel, speed)
     assert last["state"] == "canceled"
     assert 0 < last["progress"] < 1
@@ -80,7 +80,7 @@ def test_a_look_is_never_further_away_than_a_tick_and_a_step(speed):
 
 
 def test_it_says_how_it_goes_more_often_than_it_may_be_silent():
-    channel = Channel(CLOCK, asked=[{"is_paused": True}] * 200 + [{"is_paused": False}])
+    channel = TaskContext(CLOCK, asked=[{"is_paused": True}] * 200 + [{"is_paused": False}])
     last = followed(channel, 100.0, 4.0)
     assert last["state"] == "succeeded"
     assert channel.silence == LONGEST_SILENCE
@@ -92,7 +92,7 @@ def test_it_says_how_it_goes_more_often_than_it_may_be_silent():
 def test_what_is_asked_is_done_once_and_in_any_combination():
     asked = [{}, {"is_paused": True}, {"is_paused": True, "speed": 4.0}]
     asked += [{"is_paused": True}] * 20 + [{"is_paused": False}]
-    channel = Channel(CLOCK, asked=asked)
+    channel = TaskContext(CLOCK, asked=asked)
     assert followed(channel, 0.5, 2.0)["state"] == "succeeded"
     states = list(dict.fromkeys(data["state"] for _, data in channel.told))
     assert states == ["executing", "paused", "succeeded"]
@@ -106,7 +106,7 @@ def test_it_says_how_late_it_was(delay):
     def wait(seconds):
         CLOCK.advance(seconds + next(delays, 0.0))
 
-    channel = Channel(CLOCK)
+    channel = TaskContext(CLOCK)
     runner = Runner(Execution(quintic(2.0), limits()), SlowDriver())
     last = follow(runner, channel, 1.0, CLOCK, wait)
     assert delay - 1e-9 <= last["lateness"] <= delay + COST + 1e-9

@@ -12,10 +12,11 @@ from sqlalchemy import event, insert, select, update
 from planning.errors import Canceled, NoPathFound
 from service.jobs.database import open_engine
 from service.jobs.json_text import Encoded, encode
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.records import JobBrief, JobSpec, bodies, briefs, jobs, metadata
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.tasks import outline_of
 
 PLAN = "service.plans.worker:plan_motion"
 REVERSE = "service.plans.reverse_worker:reverse_motion"

@@ -7,7 +7,7 @@ from service.plans.progress import StageLog
 from tests.clocks import FakeClock
 
 
-class Channel:
+class TaskContext:
     """Keeps what is emitted."""
 
     def __init__(self):
@@ -18,7 +18,7 @@ class Channel:
 
 
 def test_a_stage_comes_with_the_seconds_of_those_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock, channel = FakeClock(now=100.0), Channel()
+    clock, channel = FakeClock(now=100.0), TaskContext()
     monkeypatch.setattr("time.monotonic", clock)
     log = StageLog(channel)
     for stage, lasts in (("load", 0.5), ("search", 2.0), ("certify", 1.0), ("search", 0.25)):

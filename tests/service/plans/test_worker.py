@@ -13,7 +13,7 @@ from tests.service.conftest import BLOCK_SCENE
 ALLOWED = 60.0
 
 
-class Channel:
+class TaskContext:
     """Notes what a task says, in order."""
 
     def __init__(self):
@@ -34,7 +34,7 @@ class Channel:
 def payload(tmp_path):
     library = {"model_roots": [], "allow_paths": False, "copies": str(tmp_path / "files")}
     posted = {"library": library, "text": json.dumps(BLOCK_SCENE), "media": "json"}
-    loaded = load_scene(posted, Channel())
+    loaded = load_scene(posted, TaskContext())
     file = tmp_path / "scene.json"
     kept = {"document": json.loads(loaded["document"].text), "files": loaded["summary"]["files"]}
     file.write_text(json.dumps(kept))
@@ -48,7 +48,7 @@ def payload(tmp_path):
 
 
 def test_the_allowed_time_begins_once_the_scene_is_loaded(payload):
-    channel = Channel()
+    channel = TaskContext()
     assert plan_motion(payload, channel)["digest"]
     terms = [note for note in channel.notes if isinstance(note, float)]
     assert len(terms) == 2
@@ -61,7 +61,7 @@ def test_the_allowed_time_begins_once_the_scene_is_loaded(payload):
 
 def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload):
     payload["request"]["search"]["allowed_planning_time"] = 1e-6
-    channel = Channel()
+    channel = TaskContext()
     with pytest.raises(DeadlineExceeded) as caught:
         plan_motion(payload, channel)
     stages = [note for note in channel.notes if isinstance(note, str)]
@@ -75,7 +75,7 @@ def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
 ):
     if is_late:
         monkeypatch.setattr("service.plans.worker.PROVING", 0.0)
-    done = plan_motion(payload, Channel())
+    done = plan_motion(payload, TaskContext())
     assert done["result"]["certificate"]["proven"]
     assert done["result"]["cut_short"] == (["samples"] if is_late else [])
     proofs = done["result"]["trajectory"]["interpolations"]

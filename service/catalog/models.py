@@ -1,4 +1,4 @@
-"""Planners on the wire."""
+"""What there is to choose from, in JSON: the names of robots, and planners."""
 
 from typing import Literal
 
@@ -7,8 +7,16 @@ from pydantic import ConfigDict, Field
 from service.api.models import ResponseModel
 
 
+class ModelList(ResponseModel):
+    """Robots there are."""
+
+    items: list[str] = Field(description="Names, sorted; GET /v1/models/{name} says more")
+
+
 class Parameter(ResponseModel):
     """A parameter of a planner."""
+
+    model_config = ConfigDict(from_attributes=True)
 
     name: str = Field(description="OMPL's name")
     default: str = Field(description="Its value if it is not given, as text")
@@ -21,7 +29,7 @@ class Parameter(ResponseModel):
 class Planner(ResponseModel):
     """A planner that a plan may name."""
 
-    model_config = ConfigDict(title="Planner")
+    model_config = ConfigDict(title="Planner", from_attributes=True)
 
     name: str = Field(description="OMPL's name, or `GCS`")
     needs_regions: bool = Field(

@@ -1,10 +1,10 @@
-"""Channel: how a task speaks to the server while it runs."""
+"""TaskContext: how a task speaks to the server while it runs."""
 
 from typing import Any, Protocol
 
 
-class Channel(Protocol):
-    """The task's end of its slot."""
+class TaskContext(Protocol):
+    """The task's end of its worker."""
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Append an event to the job's log."""
@@ -27,5 +27,5 @@ class Channel(Protocol):
         ...
 
     def is_canceled(self) -> bool:
-        """Return whether somebody asked for the end of the job."""
+        """Return whether the end of the job was asked for."""
         ...
