@@ -1,0 +1,42 @@
+"""summary(): an answer short enough to be committed: what is long in it is a digest."""
+
+import hashlib
+import json
+from typing import Any
+
+# A body of so many characters is kept whole; in a longer one, parts of so many.
+WHOLE = 2000
+PART = 250
+
+
+def summary(body: Any) -> Any:
+    """Return a body, or where it is long what of it is short, and digests of the rest."""
+    return body if len(_text(body)) <= WHOLE else _shortened(body)
+
+
+def _shortened(part: Any) -> Any:
+    text = _text(part)
+    if len(text) <= PART:
+        return part
+    if isinstance(part, dict):
+        return {key: _shortened(inner) for key, inner in part.items()}
+    digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+    items = {"items": len(part), "made_of": _shape(part)} if isinstance(part, list) else {}
+    return {"<digest>": digest, **items}
+
+
+def _shape(part: Any) -> Any:
+    """Return the types in a value, each list with one of each kind of its items."""
+    if isinstance(part, dict):
+        return {key: _shape(part[key]) for key in sorted(part)}
+    if isinstance(part, list):
+        kinds: list[Any] = []
+        for inner in part:
+            if (kind := _shape(inner)) not in kinds:
+                kinds.append(kind)
+        return kinds
+    return "null" if part is None else type(part).__name__
+
+
+def _text(part: Any) -> str:
+    return json.dumps(part, sort_keys=True)
