@@ -8,9 +8,9 @@ from fastapi import Depends, FastAPI
 from service import openapi, problems
 from service.body_limit import BodyLimit
 from service.client_watch import ClientWatch
-from service.engine import open_desk
 from service.farewell import Farewell
 from service.gate import Gate
+from service.lifespan import open_services
 from service.plans.versions import versions
 from service.routes import (
     executions,
@@ -67,7 +67,7 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_desk(chosen, on_taken) as (desk, shelf):
+            async with open_services(chosen, on_taken) as (desk, shelf):
                 app.state.desk, app.state.scenes = desk, shelf
                 has_started = True
                 yield

@@ -9,12 +9,12 @@ from planning.domain.robot.steering_request import resolve_steering, validate_fo
 from planning.errors import UnknownName
 from service.convert.goals import steering_value
 from service.convert.trajectories import require_one_sampling
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.regions.choice import chosen_regions, regions_file
 from service.regions.fitness import asks_for_regions, own_cars, require_fit
+from service.scene_jobs import SceneJobs
 from service.scenes.preflight import (
     Group,
     require_constraints,
@@ -35,7 +35,9 @@ TASK = "service.tasks.plan:plan_motion"
 SLACK = 15.0
 
 
-async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_plan(
+    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+) -> Job:
     """Queue a plan.
 
     Args:
@@ -80,7 +82,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = desk.best_grace
     allowed = request.search.allowed_planning_time + SLACK
-    named = Key(key, request.model_dump(mode="json"))
+    named = IdempotencyKey(key, request.model_dump(mode="json"))
     return await desk.submit(
         spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
     )

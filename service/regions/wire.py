@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from service.desk import Desk
 from service.jobs.outline import outline_of, without
-from service.jobs.records import JobBrief
+from service.jobs.service import JobService
+from service.jobs.tables import JobSummary
 
 
-def regions_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
+def regions_brief(desk: JobService, job: JobSummary) -> dict[str, Any]:
     """Return regions without their faces."""
     done: dict[str, Any] = without(job.result or {}, outline_of(job.task).result)
     return {

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path
 
 from planning.errors import UnknownName
-from service.dependencies import DeskDep
+from service.dependencies import JobsDep
 from service.errors import UnknownResource
 from service.routes.answers import problems
 from service.schemas.summary import ModelList, ModelWire
@@ -17,7 +17,7 @@ router = APIRouter(route_class=StrictRoute, prefix="/v1/models", tags=["models"]
 @router.get(
     "", operation_id="listModels", response_model=ModelList, responses=problems(422, 429, 503)
 )
-async def list_models(desk: DeskDep) -> object:
+async def list_models(desk: JobsDep) -> object:
     """List the robots that scenes may name."""
     return await desk.ask("service.tasks.models:name_models", desk.common)
 
@@ -29,7 +29,7 @@ async def list_models(desk: DeskDep) -> object:
     responses=problems(404, 422, 429, 503),
 )
 async def get_model(
-    desk: DeskDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
+    desk: JobsDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
 ) -> object:
     """Show a robot: its groups, joints, limits, tool frames and configurations."""
     try:

@@ -8,15 +8,15 @@ from typing import Any
 from fastapi import APIRouter, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.dependencies import DeskDep, OpenRegions, RegionsText, ScenesDep
-from service.desk import Desk
-from service.jobs.records import JobText
+from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
+from service.jobs.tables import JobText
 from service.regions.admission import submit_regions
 from service.regions.wire import regions_brief
 from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems
 from service.routes.streaming import EVENTS, server_sent
 from service.routes.submission import SubmissionDep, taken_in
 from service.routes.whole import whole
+from service.scene_jobs import SceneJobs
 from service.schemas.regions import RegionsBrief, RegionsJob, RegionsPage, RegionsRequest
 from service.strict_route import StrictRoute
 
@@ -46,7 +46,7 @@ async def grow_regions(
 )
 async def list_regions(
     scene: SceneId,
-    desk: DeskDep,
+    desk: JobsDep,
     scenes: ScenesDep,
     limit: Limit = 50,
     cursor: Cursor = None,
@@ -63,7 +63,7 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(found: RegionsText, desk: DeskDep) -> Any:
+async def get_regions(found: RegionsText, desk: JobsDep) -> Any:
     """Show regions: how far they are, and all of them once they have grown."""
     return await _whole(desk, found)
 
@@ -75,7 +75,7 @@ async def get_regions(found: RegionsText, desk: DeskDep) -> Any:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_regions_events(
-    job: OpenRegions, desk: DeskDep, last_event_id: LastEventId = None
+    job: OpenRegions, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to regions: queued, started, stage, progress, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -88,12 +88,12 @@ async def stream_regions_events(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def cancel_regions(job: OpenRegions, desk: DeskDep) -> Any:
+async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Any:
     """End the growth, in whatever state it is; asking again changes nothing."""
     return await _whole(desk, await desk.text_of(await desk.cancel(job)))
 
 
-async def _whole(desk: Desk, found: JobText, told: Response | None = None) -> Response:
+async def _whole(desk: SceneJobs, found: JobText, told: Response | None = None) -> Response:
     """Return regions in full."""
-    brief = RegionsBrief.model_validate(regions_brief(desk, found.brief))
+    brief = RegionsBrief.model_validate(regions_brief(desk, found.summary))
     return await whole(brief, found.result, told)
