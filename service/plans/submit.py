@@ -9,15 +9,15 @@ from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
 from service.catalog.models import Planner
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
 from service.plans.models.trajectory_conversion import require_one_sampling
 from service.regions.eligibility import asks_for_regions, own_cars, require_fit
 from service.regions.selection import chosen_regions, regions_file
+from service.scene_jobs import SceneJobs
 from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
@@ -36,7 +36,9 @@ TASK = "service.plans.worker:plan_motion"
 SLACK = 15.0
 
 
-async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_plan(
+    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+) -> Job:
     """Queue a plan.
 
     Args:
@@ -81,7 +83,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = desk.best_grace
     allowed = request.search.allowed_planning_time + SLACK
-    named = Key(key, request.model_dump(mode="json"))
+    named = IdempotencyKey(key, request.model_dump(mode="json"))
     return await desk.submit(
         spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
     )
