@@ -12,9 +12,8 @@ from service.catalog.models import Planner
 from service.job_spec import spec_of
 from service.jobs.key import IdempotencyKey
 from service.jobs.tables import Job
-from service.plans.models.goal_values import steering_value
 from service.plans.models.request import PlanRequest
-from service.plans.models.search import Car, Search
+from service.plans.models.search import Search
 from service.plans.models.trajectory_conversion import require_one_sampling
 from service.regions.eligibility import asks_for_regions, own_cars, require_fit
 from service.regions.selection import chosen_regions, regions_file
@@ -106,9 +105,8 @@ def require_planner(planners: Sequence[Planner], search: Search) -> None:
         UnknownName: There are not.
     """
     by_name = {planner.name: planner for planner in planners}
-    names = [search.planner] if isinstance(search.planner, str) else search.planner
     known: set[str] = set()
-    for name in names:
+    for name in search.planners:
         if name not in by_name:
             raise unknown_planner(name, by_name)
         known |= {parameter.name for parameter in by_name[name].parameters}
@@ -144,14 +142,8 @@ def require_cars(group: Group, search: Search) -> None:
         ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards, or the
             group can have no regions and the planner GCS is asked for.
     """
-    asked = {
-        name: steering_value(space)
-        for name, space in search.spaces.items()
-        if isinstance(space, Car)
-    }
     planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
-    names = [search.planner] if isinstance(search.planner, str) else search.planner
-    cars = resolve_steering(own_cars(group), asked, planar)
+    cars = resolve_steering(own_cars(group), search.cars, planar)
     if asks_for_regions(search):
         require_fit(group, cars, "search.planner")
-    validate_forward_planners(names, cars)
+    validate_forward_planners(search.planners, cars)
