@@ -9,16 +9,16 @@ from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
 from service.catalog.models import Planner
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.plans.models.goal_values import steering_value
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Car, Search
 from service.plans.models.trajectory_conversion import require_one_sampling
 from service.regions.eligibility import check_eligible, own_cars, uses_gcs
 from service.regions.selection import SelectedRegions, regions_file, select_regions
+from service.scene_jobs import SceneJobs
 from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
@@ -37,7 +37,9 @@ TASK = "service.plans.worker:plan_motion"
 SLACK = 15.0
 
 
-async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_plan(
+    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+) -> Job:
     """Queue a plan.
 
     Args:
@@ -82,7 +84,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = desk.best_grace
     allowed = request.search.allowed_planning_time + SLACK
-    named = Key(key, request.model_dump(mode="json"))
+    named = IdempotencyKey(key, request.model_dump(mode="json"))
     return await desk.submit(
         spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
     )
