@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from service.api.responses import ExecutionId, PlanId, RegionsId
+from service.api.params import ExecutionId, PlanId, RegionsId
 from service.desk import Desk
 from service.jobs.records import Job, JobBrief, JobText
 from service.scenes.shelf import SceneShelf

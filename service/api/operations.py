@@ -1,16 +1,38 @@
 """Health, readiness, metrics, documentation."""
 
 from pathlib import Path
+from typing import Literal
 
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, JSONResponse, PlainTextResponse, RedirectResponse
+from pydantic import Field
 
 import planning
 from service.api.metrics import exposition
-from service.api.operations_models import Health, Readiness
+from service.api.models import ResponseModel
 from service.api.responses import problems
 from service.dependencies import DeskDep, ScenesDep
 from service.versions import versions
+
+
+class Health(ResponseModel):
+    """That the server is there."""
+
+    status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
+    version: str = Field(description="Of Wayproof")
+    kernel: str = Field(
+        description="Instruction set of the native collision kernel; `none` where it was not "
+        "built, and Drake answers everything, more slowly"
+    )
+
+
+class Readiness(ResponseModel):
+    """Whether the server takes jobs."""
+
+    status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")
+    queued: dict[str, int] = Field(description="Jobs that wait, by lane")
+    running: dict[str, int] = Field(description="Jobs that run, by lane")
+
 
 router = APIRouter(tags=["operations"])
 

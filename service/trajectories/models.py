@@ -4,9 +4,19 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
-from service.api.models import Boolean, Identifier, Name, RequestModel, ResponseModel
-from service.api.numbers import WHOLE, Coordinate, NonNegative, Positions, Real
-from service.api.problem import Failure
+from service.api.models import (
+    WHOLE,
+    Boolean,
+    Coordinate,
+    Failure,
+    Identifier,
+    Name,
+    NonNegative,
+    Positions,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
 from service.plans.models.constraints import Constraint
 from service.plans.models.motion_limits import ScaledLimits
 from service.plans.models.reports import CertifyReport, RetimeReport

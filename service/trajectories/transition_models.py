@@ -4,9 +4,7 @@ from typing import Any, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Boolean, ResponseModel
-from service.api.numbers import NonNegative
-from service.api.problem import Failure
+from service.api.models import Boolean, Failure, NonNegative, ResponseModel
 from service.plans.models.motion_limits import ScaledLimits
 from service.plans.models.reports import CertifyReport
 from service.plans.models.result import Certificate

@@ -6,7 +6,7 @@ import numpy as np
 
 from planning.domain.geometry import pose as geometry
 from planning.domain.request import constraint as domain
-from service.api.pose import Pose
+from service.api.models import Pose
 from service.plans.models.constraints import (
     Constraint,
     DistanceBand,

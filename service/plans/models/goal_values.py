@@ -19,7 +19,7 @@ from planning.domain.request.options import (
 )
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.steering import Steering
-from service.api.pose import Pose
+from service.api.models import Pose
 from service.plans.models.constraint_values import constraint_values
 from service.plans.models.goals import (
     ConfigurationGoal,

@@ -4,9 +4,17 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Name, RequestModel
-from service.api.numbers import NonNegative, Positions, Quadruple, Real, Triple
-from service.api.pose import Pose, require_one_rotation
+from service.api.models import (
+    Name,
+    NonNegative,
+    Pose,
+    Positions,
+    Quadruple,
+    Real,
+    RequestModel,
+    Triple,
+    require_one_rotation,
+)
 from service.plans.models.line_goals import LineGoal, PathGoal
 from service.plans.models.tool_frame import ToolFrame
 

@@ -4,9 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Name, RequestModel
-from service.api.numbers import Real, Triple
-from service.api.pose import Pose
+from service.api.models import Name, Pose, Real, RequestModel, Triple
 from service.plans.models.tool_frame import ToolFrame
 
 type Shift = Annotated[Real, Field(ge=1e-6, le=1)]

@@ -4,8 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.models import Boolean, Name, RequestModel
-from service.api.numbers import Coordinate, Real, Scale
+from service.api.models import Boolean, Coordinate, Name, Real, RequestModel, Scale
 from service.plans.models.constraints import Box
 from service.plans.models.payload import Payload
 

@@ -6,8 +6,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 import planning
 from planning.errors import ProblemInvalid
-from service.api.models import Name, RequestModel
-from service.api.numbers import Coordinate, Real, Triple
+from service.api.models import Coordinate, Name, Real, RequestModel, Triple
 
 type Moments = Annotated[list[Coordinate], Field(min_length=6, max_length=6)]
 

@@ -4,8 +4,16 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, Strict, model_validator
 
-from service.api.models import Boolean, Identifier, Name, RequestModel
-from service.api.numbers import WHOLE, NonNegative, Positions, Real
+from service.api.models import (
+    WHOLE,
+    Boolean,
+    Identifier,
+    Name,
+    NonNegative,
+    Positions,
+    Real,
+    RequestModel,
+)
 from service.plans.models.constraints import Constraint
 from service.plans.models.goals import Goal
 from service.plans.models.ik import Ik

@@ -7,7 +7,7 @@ from typing import Any
 from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.report.certificate import Certificate
 from planning.domain.report.motion_plan import MotionPlan, StageReports
-from service.api.number_conversion import finite, listed
+from service.api.models import finite, listed
 from service.plans.models.trajectory_conversion import check_wire
 from service.queries.verdict_conversion import pair_wire
 from service.scenes.summary_conversion import unchecked_wire

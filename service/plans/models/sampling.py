@@ -5,8 +5,7 @@ from typing import Annotated, Any
 from pydantic import Field, Strict, model_validator
 
 from planning.domain.curves import sampling as domain
-from service.api.models import Boolean, RequestModel
-from service.api.numbers import WHOLE, Real
+from service.api.models import WHOLE, Boolean, Real, RequestModel
 
 # Between samples [s].
 DEFAULT_PERIOD = 0.01

@@ -12,7 +12,7 @@ from planning.domain.curves.sampling import SampledTrajectory, Sampling
 from planning.domain.report.certificate import Check
 from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ProblemInvalid
-from service.api.number_conversion import finite, listed
+from service.api.models import finite, listed
 
 MAX_SAMPLES = 200_000
 # Where requests say how to sample: fields of a body, deep in it or not, or parameters of a query.
