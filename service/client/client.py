@@ -153,4 +153,4 @@ class Client:
         with self._http.stream("GET", path, headers=headers) as answer:
             if answer.is_error:
                 answer.read()
-            yield from decode_events(raise_for_problem(answer).iter_lines())
+            yield from decode_events(raise_for_problem(answer))
