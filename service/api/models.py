@@ -18,6 +18,10 @@ from pydantic import (
     model_validator,
 )
 
+from planning.domain.geometry import pose as domain
+from planning.domain.goals.goal import PoseTarget
+from planning.errors import WayproofError
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -60,9 +64,12 @@ class RequestModel(BaseModel):
 
 
 class ResponseModel(BaseModel):
-    """What is answered: clients must expect fields that are added later."""
+    """What is answered: clients must expect fields that are added later.
 
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    It can be made from an object of the domain that has its fields as attributes.
+    """
+
+    model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True)
 
 
 def require_one_rotation(quaternion: list[float] | None, rpy: list[float] | None) -> None:
@@ -106,6 +113,19 @@ class Pose(RequestModel):
     def _one_rotation(self) -> Self:
         require_one_rotation(self.quaternion, self.rpy)
         return self
+
+    @classmethod
+    def from_domain(cls, pose: domain.Pose) -> Self:
+        """Return the model of a pose in world."""
+        return cls(position=pose.position.tolist(), quaternion=pose.quaternion.tolist())
+
+    def to_domain(self) -> domain.Pose:
+        """Return the transform, without the frame that it is given in."""
+        return domain.Pose.from_parts(self.position, self.quaternion, self.rpy)
+
+    def to_target(self) -> PoseTarget:
+        """Return the transform with the frame that it is given in."""
+        return PoseTarget(self.to_domain(), self.frame)
 
 
 class Problem(BaseModel):
@@ -163,6 +183,17 @@ class Failure(BaseModel):
         description="Seconds per stage, of those that ended and of the one that failed; empty "
         "where nothing was timed",
     )
+
+    @classmethod
+    def from_error(cls, error: WayproofError) -> Self:
+        """Return what a job says of an error that ended it."""
+        return cls(
+            code=error.code,
+            stage=str(getattr(error, "stage", "")),
+            detail=error.detail,
+            evidence=dict(error.evidence),
+            timings=dict(getattr(error, "timings", {})),
+        )
 
 
 def listed(array: "np.ndarray[Any, Any]") -> list[Any]:

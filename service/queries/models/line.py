@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from service.api.models import Boolean, Name, NonNegative, Pose, Positions, Real, ResponseModel
-from service.plans.models.line_goals import Deviation, LineEnd
-from service.plans.models.tool_frame import ToolFrame
+from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
 from service.queries.models.check import Pair
 
 
