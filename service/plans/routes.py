@@ -16,7 +16,7 @@ from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
 from service.jobs.tables import JobText
 from service.plans.models.graph import PlannerGraph
-from service.plans.models.job import Job, JobBrief, JobPage, JobState
+from service.plans.models.job import Job, JobPage, JobState, JobSummary
 from service.plans.models.request import PlanRequest
 from service.plans.resource import graph_of, job_brief
 from service.plans.reversal import submit_reversal
@@ -111,5 +111,5 @@ async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Any:
 
 async def _whole(desk: SceneJobs, found: JobText, told: Response | None = None) -> Response:
     """Return a plan in full."""
-    brief = JobBrief.model_validate(job_brief(desk, found.summary))
+    brief = JobSummary.model_validate(job_brief(desk, found.summary))
     return await whole(brief, found.result, told)
