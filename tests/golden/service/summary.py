@@ -7,6 +7,8 @@ from typing import Any
 # A body of so many characters is kept whole; in a longer one, parts of so many.
 WHOLE = 2000
 PART = 250
+# Of a list of so few items, of which each is longer than that, each item is shortened by itself.
+FEW = 10
 
 
 def summary(body: Any) -> Any:
@@ -20,9 +22,15 @@ def _shortened(part: Any) -> Any:
         return part
     if isinstance(part, dict):
         return {key: _shortened(inner) for key, inner in part.items()}
+    if isinstance(part, list) and _has_few_long_items(part):
+        return [_shortened(inner) for inner in part]
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     items = {"items": len(part), "made_of": _shape(part)} if isinstance(part, list) else {}
     return {"<digest>": digest, **items}
+
+
+def _has_few_long_items(part: list[Any]) -> bool:
+    return len(part) <= FEW and all(len(_text(inner)) > PART for inner in part)
 
 
 def _shape(part: Any) -> Any:
