@@ -4,10 +4,10 @@ import hashlib
 import json
 from typing import Any
 
-# A body of so many characters is kept whole; in a longer one, parts of so many.
+# The most characters of a body that is kept whole, and of a part of a longer one.
 WHOLE = 2000
 PART = 250
-# Of a list of so few items, of which each is longer than that, each item is shortened by itself.
+# The most items of a list whose long items are shortened one by one.
 FEW = 10
 
 
