@@ -13,7 +13,7 @@ from service.jobs.errors import InternalError
 from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
 from service.jobs.link import FrameKind
 from service.jobs.outline import without
-from service.jobs.tasks import outline_of, task_named
+from service.jobs.tasks import current_name, outline_of, task_named
 
 # Events are for people; whatever is larger belongs into the result.
 MAX_EVENT = 64 * 1024
@@ -41,6 +41,7 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     What it should not raise is an InternalError. What a process should not outlive (an exit, an
     interrupt, memory that ran out) is a crash.
     """
+    task = current_name(task)
     try:
         if ":" not in task:
             done = task_named(task).run(payload, channel)

@@ -26,14 +26,7 @@ _FORMER_NAMES = {
     "service.tasks.execute:execute": "execute",
 }
 
-_PLAN = Outline(
-    payload=("motion",),
-    result=("result", "polynomial", "graph"),
-    failure=("evidence.graph",),
-)
 _OUTLINES: Mapping[str, Outline] = {
-    "service.plans.worker:plan_motion": _PLAN,
-    "service.plans.reverse_worker:reverse_motion": _PLAN,
     "service.regions.worker:grow": Outline(result=("result.regions", "result.portals")),
     "service.executions.worker:execute": Outline(payload=("trajectory",)),
 }
@@ -128,13 +121,18 @@ class Task[In: BaseModel, Out: BaseModel]:
         return TaskResult(text, _json(found, exclude=_nested(large)))
 
 
+def current_name(name: str) -> str:
+    """Return the name of a task by the one that any server stored."""
+    return _FORMER_NAMES.get(name, name)
+
+
 def task_named(name: str) -> Task[Any, Any]:
     """Return a task by its name, or by the name that an older server stored.
 
     Raises:
         UnknownTask: There is none.
     """
-    found = _tasks.get(_FORMER_NAMES.get(name, name))
+    found = _tasks.get(current_name(name))
     if found is None:
         message = f"there is no task {name!r}; tasks: {sorted(_tasks)}"
         raise UnknownTask(message)
@@ -143,7 +141,7 @@ def task_named(name: str) -> Task[Any, Any]:
 
 def outline_of(task: str) -> Outline:
     """Return the outline of what a task is given and gives; nothing is large in one not known."""
-    found = _tasks.get(_FORMER_NAMES.get(task, task))
+    found = _tasks.get(current_name(task))
     return _OUTLINES.get(task, _NOTHING_LARGE) if found is None else found.outline
 
 

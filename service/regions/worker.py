@@ -9,7 +9,7 @@ from typing import Any
 from planning import Deadline, Regions, grow_regions
 from planning.domain.report.motion_plan import Progress
 from service.jobs.context import TaskContext
-from service.plans.progress import StageLog
+from service.plans.progress import ProgressReporter
 from service.regions.conversion import region_options_value, regions_value, regions_wire
 from service.regions.models import RegionsRequest
 from service.scenes.tasks import SceneWork
@@ -23,7 +23,7 @@ def grow(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
         WayproofError: The group has no regions, or somebody asked for the end.
     """
     request = RegionsRequest.model_validate(payload["request"])
-    log = StageLog(channel)
+    log = ProgressReporter(channel)
     log(Progress("load", 0.0))
     begun = time.monotonic()
     with borrow_world(SceneWork.model_validate(payload)) as world:

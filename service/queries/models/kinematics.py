@@ -9,9 +9,8 @@ from service.api.numbers import WHOLE, NonNegative, Positions, Real
 from service.api.pose import Pose
 from service.api.problem import Failure
 from service.plans.models.constraints import Constraint
-from service.plans.models.funnel import IkFunnel
 from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
-from service.plans.models.ik import Ik
+from service.plans.models.ik import Ik, IkFunnel
 
 
 class FkRequest(RequestModel):

@@ -17,9 +17,9 @@ from service.jobs.records import JobBrief, JobSpec, bodies, briefs, jobs, metada
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.tasks import outline_of
+from service.plans import tasks as plans
 
-PLAN = "service.plans.worker:plan_motion"
-REVERSE = "service.plans.reverse_worker:reverse_motion"
+PLAN, REVERSE = plans.PLAN.name, plans.REVERSE.name
 REGIONS = "service.regions.worker:grow"
 EXECUTE = "service.executions.worker:execute"
 LARGE = [[0.1] * 7] * 50
