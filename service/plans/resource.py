@@ -5,14 +5,14 @@ from typing import Any
 
 from planning.domain.report.motion_plan import PlanPart
 from service.api.job_models import JobBrief as Plan
-from service.desk import Desk
 from service.errors import NotFinished
 from service.jobs.outline import without
-from service.jobs.records import Job, JobBrief
+from service.jobs.tables import Job, JobSummary
 from service.jobs.tasks import TaskModel, outline_of
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import MotionWork
+from service.scene_jobs import SceneJobs
 
 
 class ProvenClearance(TaskModel):
@@ -52,7 +52,7 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-def plan_resource(desk: Desk, job: JobBrief) -> Plan:
+def plan_resource(desk: SceneJobs, job: JobSummary) -> Plan:
     """Return a plan without its result; a graph is large and has an address of its own."""
     work: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
@@ -75,7 +75,7 @@ def plan_resource(desk: Desk, job: JobBrief) -> Plan:
     })
 
 
-def work_of(job: JobBrief) -> MotionWork:
+def work_of(job: JobSummary) -> MotionWork:
     """Return what a plan was made from."""
     return MotionWork.model_validate(job.payload)
 

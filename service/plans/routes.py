@@ -14,13 +14,13 @@ from service.api.raw_json import whole
 from service.api.responses import Cursor, LastEventId, Limit, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep, taken_in
-from service.dependencies import DeskDep, OpenPlan, PlanJob, PlanText, ScenesDep
-from service.desk import Desk
-from service.jobs.records import JobText
+from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
+from service.jobs.tables import JobText
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.resource import graph_of, plan_resource
 from service.plans.submit import submit_plan, submit_reversed
+from service.scene_jobs import SceneJobs
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
@@ -45,7 +45,7 @@ async def create_plan(
 
 @router.get("", operation_id="listPlans", responses=problems(422))
 async def list_plans(
-    desk: DeskDep,
+    desk: JobsDep,
     state: State = None,
     scene: OfScene = None,
     limit: Limit = 50,
@@ -58,7 +58,7 @@ async def list_plans(
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
-async def get_plan(found: PlanText, desk: DeskDep) -> Response:
+async def get_plan(found: PlanText, desk: JobsDep) -> Response:
     """Show a plan: how far it is, and its result once it succeeded."""
     return await _whole(desk, found)
 
@@ -70,7 +70,7 @@ async def get_plan(found: PlanText, desk: DeskDep) -> Response:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_plan_events(
-    job: OpenPlan, desk: DeskDep, last_event_id: LastEventId = None
+    job: OpenPlan, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to a plan: queued, started, stage, progress, best-so-far, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -104,7 +104,7 @@ async def reverse_plan(job: PlanJob, submission: SubmissionDep, scenes: ScenesDe
 @router.post(
     "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
 )
-async def cancel_plan(job: OpenPlan, desk: DeskDep) -> Response:
+async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Response:
     """End a plan, in whatever state it is; asking again changes nothing.
 
     No database is waited for: `unrecorded` says what it does not hold yet.
@@ -112,6 +112,6 @@ async def cancel_plan(job: OpenPlan, desk: DeskDep) -> Response:
     return await _whole(desk, await desk.text_of(await desk.cancel(job)))
 
 
-async def _whole(desk: Desk, found: JobText, answer: Response | None = None) -> Response:
+async def _whole(desk: SceneJobs, found: JobText, answer: Response | None = None) -> Response:
     """Return a plan in full."""
-    return await whole(plan_resource(desk, found.brief), found.result, answer)
+    return await whole(plan_resource(desk, found.summary), found.result, answer)

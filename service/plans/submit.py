@@ -8,10 +8,9 @@ from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
 from service.catalog.models import Planner
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.jobs.tasks import Task
 from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
@@ -30,6 +29,7 @@ from service.plans.tasks import (
 )
 from service.regions.eligibility import asks_for_regions, own_cars, require_fit
 from service.regions.selection import chosen_regions, regions_file
+from service.scene_jobs import SceneJobs
 from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
@@ -46,7 +46,9 @@ from service.scenes.validation import (
 SLACK = 15.0
 
 
-async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_plan(
+    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+) -> Job:
     """Queue a plan.
 
     Args:
@@ -91,10 +93,12 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
         regions=regions and await to_thread.run_sync(regions_file, folder, regions),
         cancel_grace=desk.best_grace if request.search.on_cancel == "best" else None,
     )
-    return await _queue(desk, PLAN, work, record, Key(key, request.model_dump(mode="json")))
+    return await _queue(
+        desk, PLAN, work, record, IdempotencyKey(key, request.model_dump(mode="json"))
+    )
 
 
-async def submit_reversed(plan: Job, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_reversed(plan: Job, key: str | None, scenes: SceneShelf, desk: SceneJobs) -> Job:
     """Queue the reversed motion of a plan, as a plan of its own.
 
     Raises:
@@ -121,11 +125,11 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneShelf, desk: 
         ),
     )
     # Two plans with the same ends have the same reversed request, but not the same motion.
-    return await _queue(desk, REVERSE, work, record, Key(key, {"reverse": plan.id}))
+    return await _queue(desk, REVERSE, work, record, IdempotencyKey(key, {"reverse": plan.id}))
 
 
 async def _queue[W: MotionWork](
-    desk: Desk, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: Key
+    desk: SceneJobs, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
 ) -> Job:
     allowed = work.request.search.allowed_planning_time + SLACK
     payload = work.model_dump(mode="json")

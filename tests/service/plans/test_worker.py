@@ -5,8 +5,8 @@ import json
 import pytest
 
 from planning.errors import DeadlineExceeded
-from service.jobs.link import FrameKind
 from service.jobs.task import run_task
+from service.jobs.worker.protocol import MessageKind
 from service.plans.models.request import PlanRequest
 from service.plans.submit import SLACK
 from service.plans.tasks import PLAN, PlanWork
@@ -91,11 +91,11 @@ def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
 @pytest.mark.parametrize("name", [PLAN.name, "service.tasks.plan:plan_motion"])
 def test_jobs_that_older_servers_queued_are_run(payload, name):
     end = run_task(name, json.dumps({**payload, "roadmaps": "", "cores": None}), TaskContext())
-    assert end.kind is FrameKind.RESULT, end.text
+    assert end.kind is MessageKind.RESULT, end.text
     outcome = json.loads(end.text)
     assert outcome["result"]["certificate"]["proven"]
     outline = {"timings", "digest", "cut_short"}
-    assert set(json.loads(end.brief)) == outline
+    assert set(json.loads(end.summary)) == outline
     assert set(outcome) == {*outline, "result", "polynomial", "graph"}
 
 
