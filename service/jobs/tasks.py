@@ -27,7 +27,6 @@ _FORMER_NAMES = {
 }
 
 _OUTLINES: Mapping[str, Outline] = {
-    "service.regions.worker:grow": Outline(result=("result.regions", "result.portals")),
     "service.executions.worker:execute": Outline(payload=("trajectory",)),
 }
 _NOTHING_LARGE = Outline()
@@ -121,27 +120,27 @@ class Task[In: BaseModel, Out: BaseModel]:
         return TaskResult(text, _json(found, exclude=_nested(large)))
 
 
-def current_name(name: str) -> str:
-    """Return the name of a task by the one that any server stored."""
-    return _FORMER_NAMES.get(name, name)
-
-
 def task_named(name: str) -> Task[Any, Any]:
     """Return a task by its name, or by the name that an older server stored.
 
     Raises:
         UnknownTask: There is none.
     """
-    found = _tasks.get(current_name(name))
+    found = _tasks.get(_FORMER_NAMES.get(name, name))
     if found is None:
         message = f"there is no task {name!r}; tasks: {sorted(_tasks)}"
         raise UnknownTask(message)
     return found
 
 
+def is_declared(name: str) -> bool:
+    """Return whether a name is that of a task, whether or not there is one, and of no function."""
+    return ":" not in name or _FORMER_NAMES.get(name) in _tasks
+
+
 def outline_of(task: str) -> Outline:
     """Return the outline of what a task is given and gives; nothing is large in one not known."""
-    found = _tasks.get(current_name(task))
+    found = _tasks.get(_FORMER_NAMES.get(task, task))
     return _OUTLINES.get(task, _NOTHING_LARGE) if found is None else found.outline
 
 

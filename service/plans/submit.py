@@ -27,8 +27,8 @@ from service.plans.tasks import (
     PlanWork,
     ReverseWork,
 )
-from service.regions.eligibility import asks_for_regions, own_cars, require_fit
-from service.regions.selection import chosen_regions, regions_file
+from service.regions.eligibility import check_eligible, own_cars, uses_gcs
+from service.regions.selection import SelectedRegions, regions_file, select_regions
 from service.scene_jobs import SceneJobs
 from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
@@ -80,7 +80,7 @@ async def submit_plan(
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
     require_cars(group, request.search)
-    regions = await chosen_regions(request, record, desk)
+    regions = await select_regions(request, record, desk)
     folder = desk.regions_folder
     scene = await desk.scene_work(record)
     work = PlanWork(
@@ -138,7 +138,9 @@ async def _queue[W: MotionWork](
     )
 
 
-def _settled(request: PlanRequest, record: SceneRecord, regions: Job | None) -> PlanRequest:
+def _settled(
+    request: PlanRequest, record: SceneRecord, regions: SelectedRegions | None
+) -> PlanRequest:
     """Return the request with what time would decide: asked again, it gives the same bytes."""
     grown = {} if regions is None else {"regions": regions.id}
     search = request.search.model_copy(update=grown)
@@ -191,6 +193,6 @@ def require_cars(group: Group, search: Search) -> None:
     """
     planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
     cars = resolve_steering(own_cars(group), search.cars, planar)
-    if asks_for_regions(search):
-        require_fit(group, cars, "search.planner")
+    if uses_gcs(search):
+        check_eligible(group, cars, "search.planner")
     validate_forward_planners(search.planners, cars)
