@@ -11,7 +11,6 @@ PRELOAD = (
     "planning.kernel._native",
     "service.executions.worker",
     "service.trajectories.transitions",
-    "service.queries.line_worker",
     "service.catalog.worker",
     "service.trajectories.worker",
     "service.plans.worker",

@@ -11,7 +11,7 @@ from service.api.job_models import Job
 from service.api.problem import Failure
 from service.client.events import Event
 from service.plans.models.result import PlanResult
-from service.scenes.summary_models import Group
+from service.scenes.models.summary import Group
 
 console = Console(highlight=False)
 complaints = Console(stderr=True, highlight=False)

@@ -10,8 +10,8 @@ from service.api.job_models import Job
 from service.client.events import Event, decode_events
 from service.client.refused import checked
 from service.executions.models import Execution
-from service.scenes.models import Scene
-from service.scenes.summary_models import Model
+from service.scenes.models.scene import Scene
+from service.scenes.models.summary import Model
 
 _CONNECT_TIMEOUT = 5.0
 _ANSWER_TIMEOUT = 120.0

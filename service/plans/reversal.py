@@ -9,12 +9,12 @@ from service.jobs.records import Job
 from service.plans.models.request import PlanRequest
 from service.plans.resource import polynomial_of
 from service.plans.submit import SLACK
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 
 TASK = "service.plans.reverse_worker:reverse_motion"
 
 
-async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_reversal(plan: Job, key: str | None, scenes: SceneStore, desk: Desk) -> Job:
     """Queue the way back of a plan.
 
     Raises:

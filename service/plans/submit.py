@@ -19,9 +19,8 @@ from service.plans.models.search import Car, Search
 from service.plans.models.trajectory_conversion import require_one_sampling
 from service.regions.eligibility import asks_for_regions, own_cars, require_fit
 from service.regions.selection import chosen_regions, regions_file
-from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.scenes.validation import (
     Group,
     require_constraints,
@@ -29,6 +28,7 @@ from service.scenes.validation import (
     require_goal,
     require_group,
     require_joints,
+    require_motion_limits,
 )
 
 TASK = "service.plans.worker:plan_motion"
@@ -37,7 +37,7 @@ TASK = "service.plans.worker:plan_motion"
 SLACK = 15.0
 
 
-async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneStore, desk: Desk) -> Job:
     """Queue a plan.
 
     Args:
@@ -121,11 +121,11 @@ def require_search_names(group: Group, search: Search) -> None:
     Raises:
         UnknownName: It has not.
     """
-    joints = {joint["name"]: joint["type"] for joint in group["joints"]}
+    joints = {joint.name: joint.type for joint in group.joints}
     bodies = [name for name, kind in joints.items() if kind in {"planar", "floating"}]
     named = (
-        ("joint or block", search.weights, [*joints, *group["limits"]["blocks"]]),
-        ("position", search.bounds, group["position_names"]),
+        ("joint or block", search.weights, [*joints, *group.limits.blocks]),
+        ("position", search.bounds, group.position_names),
         ("planar or floating joint", search.spaces, bodies),
     )
     for kind, names, known in named:
@@ -147,7 +147,7 @@ def require_cars(group: Group, search: Search) -> None:
         for name, space in search.spaces.items()
         if isinstance(space, Car)
     }
-    planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
+    planar = [joint.name for joint in group.joints if joint.type == "planar"]
     names = [search.planner] if isinstance(search.planner, str) else search.planner
     cars = resolve_steering(own_cars(group), asked, planar)
     if asks_for_regions(search):

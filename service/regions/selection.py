@@ -38,7 +38,7 @@ async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: Desk) 
     if not asks_for_regions(request.search):
         _require_none(request.search)
         return None
-    group = require_group(record, request.group)["name"]
+    group = require_group(record, request.group).name
     margin = request.margin
     margin = float(record.document.get("margin") or 0.0) if margin is None else margin
     seen: list[dict[str, Any]] = []

@@ -8,7 +8,7 @@ from service.jobs.key import Key
 from service.jobs.records import Job
 from service.regions.eligibility import own_cars, require_fit
 from service.regions.models import RegionsRequest
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.scenes.validation import joints_of, require_group
 
 TASK = "service.regions.worker:grow"
@@ -18,7 +18,7 @@ _SLACK = 60.0
 
 
 async def submit_regions(
-    scene: str, request: RegionsRequest, key: str | None, scenes: SceneShelf, desk: Desk
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, desk: Desk
 ) -> Job:
     """Queue the growth of regions.
 
@@ -33,8 +33,8 @@ async def submit_regions(
     group = require_group(record, request.group)
     require_fit(group, own_cars(group), "group")
     for name in request.bounds:
-        if name not in group["position_names"]:
-            raise UnknownName.among("position", name, group["position_names"])
+        if name not in group.position_names:
+            raise UnknownName.among("position", name, group.position_names)
     validate_one_turn(joints_of(group), request.bounds)
     asked = request.model_dump(mode="json")
     payload = {

@@ -6,9 +6,14 @@ from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import DeskDep, ScenesDep
 from service.plans.models.trajectory_conversion import IN_QUESTION, require_one_sampling
-from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
-from service.scenes.validation import Group, require_constraints, require_count, require_group
+from service.scenes.validation import (
+    Group,
+    require_constraints,
+    require_count,
+    require_group,
+    require_motion_limits,
+)
 from service.trajectories.models import (
     CertifyMotionRequest,
     CertifyMotionResponse,

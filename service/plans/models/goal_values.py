@@ -42,6 +42,12 @@ def pose_value(pose: Pose) -> geometry.Pose:
     return geometry.Pose.from_parts(pose.position, pose.quaternion, pose.rpy)
 
 
+def pose_of(pose: geometry.Pose) -> Pose:
+    """Return the model of a pose in world, which is not validated again."""
+    position, quaternion = pose.position.tolist(), pose.quaternion.tolist()
+    return Pose.model_construct(position=position, quaternion=quaternion)
+
+
 def pose_wire(pose: geometry.Pose) -> dict[str, object]:
     """Return a pose in world for the wire."""
     return {

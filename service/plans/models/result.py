@@ -5,10 +5,10 @@ from typing import Literal
 from pydantic import ConfigDict, Field
 
 from service.api.models import ResponseModel
+from service.plans.models.checked import Check
 from service.plans.models.reports import Stages
 from service.plans.models.trajectory import Trajectory
-from service.queries.models.check import Pair, UncheckedPair
-from service.queries.models.checked import Check
+from service.scenes.models.pairs import Pair, UncheckedPair
 
 
 class Certificate(ResponseModel):

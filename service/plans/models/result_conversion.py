@@ -9,8 +9,7 @@ from planning.domain.report.certificate import Certificate
 from planning.domain.report.motion_plan import MotionPlan, StageReports
 from service.api.number_conversion import finite, listed
 from service.plans.models.trajectory_conversion import check_wire
-from service.queries.verdict_conversion import pair_wire
-from service.scenes.summary_conversion import unchecked_wire
+from service.scenes.models.pairs import Pair, unchecked_pairs
 
 
 def plan_wire(
@@ -49,8 +48,8 @@ def certificate_wire(certificate: Certificate) -> dict[str, Any]:
         "time": certificate.time,
         "points": listed(certificate.points),
         "proven_until": certificate.proven_until,
-        "first_unproven": None if stopped is None else pair_wire(stopped),
-        "unchecked": unchecked_wire(certificate.unchecked),
+        "first_unproven": None if stopped is None else Pair.from_domain(stopped).model_dump(),
+        "unchecked": unchecked_pairs(certificate.unchecked),
         "checks": [check_wire(check) for check in certificate.checks],
     }
 

@@ -3,7 +3,7 @@
 from pydantic import ConfigDict, Field
 
 from service.api.models import ResponseModel
-from service.queries.models.checked import Interpolation
+from service.plans.models.checked import Interpolation
 
 type Row = list[float]
 

@@ -1,15 +1,19 @@
 """Asking how far a tool can be moved in a straight line, and what stops it."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field
 
+from planning.api.trace_line import TraceResolution
+from planning.domain.goals import line_trace as domain
 from service.api.models import Boolean, Name, ResponseModel
+from service.api.number_conversion import listed
 from service.api.numbers import NonNegative, Positions, Real
 from service.api.pose import Pose
+from service.plans.models.goal_values import pose_of
 from service.plans.models.line_goals import Deviation, LineEnd
 from service.plans.models.tool_frame import ToolFrame
-from service.queries.models.check import Pair
+from service.scenes.models.pairs import Pair
 
 
 class FoundDeviation(ResponseModel):
@@ -51,6 +55,11 @@ class LineRequest(LineEnd):
         default=5.0, description="Give up after this long [s]"
     )
 
+    @property
+    def resolution(self) -> TraceResolution:
+        """How closely the line shall be followed."""
+        return TraceResolution(self.deviation.position, self.deviation.rotation, self.max_step)
+
 
 class LineStop(ResponseModel):
     """What ended a line before its end."""
@@ -70,6 +79,19 @@ class LineStop(ResponseModel):
         "zero everywhere [1 or m per rad or m]"
     )
 
+    @classmethod
+    def from_domain(cls, stop: domain.LineStop) -> Self:
+        """Return a stop."""
+        return cls(
+            reason=stop.reason,
+            fraction=stop.fraction,
+            where=pose_of(stop.where),
+            positions=listed(stop.positions),
+            joint=stop.joint or None,
+            pair=None if stop.pair is None else Pair.from_domain(stop.pair),
+            singular_value=stop.singular_value,
+        )
+
 
 class LineResponse(ResponseModel):
     """How far it goes, on what way, and what stops it."""
@@ -87,3 +109,19 @@ class LineResponse(ResponseModel):
         description="How far from the line the tool is at most, between waypoints too"
     )
     stopped_by: LineStop | None = Field(description="What ended it; null if all is reached")
+
+    @classmethod
+    def from_domain(cls, trace: domain.LineTrace, *, with_poses: bool) -> Self:
+        """Return a line that was traced."""
+        poses = [pose_of(trace.line.pose(s)) for s in trace.fractions] if with_poses else None
+        return cls(
+            fraction=trace.fraction,
+            length=trace.length,
+            fractions=listed(trace.fractions),
+            positions=listed(trace.positions),
+            poses=poses,
+            deviation=FoundDeviation(
+                position=trace.max_position_deviation, rotation=trace.max_rotation_deviation
+            ),
+            stopped_by=None if trace.stop is None else LineStop.from_domain(trace.stop),
+        )

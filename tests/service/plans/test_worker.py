@@ -7,6 +7,7 @@ import pytest
 from planning.errors import DeadlineExceeded
 from service.plans.submit import SLACK
 from service.plans.worker import plan_motion
+from service.scenes.tasks import LoadWork
 from service.scenes.worker import load_scene
 from tests.service.conftest import BLOCK_SCENE
 
@@ -34,14 +35,15 @@ class TaskContext:
 def payload(tmp_path):
     library = {"model_roots": [], "allow_paths": False, "copies": str(tmp_path / "files")}
     posted = {"library": library, "text": json.dumps(BLOCK_SCENE), "media": "json"}
-    loaded = load_scene(posted, TaskContext())
+    loaded = load_scene(LoadWork.model_validate(posted), TaskContext())
     file = tmp_path / "scene.json"
-    kept = {"document": json.loads(loaded["document"].text), "files": loaded["summary"]["files"]}
+    files = {name: kept.model_dump() for name, kept in loaded.summary.files.items()}
+    kept = {"document": json.loads(loaded.document.text), "files": files}
     file.write_text(json.dumps(kept))
     request = {"scene": "s", "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     request["search"] = {"allowed_planning_time": ALLOWED}
     return {
-        "scene": {"digest": loaded["digest"], "document": str(file)},
+        "scene": {"digest": loaded.digest, "document": str(file)},
         "library": library,
         "request": request,
     }
