@@ -1,13 +1,13 @@
 """Steering: what is asked of an execution that waits or runs."""
 
 from planning.errors import IllegalTransition
-from service.desk import Desk
 from service.executions.controls import IS_PAUSED, SPEED
-from service.jobs.records import Job, JobBrief
+from service.jobs.service import JobService
+from service.jobs.tables import Job, JobSummary
 
 
 async def steer(
-    desk: Desk, job: JobBrief, *, is_paused: bool | None = None, speed: float | None = None
+    desk: JobService, job: JobSummary, *, is_paused: bool | None = None, speed: float | None = None
 ) -> Job:
     """Ask an execution to rest, to move on, or to move at another speed, and return it.
 

@@ -4,9 +4,9 @@ import math
 from typing import Any
 
 from planning.domain.robot.joints import Joint, JointType
-from service.desk import Desk
 from service.errors import RobotBusy, StartMismatch
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
+from service.scene_jobs import SceneJobs
 from service.scenes.models.summary import Group
 
 # An execution ends within 0.005 of where it should [rad or m].
@@ -36,7 +36,7 @@ def require_at_start(group: Group, start: list[float]) -> None:
         raise StartMismatch(message, evidence)
 
 
-async def require_at_rest(desk: Desk, scene: str) -> None:
+async def require_at_rest(desk: SceneJobs, scene: str) -> None:
     """Go on only if nothing moves in a scene.
 
     A motion was proven against other robots where they stood, not against other motions.
@@ -54,12 +54,12 @@ async def require_at_rest(desk: Desk, scene: str) -> None:
         raise RobotBusy(message, {"execution": job.id, "group": group})
 
 
-async def last_status(desk: Desk, job: JobBrief) -> dict[str, Any] | None:
+async def last_status(desk: SceneJobs, job: JobSummary) -> dict[str, Any] | None:
     """Return the last status that an execution told, None if it never moved."""
     if job.result is not None:
         told: dict[str, Any] = job.result["status"]
         return told
-    return await desk.last_told(job, "status")
+    return await desk.latest_event(job, "status")
 
 
 def separation(group: Group, a: list[float], b: list[float]) -> float:

@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from service.desk import Desk
 from service.errors import NotFinished
 from service.executions.position import last_status
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
+from service.scene_jobs import SceneJobs
 
 
-async def executed_motions(desk: Desk, scene: str, most: int) -> list[dict[str, Any]]:
+async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[dict[str, Any]]:
     """Return what tasks need to replay the last motions of a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
@@ -29,7 +29,7 @@ async def executed_motions(desk: Desk, scene: str, most: int) -> list[dict[str, 
     return found[::-1]
 
 
-async def _motion(desk: Desk, brief: JobBrief, status: dict[str, Any]) -> dict[str, Any]:
+async def _motion(desk: SceneJobs, brief: JobSummary, status: dict[str, Any]) -> dict[str, Any]:
     job = await desk.job("execution", brief.id)  # briefs have no trajectory
     payload = {part: job.payload[part] for part in ("library", "scene", "group", "trajectory")}
     is_whole = job.state == "succeeded"

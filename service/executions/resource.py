@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from service.desk import Desk
 from service.executions.position import last_status
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
+from service.scene_jobs import SceneJobs
 
 _FINAL = {"succeeded": "succeeded", "failed": "aborted", "canceled": "canceled"}
 
 
-async def execution_resource(desk: Desk, job: JobBrief) -> dict[str, Any]:
+async def execution_resource(desk: SceneJobs, job: JobSummary) -> dict[str, Any]:
     """Return an execution in full."""
     status = await last_status(desk, job)
     state = state_of(job, status)
@@ -28,7 +28,7 @@ async def execution_resource(desk: Desk, job: JobBrief) -> dict[str, Any]:
     }
 
 
-def state_of(job: JobBrief, status: dict[str, Any] | None) -> str:
+def state_of(job: JobSummary, status: dict[str, Any] | None) -> str:
     """Return the state of an execution: the job's where that is final, else what it told last."""
     if job.state in _FINAL:
         return _FINAL[job.state]

@@ -12,7 +12,7 @@ from service.api.event_stream import EVENTS, server_sent
 from service.api.responses import Cursor, LastEventId, Limit, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep, taken_in
-from service.dependencies import DeskDep, ExecutionJob, OpenExecution, ScenesDep
+from service.dependencies import ExecutionJob, JobsDep, OpenExecution, ScenesDep
 from service.executions.commands import steer
 from service.executions.models import (
     Execution,
@@ -40,14 +40,14 @@ async def create_execution(
     """Carry out a plan, if its start is where the robot is."""
     job = await submit_execution(request, asked.key, scenes, asked.desk)
     found = await asked.awaited(job, "/v1/executions")
-    return await execution_resource(asked.desk, found.brief)
+    return await execution_resource(asked.desk, found.summary)
 
 
 @router.get(
     "", operation_id="listExecutions", response_model=ExecutionPage, responses=problems(422)
 )
 async def list_executions(
-    desk: DeskDep, scene: OfScene = None, limit: Limit = 50, cursor: Cursor = None
+    desk: JobsDep, scene: OfScene = None, limit: Limit = 50, cursor: Cursor = None
 ) -> Any:
     """List executions, newest first."""
     page = await desk.page("execution", limit, cursor, scene=scene)
@@ -61,7 +61,7 @@ async def list_executions(
     response_model=Execution,
     responses=problems(404, 422),
 )
-async def get_execution(job: ExecutionJob, desk: DeskDep) -> Any:
+async def get_execution(job: ExecutionJob, desk: JobsDep) -> Any:
     """Show an execution: its state, progress, measured positions, tracking error, contacts."""
     return await execution_resource(desk, job)
 
@@ -73,7 +73,7 @@ async def get_execution(job: ExecutionJob, desk: DeskDep) -> Any:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_execution_events(
-    job: ExecutionJob, desk: DeskDep, last_event_id: LastEventId = None
+    job: ExecutionJob, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to an execution: queued, started, status, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -86,7 +86,7 @@ async def stream_execution_events(
     response_model=Execution,
     responses=problems(404, 422),
 )
-async def cancel_execution(job: OpenExecution, desk: DeskDep) -> Any:
+async def cancel_execution(job: OpenExecution, desk: JobsDep) -> Any:
     """Bring the robot to rest on its path and end; asking again changes nothing.
 
     The robot is told first, and no database is waited for: `unrecorded` says what it does not hold
@@ -101,7 +101,7 @@ async def cancel_execution(job: OpenExecution, desk: DeskDep) -> Any:
     response_model=Execution,
     responses=problems(404, 409, 422),
 )
-async def pause_execution(job: OpenExecution, desk: DeskDep) -> Any:
+async def pause_execution(job: OpenExecution, desk: JobsDep) -> Any:
     """Bring the robot to rest on its path, until it is resumed."""
     return await execution_resource(desk, await steer(desk, job, is_paused=True))
 
@@ -112,7 +112,7 @@ async def pause_execution(job: OpenExecution, desk: DeskDep) -> Any:
     response_model=Execution,
     responses=problems(404, 409, 422),
 )
-async def resume_execution(job: OpenExecution, desk: DeskDep) -> Any:
+async def resume_execution(job: OpenExecution, desk: JobsDep) -> Any:
     """Move on after a pause."""
     return await execution_resource(desk, await steer(desk, job, is_paused=False))
 
@@ -123,6 +123,6 @@ async def resume_execution(job: OpenExecution, desk: DeskDep) -> Any:
     response_model=Execution,
     responses=problems(400, 404, 409, 413, 422),
 )
-async def set_execution_speed(job: OpenExecution, desk: DeskDep, request: SpeedRequest) -> Any:
+async def set_execution_speed(job: OpenExecution, desk: JobsDep, request: SpeedRequest) -> Any:
     """Change how fast the motion is carried out; the robot gets there along its path."""
     return await execution_resource(desk, await steer(desk, job, speed=request.speed))

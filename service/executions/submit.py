@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from service.desk import Desk
 from service.executions.models import ExecutionRequest
 from service.executions.position import require_at_rest, require_at_start
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job, JobSpec
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job, JobSpec
 from service.plans.resource import polynomial_of
+from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
 from service.scenes.validation import require_group
@@ -18,7 +18,7 @@ PROOF = "service.executions.proof:certify_again"
 
 
 async def submit_execution(
-    request: ExecutionRequest, key: str | None, scenes: SceneStore, desk: Desk
+    request: ExecutionRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
 ) -> Job:
     """Queue an execution in the latest revision of the plan's scene.
 
@@ -35,11 +35,11 @@ async def submit_execution(
     polynomial = polynomial_of(plan)
     wanted = plan.payload["request"]
     asked = request.model_dump(mode="json")
-    named = Key(key, asked)
+    named = IdempotencyKey(key, asked)
     # Two requests at once must not both find the robot at rest.
     async with desk.admitting_motion:
         again = JobSpec("execution", TASK, {}, key=named.text, request_digest=named.digest)
-        if (known := await desk.known(again)) is not None:
+        if (known := await desk.find_by_key(again)) is not None:
             return known
         # Before the scene is read: what ends until then is in it.
         await require_at_rest(desk, wanted["scene"])
@@ -62,7 +62,7 @@ async def submit_execution(
 
 
 async def _require_proven(
-    desk: Desk, record: SceneRecord, plan: Job, polynomial: dict[str, Any]
+    desk: SceneJobs, record: SceneRecord, plan: Job, polynomial: dict[str, Any]
 ) -> None:
     """Go on only if the motion is proven in a revision, by the plan's own proof or by a new one.
 

@@ -24,17 +24,11 @@ from planning.errors import (
     GoalViolatesConstraint,
     PlanningFailure,
 )
+from service.api.pose import Pose
 from service.api.problem import Failure
 from service.jobs.context import TaskContext
-from service.plans.models.constraint_values import constraint_values
-from service.plans.models.failures import failure_wire
+from service.plans.models.constraints import constraints_to_domain
 from service.plans.models.funnel import IkFunnel
-from service.plans.models.goal_values import (
-    ik_value,
-    line_end_value,
-    pose_of,
-    reach_goal_value,
-)
 from service.queries.models.check import CheckRequest, CheckResponse, Verdict
 from service.queries.models.kinematics import (
     FkRequest,
@@ -85,7 +79,9 @@ def fk(work: QueryWork[FkRequest], _: TaskContext) -> FkResponse:
         frames = tuple(request.frames or world.group(request.group).tool_frames)
         configurations = np.array(request.configurations, dtype=np.float64)
         found = forward_kinematics(world, request.group, configurations, frames)
-    results = [{frame: pose_of(pose) for frame, pose in by_frame.items()} for by_frame in found]
+    results = [
+        {frame: Pose.from_domain(pose) for frame, pose in by_frame.items()} for by_frame in found
+    ]
     return FkResponse.model_construct(results=results)
 
 
@@ -99,7 +95,7 @@ def ik(work: QueryWork[IkRequest], context: TaskContext) -> IkResponse:
     """
     request, start = work.request, _start(work.request.start)
     deadline = Deadline.after(request.allowed_time, time.monotonic, context.is_canceled)
-    goal = reach_goal_value(request.goal)
+    goal = request.goal.to_domain()
     with borrow_world(work) as world:
         try:
             found = solve_ik(
@@ -108,9 +104,9 @@ def ik(work: QueryWork[IkRequest], context: TaskContext) -> IkResponse:
                 goal,
                 deadline=deadline,
                 start=start,
-                options=ik_value(request.ik),
+                options=request.ik.to_domain(),
                 margin=request.margin,
-                constraints=constraint_values(request.path_constraints),
+                constraints=constraints_to_domain(request.path_constraints),
                 seed=request.seed,
             )
         except _NO_SOLUTION as failure:
@@ -145,7 +141,7 @@ def line(work: QueryWork[LineRequest], context: TaskContext) -> LineResponse:
         trace = trace_line(
             world,
             request.group,
-            line_end_value(request),
+            request.to_target(),
             deadline=deadline,
             start=_start(request.start),
             frame=request.frame or "",
@@ -164,5 +160,5 @@ def _no_configuration(failure: PlanningFailure) -> IkResponse:
     return IkResponse(
         configurations=[],
         funnel=None if funnel is None else IkFunnel.model_validate(funnel),
-        failure=Failure.model_validate(failure_wire(failure)),
+        failure=Failure.from_error(failure),
     )

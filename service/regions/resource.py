@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from service.desk import Desk
 from service.jobs.outline import without
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
 from service.jobs.tasks import outline_of
+from service.scene_jobs import SceneJobs
 
 
-def regions_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
+def regions_brief(desk: SceneJobs, job: JobSummary) -> dict[str, Any]:
     """Return regions without their faces."""
     done: dict[str, Any] = without(job.result or {}, outline_of(job.task).result)
     return {

@@ -13,12 +13,12 @@ from service.api.raw_json import whole
 from service.api.responses import Cursor, LastEventId, Limit, SceneId, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep, taken_in
-from service.dependencies import DeskDep, OpenRegions, RegionsText, ScenesDep
-from service.desk import Desk
-from service.jobs.records import JobText
+from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
+from service.jobs.tables import JobText
 from service.regions.models import RegionsBrief, RegionsJob, RegionsPage, RegionsRequest
 from service.regions.resource import regions_brief
 from service.regions.submit import submit_regions
+from service.scene_jobs import SceneJobs
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
 
@@ -46,7 +46,7 @@ async def grow_regions(
 )
 async def list_regions(
     scene: SceneId,
-    desk: DeskDep,
+    desk: JobsDep,
     scenes: ScenesDep,
     limit: Limit = 50,
     cursor: Cursor = None,
@@ -63,7 +63,7 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(found: RegionsText, desk: DeskDep) -> Any:
+async def get_regions(found: RegionsText, desk: JobsDep) -> Any:
     """Show regions: how far they are, and all of them once they have grown."""
     return await _whole(desk, found)
 
@@ -75,7 +75,7 @@ async def get_regions(found: RegionsText, desk: DeskDep) -> Any:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_regions_events(
-    job: OpenRegions, desk: DeskDep, last_event_id: LastEventId = None
+    job: OpenRegions, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to regions: queued, started, stage, progress, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -88,12 +88,12 @@ async def stream_regions_events(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def cancel_regions(job: OpenRegions, desk: DeskDep) -> Any:
+async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Any:
     """End the growth, in whatever state it is; asking again changes nothing."""
     return await _whole(desk, await desk.text_of(await desk.cancel(job)))
 
 
-async def _whole(desk: Desk, found: JobText, told: Response | None = None) -> Response:
+async def _whole(desk: SceneJobs, found: JobText, told: Response | None = None) -> Response:
     """Return regions in full."""
-    brief = RegionsBrief.model_validate(regions_brief(desk, found.brief))
+    brief = RegionsBrief.model_validate(regions_brief(desk, found.summary))
     return await whole(brief, found.result, told)

@@ -9,12 +9,12 @@ from typing import Any
 
 from planning.errors import ProblemInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
-from service.desk import Desk
 from service.errors import NoRegions
-from service.jobs.records import Job, JobBrief
+from service.jobs.tables import Job, JobSummary
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
 from service.regions.eligibility import PLANNER, asks_for_regions
+from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.validation import require_group
 
@@ -23,7 +23,7 @@ _MOST_NAMED = 20
 _MOST_BYTES = 2**29
 
 
-async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: Desk) -> Job | None:
+async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: SceneJobs) -> Job | None:
     """Return the regions that a plan is given; None if its planners need none.
 
     The request names them, or they are the newest that were grown for the very content of the
@@ -68,16 +68,16 @@ def _require_none(search: Search) -> None:
 
 
 async def _candidates(
-    request: PlanRequest, record: SceneRecord, desk: Desk
-) -> AsyncIterator[JobBrief]:
+    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+) -> AsyncIterator[JobSummary]:
     if request.search.regions is not None:
         yield await desk.job("regions", request.search.regions)
         return
-    async for job in desk.newest("regions", warm_key=record.digest):
+    async for job in desk.newest("regions", world_digest=record.digest):
         yield job
 
 
-def _fits(job: JobBrief, record: SceneRecord, group: str, margin: float) -> bool:
+def _fits(job: JobSummary, record: SceneRecord, group: str, margin: float) -> bool:
     grown = (job.result or {}).get("result")
     return bool(
         grown
@@ -88,7 +88,7 @@ def _fits(job: JobBrief, record: SceneRecord, group: str, margin: float) -> bool
     )
 
 
-def _told(job: JobBrief) -> dict[str, Any]:
+def _told(job: JobSummary) -> dict[str, Any]:
     grown: dict[str, Any] = (job.result or {}).get("result", {})
     named = {name: grown.get(name) for name in ("group", "margin", "scene", "num_regions")}
     return {

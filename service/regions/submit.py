@@ -2,12 +2,12 @@
 
 from planning.domain.request.region_request import validate_one_turn
 from planning.errors import UnknownName
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.regions.eligibility import own_cars, require_fit
 from service.regions.models import RegionsRequest
+from service.scene_jobs import SceneJobs
 from service.scenes.store import SceneStore
 from service.scenes.validation import joints_of, require_group
 
@@ -18,7 +18,7 @@ _SLACK = 60.0
 
 
 async def submit_regions(
-    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, desk: Desk
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
 ) -> Job:
     """Queue the growth of regions.
 
@@ -43,7 +43,7 @@ async def submit_regions(
         "revision": record.revision,
     }
     allowed = request.allowed_time + _SLACK
-    named = Key(key, {"scene": record.id, **asked})
+    named = IdempotencyKey(key, {"scene": record.id, **asked})
     return await desk.submit(
         spec_of("regions", TASK, payload, scene=record, key=named, allowed=allowed)
     )

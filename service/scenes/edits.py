@@ -2,8 +2,8 @@
 
 from itertools import count
 
-from service.desk import Desk
 from service.errors import RevisionConflict
+from service.scene_jobs import SceneJobs
 from service.scenes.models.edits import SceneEdit
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
@@ -14,7 +14,7 @@ _MAX_ROUNDS = 10
 
 
 async def apply_edits(
-    identifier: str, request: SceneEdit, scenes: SceneStore, desk: Desk
+    identifier: str, request: SceneEdit, scenes: SceneStore, desk: SceneJobs
 ) -> SceneRecord:
     """Carry out operations and record what comes of them.
 
@@ -41,7 +41,7 @@ async def apply_edits(
                 raise
 
 
-async def load_edited(record: SceneRecord, request: SceneEdit, desk: Desk) -> LoadedScene:
+async def load_edited(record: SceneRecord, request: SceneEdit, desk: SceneJobs) -> LoadedScene:
     """Return what comes of operations on a revision, without a record of it.
 
     Raises:

@@ -4,7 +4,7 @@ from fastapi import APIRouter
 
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import DeskDep, ScenesDep
+from service.dependencies import JobsDep, ScenesDep
 from service.plans.models.trajectory_conversion import IN_QUESTION, require_one_sampling
 from service.scenes.records import SceneRecord
 from service.scenes.validation import (
@@ -36,7 +36,7 @@ router = APIRouter(
 
 
 @router.post("/retime", operation_id="retimePath", response_model=RetimeResponse)
-async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def retime(request: RetimeRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Time a path of your own as quickly as the limits allow, and prove the motion."""
     record = await scenes.get(request.scene, request.revision)
     group = require_group(record, request.group)
@@ -48,7 +48,7 @@ async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> ob
 
 
 @router.post("/certify", operation_id="certifyTrajectory", response_model=CertifyMotionResponse)
-async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Hold a trajectory of your own against limits and obstacles, between its samples too."""
     record = await scenes.get(request.scene, request.revision)
     group = require_group(record, request.group)
@@ -60,7 +60,7 @@ async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDe
 
 
 @router.post("/stop", operation_id="stopMotion", response_model=StopMotionResponse)
-async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Stop a running motion from an instant of it, as quickly as the limits allow, and prove it."""
     record = await scenes.get(request.scene, request.revision)
     _require_leaving(record, require_group(record, request.group), request)
@@ -68,7 +68,7 @@ async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: DeskDep) -> 
 
 
 @router.post("/splice", operation_id="spliceMotion", response_model=SpliceMotionResponse)
-async def splice(request: SpliceMotionRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def splice(request: SpliceMotionRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Go over from a running motion to another one without a rest in between, and prove it."""
     record = await scenes.get(request.scene, request.revision)
     _require_leaving(record, require_group(record, request.group), request)

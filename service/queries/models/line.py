@@ -10,9 +10,7 @@ from service.api.models import Boolean, Name, ResponseModel
 from service.api.number_conversion import listed
 from service.api.numbers import NonNegative, Positions, Real
 from service.api.pose import Pose
-from service.plans.models.goal_values import pose_of
-from service.plans.models.line_goals import Deviation, LineEnd
-from service.plans.models.tool_frame import ToolFrame
+from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
 from service.scenes.models.pairs import Pair
 
 
@@ -85,7 +83,7 @@ class LineStop(ResponseModel):
         return cls(
             reason=stop.reason,
             fraction=stop.fraction,
-            where=pose_of(stop.where),
+            where=Pose.from_domain(stop.where),
             positions=listed(stop.positions),
             joint=stop.joint or None,
             pair=None if stop.pair is None else Pair.from_domain(stop.pair),
@@ -113,13 +111,13 @@ class LineResponse(ResponseModel):
     @classmethod
     def from_domain(cls, trace: domain.LineTrace, *, with_poses: bool) -> Self:
         """Return a line that was traced."""
-        poses = [pose_of(trace.line.pose(s)) for s in trace.fractions] if with_poses else None
+        poses = (Pose.from_domain(trace.line.pose(s)) for s in trace.fractions)
         return cls(
             fraction=trace.fraction,
             length=trace.length,
             fractions=listed(trace.fractions),
             positions=listed(trace.positions),
-            poses=poses,
+            poses=list(poses) if with_poses else None,
             deviation=FoundDeviation(
                 position=trace.max_position_deviation, rotation=trace.max_rotation_deviation
             ),
