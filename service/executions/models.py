@@ -2,10 +2,11 @@
 
 from datetime import datetime
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field
 
+from planning.execute import status as domain
 from service.api.models import UNRECORDED, Identifier, RequestModel, ResponseModel
 from service.api.numbers import Real
 from service.api.problem import Failure
@@ -69,6 +70,26 @@ class ExecutionStatus(ResponseModel):
         "what else runs on the machine makes the motion fall behind; null if not recorded",
     )
     contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
+
+    @classmethod
+    def from_domain(
+        cls,
+        status: domain.ExecutionStatus,
+        max_tracking_error: float,
+        lateness: float,
+        contacts: list[Contact],
+    ) -> Self:
+        """Return a status, with the worst of all before it."""
+        return cls(
+            state=ExecutionState(status.state),
+            progress=min(1.0, max(0.0, status.progress)),
+            time=status.time,
+            positions=status.measured.tolist(),
+            tracking_error=status.tracking_error,
+            max_tracking_error=max_tracking_error,
+            lateness=lateness,
+            contacts=contacts,
+        )
 
 
 class Execution(ResponseModel):

@@ -1,11 +1,12 @@
 """Where a robot is: where the latest revision of its scene has it, once nothing moves."""
 
 import math
-from typing import Any
 
 from planning.domain.robot.joints import Joint, JointType
 from service.desk import Desk
 from service.errors import RobotBusy, StartMismatch
+from service.executions.models import ExecutionStatus
+from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.records import JobBrief
 from service.scenes.validation import Group
 
@@ -46,7 +47,7 @@ async def require_at_rest(desk: Desk, scene: str) -> None:
     """
     job = await desk.in_scene("execution", scene)
     if job is not None:
-        group = job.payload["group"]
+        group = ExecutionOutline.model_validate(job.payload).group
         message = (
             f"execution {job.id} moves {group}, and motions of one scene are not proven "
             "against each other while they run; wait for its end, or cancel it"
@@ -54,12 +55,12 @@ async def require_at_rest(desk: Desk, scene: str) -> None:
         raise RobotBusy(message, {"execution": job.id, "group": group})
 
 
-async def last_status(desk: Desk, job: JobBrief) -> dict[str, Any] | None:
-    """Return the last status that an execution told, None if it never moved."""
+async def last_status(desk: Desk, job: JobBrief) -> ExecutionStatus | None:
+    """Return the last status of an execution, None if it never moved."""
     if job.result is not None:
-        told: dict[str, Any] = job.result["status"]
-        return told
-    return await desk.last_told(job, "status")
+        return ExecutionOutcome.model_validate(job.result).status
+    latest = await desk.last_told(job, "status")
+    return None if latest is None else ExecutionStatus.model_validate(latest)
 
 
 def separation(group: Group, a: list[float], b: list[float]) -> float:

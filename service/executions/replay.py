@@ -1,22 +1,22 @@
 """What a replay of a scene shows: the motions that executions carried out in it, in order."""
 
-from typing import Any
-
 from service.desk import Desk
 from service.errors import NotFinished
+from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
+from service.executions.tasks import ExecutedMotion, ExecutionWork
 from service.jobs.records import JobBrief
 
 
-async def executed_motions(desk: Desk, scene: str, most: int) -> list[dict[str, Any]]:
-    """Return what tasks need to replay the last motions of a scene, oldest first.
+async def executed_motions(desk: Desk, scene: str, most: int) -> list[ExecutedMotion]:
+    """Return the last motions that were carried out in a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
 
     Raises:
         NotFinished: Nothing has moved in the scene yet.
     """
-    found: list[dict[str, Any]] = []
+    found: list[ExecutedMotion] = []
     async for job in desk.newest("execution", scene=scene):
         if len(found) == most:
             break
@@ -29,13 +29,16 @@ async def executed_motions(desk: Desk, scene: str, most: int) -> list[dict[str, 
     return found[::-1]
 
 
-async def _motion(desk: Desk, brief: JobBrief, status: dict[str, Any]) -> dict[str, Any]:
-    job = await desk.job("execution", brief.id)  # briefs have no trajectory
-    payload = {part: job.payload[part] for part in ("library", "scene", "group", "trajectory")}
+async def _motion(desk: Desk, summary: JobBrief, status: ExecutionStatus) -> ExecutedMotion:
+    job = await desk.job("execution", summary.id)  # lists have no trajectory
+    work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"
-    title = job.payload["request"].get("title") or f"{job.payload['group']} moves"
-    return {
-        **payload,
-        "title": title if is_whole else f"{title} ({job.state})",
-        "until": None if is_whole else status["time"],
-    }
+    title = work.request.title or f"{work.group} moves"
+    return ExecutedMotion(
+        library=work.library,
+        scene=work.scene,
+        group=work.group,
+        trajectory=work.trajectory,
+        title=title if is_whole else f"{title} ({job.state})",
+        until=None if is_whole else status.time,
+    )

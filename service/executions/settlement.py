@@ -8,6 +8,7 @@ the execution ended, so that nothing is lost if the server ends before.
 from service.desk import Desk
 from service.errors import RevisionConflict
 from service.executions.position import last_status
+from service.executions.tasks import ExecutionOutline
 from service.jobs.records import JobBrief
 from service.scenes.edit_models import SceneEdit, SetPositionsOperation
 from service.scenes.records import SceneRecord
@@ -56,9 +57,9 @@ async def _pending(record: SceneRecord, job: JobBrief, desk: Desk) -> SceneEdit 
     status = await last_status(desk, job)
     if status is None:  # it never moved
         return None
-    group = require_group(record, job.payload["group"])
+    group = require_group(record, ExecutionOutline.model_validate(job.payload).group)
     robot = group["name"].partition("::")[0]
-    positions = _by_joint(group, robot, status["positions"])
+    positions = _by_joint(group, robot, status.positions)
     operation = SetPositionsOperation(op="set_positions", robot=robot, positions=positions)
     return SceneEdit(operations=[operation])
 

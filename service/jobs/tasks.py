@@ -34,7 +34,6 @@ _PLAN = Outline(
 _OUTLINES: Mapping[str, Outline] = {
     "service.plans.worker:plan_motion": _PLAN,
     "service.plans.reverse_worker:reverse_motion": _PLAN,
-    "service.executions.worker:execute": Outline(payload=("trajectory",)),
 }
 _NOTHING_LARGE = Outline()
 

@@ -84,7 +84,8 @@ async def get_scene_replay(
 ) -> HTMLResponse:
     """Replay in 3-D what executions moved in a scene, one motion after the other."""
     record = await scenes.stored(scene)
-    motions = await executed_motions(desk, record.id, last)
+    executed = await executed_motions(desk, record.id, last)
+    motions = [motion.model_dump(mode="json") for motion in executed]
     page = await desk.ask("service.plans.output_worker:replay_scene", {"motions": motions})
     return HTMLResponse(page["html"])
 

@@ -11,6 +11,13 @@ from service.executions.models import ExecutionRequest
 from service.scenes.latest import Latest
 
 JOINT = {"name": "arm::j", "type": "revolute"}
+STILL = {
+    "breaks": [0, 1],
+    "bases": [[0]],
+    "coefficients": [[[0]]],
+    "joint_names": ["arm::j"],
+    "joint_types": ["revolute"],
+}
 
 
 class Moving:
@@ -27,7 +34,9 @@ class Moving:
         return SimpleNamespace(id=identifier, digest="d", summary=summary)
 
     async def job(self, lane, identifier):
-        payload = {"request": {"scene": "s", "group": "arm"}, "scene": {"digest": "d"}}
+        goal = {"type": "joint", "positions": [1.0]}
+        request = {"scene": "s", "group": "arm", "goal": goal}
+        payload = {"request": request, "scene": {"digest": "d", "document": "file"}}
         return SimpleNamespace(payload=payload, result={"result": {"start": [0.0]}})
 
     async def known(self, spec):
@@ -36,15 +45,15 @@ class Moving:
     async def in_scene(self, lane, scene):
         self.positions = [1.0]
 
-    async def scene_payload(self, record):
-        return {}
+    async def scene_work(self, record):
+        raise AssertionError
 
     async def submit(self, spec):
         return spec
 
 
 def test_a_motion_that_ends_while_it_is_looked_for_is_not_overlooked(monkeypatch):
-    monkeypatch.setattr(admission, "polynomial_of", lambda plan: {})
+    monkeypatch.setattr(admission, "polynomial_of", lambda plan: STILL)
     moving = Moving()
     request = ExecutionRequest(plan="pln_1")
     with pytest.raises(StartMismatch):
