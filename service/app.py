@@ -13,8 +13,8 @@ from service.api.graceful_shutdown import Farewell
 from service.api.host_check import Gate
 from service.api.query_parameters import require_known_query
 from service.catalog import routes as catalog
-from service.engine import open_desk
 from service.executions import routes as executions
+from service.lifespan import open_services
 from service.plans import output_routes
 from service.plans import routes as plans
 from service.queries import routes as queries
@@ -64,7 +64,7 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_desk(chosen, on_taken) as (desk, shelf):
+            async with open_services(chosen, on_taken) as (desk, shelf):
                 app.state.desk, app.state.scenes = desk, shelf
                 has_started = True
                 yield

@@ -8,8 +8,8 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from service.api.responses import ExecutionId, PlanId, RegionsId
-from service.desk import Desk
-from service.jobs.records import Job, JobBrief, JobText
+from service.jobs.tables import Job, JobSummary, JobText
+from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings
 
@@ -24,41 +24,41 @@ async def _scenes(request: Request) -> SceneShelf:
     return scenes
 
 
-async def _desk(request: Request) -> Desk:
-    desk: Desk = request.app.state.desk
+async def _desk(request: Request) -> SceneJobs:
+    desk: SceneJobs = request.app.state.desk
     return desk
 
 
 type SettingsDep = Annotated[Settings, Depends(_settings)]
 type ScenesDep = Annotated[SceneShelf, Depends(_scenes)]
-type DeskDep = Annotated[Desk, Depends(_desk)]
+type JobsDep = Annotated[SceneJobs, Depends(_desk)]
 
 
-async def _plan_job(plan: PlanId, desk: DeskDep) -> Job:
+async def _plan_job(plan: PlanId, desk: JobsDep) -> Job:
     return await desk.job("plan", plan)
 
 
-async def _plan_text(plan: PlanId, desk: DeskDep) -> JobText:
+async def _plan_text(plan: PlanId, desk: JobsDep) -> JobText:
     return await desk.job_text("plan", plan)
 
 
-async def _execution_job(execution: ExecutionId, desk: DeskDep) -> Job:
+async def _execution_job(execution: ExecutionId, desk: JobsDep) -> Job:
     return await desk.job("execution", execution)
 
 
-async def _regions_text(regions: RegionsId, desk: DeskDep) -> JobText:
+async def _regions_text(regions: RegionsId, desk: JobsDep) -> JobText:
     return await desk.job_text("regions", regions)
 
 
-async def _open_plan(plan: PlanId, desk: DeskDep) -> JobBrief:
+async def _open_plan(plan: PlanId, desk: JobsDep) -> JobSummary:
     return await desk.open_job("plan", plan)
 
 
-async def _open_execution(execution: ExecutionId, desk: DeskDep) -> JobBrief:
+async def _open_execution(execution: ExecutionId, desk: JobsDep) -> JobSummary:
     return await desk.open_job("execution", execution)
 
 
-async def _open_regions(regions: RegionsId, desk: DeskDep) -> JobBrief:
+async def _open_regions(regions: RegionsId, desk: JobsDep) -> JobSummary:
     return await desk.open_job("regions", regions)
 
 
@@ -68,6 +68,6 @@ type ExecutionJob = Annotated[Job, Depends(_execution_job)]
 type PlanText = Annotated[JobText, Depends(_plan_text)]
 type RegionsText = Annotated[JobText, Depends(_regions_text)]
 # As memory has them while they wait or run: what is to be stopped waits for no database.
-type OpenPlan = Annotated[JobBrief, Depends(_open_plan)]
-type OpenExecution = Annotated[JobBrief, Depends(_open_execution)]
-type OpenRegions = Annotated[JobBrief, Depends(_open_regions)]
+type OpenPlan = Annotated[JobSummary, Depends(_open_plan)]
+type OpenExecution = Annotated[JobSummary, Depends(_open_execution)]
+type OpenRegions = Annotated[JobSummary, Depends(_open_regions)]

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from service.jobs.key import Key
-from service.jobs.records import JobSpec
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import JobSpec
 from service.scenes.records import SceneBrief
 
 # Of the ids of each lane's jobs.
@@ -18,18 +18,18 @@ def spec_of(
     payload: dict[str, Any],
     *,
     scene: SceneBrief,
-    key: Key,
+    key: IdempotencyKey,
     allowed: float | None = None,
 ) -> JobSpec:
     """Return the spec of a job about a scene."""
     return JobSpec(
-        lane=lane,
+        queue=lane,
         task=task,
         payload=payload,
         prefix=PREFIXES[lane],
         scene=scene.id,
-        warm_key=scene.digest,
-        allowed=allowed,
+        world_digest=scene.digest,
+        time_limit=allowed,
         max_attempts=_ATTEMPTS[lane],
         key=key.text,
         request_digest=key.digest,

@@ -17,9 +17,9 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import encode
-from service.jobs.records import bodies, briefs, events, jobs, makers
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.tables import bodies, events, jobs, makers, summaries
 from service.scenes.records import scenes
 
 # Between two sweeps [s].
@@ -95,7 +95,7 @@ class Retention:
             with self._store.transaction(is_durable=False) as connection:
                 gone = connection.execute(delete(events).where(these)).rowcount
                 if gone == 0:
-                    for table in (bodies, briefs, makers):
+                    for table in (bodies, summaries, makers):
                         connection.execute(delete(table).where(table.c.job == identifier))
                     connection.execute(delete(jobs).where(jobs.c.id == identifier))
                     return
@@ -121,6 +121,6 @@ def _is_needed(connection: Connection) -> ColumnElement[bool]:
 
 def _named_by_open(connection: Connection) -> set[str]:
     """Return the ids in what jobs that wait or run were asked for."""
-    query = select(briefs.c.payload).join(jobs, jobs.c.id == briefs.c.job)
+    query = select(summaries.c.payload).join(jobs, jobs.c.id == summaries.c.job)
     found = connection.execute(query.where(jobs.c.state.not_in(_ENDED))).scalars()
     return {name for payload in found for name in _NAMED.findall(encode(payload))}

@@ -3,7 +3,7 @@
 import importlib
 import multiprocessing.forkserver
 
-from service.jobs.worker_process import forkserver
+from service.jobs.worker.process import forkserver
 
 # What the forkserver imports once, so that every worker has Drake and OMPL from its birth.
 # What draws is left out: matplotlib takes a second, and few ask for a plot.

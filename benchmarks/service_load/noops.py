@@ -6,14 +6,15 @@ import time
 from pathlib import Path
 from typing import Any
 
+from service.jobs.worker.process_worker import ProcessWorker
+
 from benchmarks.service_load.measure import Measure
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
-from service.jobs.lane import Lane
-from service.jobs.ownership import Ownership
-from service.jobs.records import JobSpec
-from service.jobs.slot import ProcessSlot
+from service.jobs.leader import DispatcherLock
+from service.jobs.queue import JobQueue
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec
 
 _HERE = __name__
 _LONGEST = 300.0
@@ -39,8 +40,8 @@ def noops(count: int, slots: int) -> Measure:
 async def _done(folder: Path, count: int, slots: int) -> Measure:
     measure = Measure(f"durable jobs that do nothing, {slots} workers")
     engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
-    lanes = {"plan": Lane("plan", [ProcessSlot([_HERE]) for _ in range(slots)], count + 1)}
-    dispatcher = Dispatcher(JobStore(engine, {}), Ownership(engine), lanes)
+    lanes = {"plan": JobQueue("plan", [ProcessWorker([_HERE]) for _ in range(slots)], count + 1)}
+    dispatcher = Dispatcher(JobStore(engine, {}), DispatcherLock(engine), lanes)
     await dispatcher.start()
 
     async def one() -> None:

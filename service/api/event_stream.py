@@ -5,8 +5,8 @@ from typing import Any
 
 from fastapi.sse import ServerSentEvent
 
-from service.desk import Desk
-from service.jobs.records import JobBrief
+from service.jobs.service import JobService
+from service.jobs.tables import JobSummary
 
 # What an event is made of FastAPI declares itself (`itemSchema`).
 EVENTS: dict[str, Any] = {
@@ -15,7 +15,7 @@ EVENTS: dict[str, Any] = {
 
 
 async def server_sent(
-    desk: Desk, job: JobBrief, last_event_id: str | None
+    desk: JobService, job: JobSummary, last_event_id: str | None
 ) -> AsyncIterator[ServerSentEvent]:
     """Yield what happened to a job after an event, and what happens from now on, to its end."""
     # An id that is not ours is from another stream: then everything is sent.

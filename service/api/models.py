@@ -24,6 +24,9 @@ class RequestModel(BaseModel):
 
 
 class ResponseModel(BaseModel):
-    """What is answered: clients must expect fields that are added later."""
+    """What is answered: clients must expect fields that are added later.
 
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    It can be made from an object of the domain that has its fields as attributes.
+    """
+
+    model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True)

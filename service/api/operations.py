@@ -9,7 +9,7 @@ import planning
 from service.api.metrics import exposition
 from service.api.operations_models import Health, Readiness
 from service.api.responses import problems
-from service.dependencies import DeskDep, ScenesDep
+from service.dependencies import JobsDep, ScenesDep
 from service.versions import versions
 
 router = APIRouter(tags=["operations"])
@@ -25,9 +25,9 @@ async def get_health() -> Health:
 
 
 @router.get("/readyz", operation_id="getReadiness", responses=problems(422, 503))
-async def get_readiness(desk: DeskDep, scenes: ScenesDep) -> Readiness:
+async def get_readiness(desk: JobsDep, scenes: ScenesDep) -> Readiness:
     """Say whether jobs begin at once: the database answers, and workers have planned a motion."""
-    desk.require_ready()
+    desk.check_ready()
     await scenes.page(1, None)
     counts = await desk.counts()
     return Readiness(status="ready", queued=counts["queued"], running=counts["running"])
@@ -39,7 +39,7 @@ async def get_readiness(desk: DeskDep, scenes: ScenesDep) -> Readiness:
     response_class=PlainTextResponse,
     responses={200: _METRICS, **problems(422, 503)},
 )
-async def get_metrics(desk: DeskDep) -> PlainTextResponse:
+async def get_metrics(desk: JobsDep) -> PlainTextResponse:
     """Count jobs by lane and state, as Prometheus reads it."""
     text = exposition(await desk.counts())
     return PlainTextResponse(text, media_type="text/plain; version=0.0.4")

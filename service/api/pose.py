@@ -1,10 +1,12 @@
-"""Pose on the wire."""
+"""Pose in JSON."""
 
 import math
 from typing import Self
 
 from pydantic import ConfigDict, Field, model_validator
 
+from planning.domain.geometry import pose as domain
+from planning.domain.goals.goal import PoseTarget
 from service.api.models import Name, RequestModel
 from service.api.numbers import Quadruple, Triple
 
@@ -50,3 +52,16 @@ class Pose(RequestModel):
     def _one_rotation(self) -> Self:
         require_one_rotation(self.quaternion, self.rpy)
         return self
+
+    @classmethod
+    def from_domain(cls, pose: domain.Pose) -> Self:
+        """Return the model of a pose in world."""
+        return cls(position=pose.position.tolist(), quaternion=pose.quaternion.tolist())
+
+    def to_domain(self) -> domain.Pose:
+        """Return the transform, without the frame that it is given in."""
+        return domain.Pose.from_parts(self.position, self.quaternion, self.rpy)
+
+    def to_target(self) -> PoseTarget:
+        """Return the transform with the frame that it is given in."""
+        return PoseTarget(self.to_domain(), self.frame)

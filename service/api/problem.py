@@ -1,8 +1,10 @@
 """Problem: every error answer, RFC 9457."""
 
-from typing import Any
+from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
+
+from planning.errors import WayproofError
 
 
 class Problem(BaseModel):
@@ -60,3 +62,14 @@ class Failure(BaseModel):
         description="Seconds per stage, of those that ended and of the one that failed; empty "
         "where nothing was timed",
     )
+
+    @classmethod
+    def from_error(cls, error: WayproofError) -> Self:
+        """Return what a job says of an error that ended it."""
+        return cls(
+            code=error.code,
+            stage=str(getattr(error, "stage", "")),
+            detail=error.detail,
+            evidence=dict(error.evidence),
+            timings=dict(getattr(error, "timings", {})),
+        )

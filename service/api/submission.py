@@ -8,9 +8,9 @@ from fastapi import Depends, Response
 from service.api.models import ResponseModel
 from service.api.responses import problems
 from service.api.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
-from service.dependencies import DeskDep, SettingsDep
-from service.desk import Desk
-from service.jobs.records import Job, JobText
+from service.dependencies import JobsDep, SettingsDep
+from service.jobs.tables import Job, JobText
+from service.scene_jobs import SceneJobs
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Submission:
         response: Status and headers of the answer.
     """
 
-    desk: Desk
+    desk: SceneJobs
     key: str | None
     response: Response
     _seconds: float
@@ -37,14 +37,14 @@ class Submission:
         """
         found = await self.desk.wait(job, self._seconds)
         self.response.headers["Location"] = f"{path}/{job.id}"
-        if found.brief.state.is_final:
+        if found.summary.state.is_final:
             self.response.status_code = 200
         return found
 
 
 async def _submission(
     response: Response,
-    desk: DeskDep,
+    desk: JobsDep,
     settings: SettingsDep,
     *,
     wait: Wait = None,

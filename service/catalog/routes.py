@@ -10,7 +10,7 @@ from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.catalog.models import ModelList, PlannerList
 from service.catalog.tasks import LIST_MODELS, SHOW_MODEL, ModelWork
-from service.dependencies import DeskDep
+from service.dependencies import JobsDep
 from service.errors import UnknownResource
 from service.scenes.summary_models import Model
 
@@ -24,7 +24,7 @@ router = APIRouter(route_class=StrictRoute, prefix="/v1")
     responses=problems(422, 429, 503),
     tags=["models"],
 )
-async def list_models(desk: DeskDep) -> Response:
+async def list_models(desk: JobsDep) -> Response:
     """List the robots that scenes may name."""
     return passed_on(await desk.call_text(LIST_MODELS, desk.library))
 
@@ -37,7 +37,7 @@ async def list_models(desk: DeskDep) -> Response:
     tags=["models"],
 )
 async def get_model(
-    desk: DeskDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
+    desk: JobsDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
 ) -> Response:
     """Show a robot: its groups, joints, limits, tool frames and configurations."""
     try:
@@ -53,6 +53,6 @@ async def get_model(
     responses=problems(422, 429, 503),
     tags=["planners"],
 )
-async def list_planners(desk: DeskDep) -> PlannerList:
+async def list_planners(desk: JobsDep) -> PlannerList:
     """List the planners that a plan may name, with their parameters."""
     return PlannerList(items=await desk.planners())

@@ -1,12 +1,12 @@
 """Commands to an execution that waits or runs."""
 
 from planning.errors import IllegalTransition
-from service.desk import Desk
 from service.executions.tasks import Commands
-from service.jobs.records import Job, JobBrief
+from service.jobs.tables import Job, JobSummary
+from service.scene_jobs import SceneJobs
 
 
-async def send_command(desk: Desk, job: JobBrief, commands: Commands) -> Job:
+async def send_command(desk: SceneJobs, job: JobSummary, commands: Commands) -> Job:
     """Have an execution rest, move on, or move at another speed, and return it.
 
     Args:

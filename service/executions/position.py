@@ -3,11 +3,11 @@
 import math
 
 from planning.domain.robot.joints import Joint, JointType
-from service.desk import Desk
 from service.errors import RobotBusy, StartMismatch
 from service.executions.models import ExecutionStatus
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
+from service.scene_jobs import SceneJobs
 from service.scenes.validation import Group
 
 # An execution ends within 0.005 of where it should [rad or m].
@@ -37,7 +37,7 @@ def require_at_start(group: Group, start: list[float]) -> None:
         raise StartMismatch(message, evidence)
 
 
-async def require_at_rest(desk: Desk, scene: str) -> None:
+async def require_at_rest(desk: SceneJobs, scene: str) -> None:
     """Go on only if nothing moves in a scene.
 
     A motion was proven against other robots where they stood, not against other motions.
@@ -55,11 +55,11 @@ async def require_at_rest(desk: Desk, scene: str) -> None:
         raise RobotBusy(message, {"execution": job.id, "group": group})
 
 
-async def last_status(desk: Desk, job: JobBrief) -> ExecutionStatus | None:
+async def last_status(desk: SceneJobs, job: JobSummary) -> ExecutionStatus | None:
     """Return the last status of an execution, None if it never moved."""
     if job.result is not None:
         return ExecutionOutcome.model_validate(job.result).status
-    latest = await desk.last_told(job, "status")
+    latest = await desk.latest_event(job, "status")
     return None if latest is None else ExecutionStatus.model_validate(latest)
 
 

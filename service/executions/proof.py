@@ -7,8 +7,6 @@ from planning.domain.report.certificate import Certificate
 from planning.errors import NotCertified
 from service.executions.tasks import PROVE, Proof, ProofWork
 from service.jobs.context import TaskContext
-from service.plans.models.goal_values import problem_value
-from service.plans.models.trajectory_conversion import trajectory_value
 from service.scenes.world_cache import borrow_world
 
 # A motion is proven in milliseconds, or it is a hard case [s].
@@ -25,12 +23,12 @@ def certify_again(work: ProofWork, context: TaskContext) -> Proof:
         InputError: What the plan names is not in this scene any more.
     """
     # A motion backwards keeps what the one forwards was asked to keep.
-    problem = problem_value(work.origin or work.request)
+    problem = (work.origin or work.request).to_domain()
     with borrow_world(work) as world:
         certificate, _ = certify_trajectory(
             world,
             problem.group,
-            trajectory_value(work.trajectory.model_dump()),
+            work.trajectory.to_domain(),
             deadline=Deadline.after(_ALLOWED, time.monotonic, context.is_canceled),
             options=problem.retime,
             margin=problem.margin,

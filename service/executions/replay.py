@@ -1,14 +1,14 @@
 """What a replay of a scene shows: the motions that executions carried out in it, in order."""
 
-from service.desk import Desk
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutedMotion, ExecutionWork
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
+from service.scene_jobs import SceneJobs
 
 
-async def executed_motions(desk: Desk, scene: str, most: int) -> list[ExecutedMotion]:
+async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[ExecutedMotion]:
     """Return the last motions that were carried out in a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
@@ -29,7 +29,7 @@ async def executed_motions(desk: Desk, scene: str, most: int) -> list[ExecutedMo
     return found[::-1]
 
 
-async def _motion(desk: Desk, summary: JobBrief, status: ExecutionStatus) -> ExecutedMotion:
+async def _motion(desk: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ExecutedMotion:
     job = await desk.job("execution", summary.id)  # lists have no trajectory
     work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"

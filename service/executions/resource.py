@@ -1,12 +1,12 @@
 """Executions as clients see them, from their jobs."""
 
 from service.api.problem import Failure
-from service.desk import Desk
 from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutline
-from service.jobs.records import JobBrief
 from service.jobs.states import JobState
+from service.jobs.tables import JobSummary
+from service.scene_jobs import SceneJobs
 
 _FINAL = {
     JobState.SUCCEEDED: ExecutionState.SUCCEEDED,
@@ -15,7 +15,7 @@ _FINAL = {
 }
 
 
-async def execution_resource(desk: Desk, job: JobBrief) -> Execution:
+async def execution_resource(desk: SceneJobs, job: JobSummary) -> Execution:
     """Return an execution in full."""
     work = ExecutionOutline.model_validate(job.payload)
     status = await last_status(desk, job)
@@ -35,7 +35,7 @@ async def execution_resource(desk: Desk, job: JobBrief) -> Execution:
     )
 
 
-def state_of(job: JobBrief, status: ExecutionStatus | None) -> ExecutionState:
+def state_of(job: JobSummary, status: ExecutionStatus | None) -> ExecutionState:
     """Return the job's state where that is final, else the state of the latest status."""
     if job.state in _FINAL:
         return _FINAL[job.state]

@@ -12,7 +12,7 @@ from service.api.event_stream import EVENTS, server_sent
 from service.api.responses import Cursor, LastEventId, Limit, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep, taken_in
-from service.dependencies import DeskDep, ExecutionJob, OpenExecution, ScenesDep
+from service.dependencies import ExecutionJob, JobsDep, OpenExecution, ScenesDep
 from service.executions.commands import send_command
 from service.executions.models import (
     Execution,
@@ -40,12 +40,12 @@ async def create_execution(
     """Carry out a plan, if its start is where the robot is."""
     job = await submit_execution(request, asked.key, scenes, asked.desk)
     found = await asked.awaited(job, "/v1/executions")
-    return await execution_resource(asked.desk, found.brief)
+    return await execution_resource(asked.desk, found.summary)
 
 
 @router.get("", operation_id="listExecutions", responses=problems(422))
 async def list_executions(
-    desk: DeskDep, scene: OfScene = None, limit: Limit = 50, cursor: Cursor = None
+    desk: JobsDep, scene: OfScene = None, limit: Limit = 50, cursor: Cursor = None
 ) -> ExecutionPage:
     """List executions, newest first."""
     page = await desk.page("execution", limit, cursor, scene=scene)
@@ -58,7 +58,7 @@ async def list_executions(
     operation_id="getExecution",
     responses=problems(404, 422),
 )
-async def get_execution(job: ExecutionJob, desk: DeskDep) -> Execution:
+async def get_execution(job: ExecutionJob, desk: JobsDep) -> Execution:
     """Show an execution: its state, progress, measured positions, tracking error, contacts."""
     return await execution_resource(desk, job)
 
@@ -70,7 +70,7 @@ async def get_execution(job: ExecutionJob, desk: DeskDep) -> Execution:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_execution_events(
-    job: ExecutionJob, desk: DeskDep, last_event_id: LastEventId = None
+    job: ExecutionJob, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to an execution: queued, started, status, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -82,7 +82,7 @@ async def stream_execution_events(
     operation_id="cancelExecution",
     responses=problems(404, 422),
 )
-async def cancel_execution(job: OpenExecution, desk: DeskDep) -> Execution:
+async def cancel_execution(job: OpenExecution, desk: JobsDep) -> Execution:
     """Bring the robot to rest on its path and end; asking again changes nothing.
 
     The robot is told first, and no database is waited for: `unrecorded` says what it does not hold
@@ -96,7 +96,7 @@ async def cancel_execution(job: OpenExecution, desk: DeskDep) -> Execution:
     operation_id="pauseExecution",
     responses=problems(404, 409, 422),
 )
-async def pause_execution(job: OpenExecution, desk: DeskDep) -> Execution:
+async def pause_execution(job: OpenExecution, desk: JobsDep) -> Execution:
     """Bring the robot to rest on its path, until it is resumed."""
     return await execution_resource(desk, await send_command(desk, job, Commands(is_paused=True)))
 
@@ -106,7 +106,7 @@ async def pause_execution(job: OpenExecution, desk: DeskDep) -> Execution:
     operation_id="resumeExecution",
     responses=problems(404, 409, 422),
 )
-async def resume_execution(job: OpenExecution, desk: DeskDep) -> Execution:
+async def resume_execution(job: OpenExecution, desk: JobsDep) -> Execution:
     """Move on after a pause."""
     return await execution_resource(desk, await send_command(desk, job, Commands(is_paused=False)))
 
@@ -117,7 +117,7 @@ async def resume_execution(job: OpenExecution, desk: DeskDep) -> Execution:
     responses=problems(400, 404, 409, 413, 422),
 )
 async def set_execution_speed(
-    job: OpenExecution, desk: DeskDep, request: SpeedRequest
+    job: OpenExecution, desk: JobsDep, request: SpeedRequest
 ) -> Execution:
     """Change how fast the motion is carried out; the robot gets there along its path."""
     return await execution_resource(

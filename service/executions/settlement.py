@@ -5,18 +5,20 @@ latest revision. It is written when the latest revision is first asked for after
 the execution ended, so that nothing is lost if the server ends before.
 """
 
-from service.desk import Desk
 from service.errors import RevisionConflict
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutline
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
+from service.scene_jobs import SceneJobs
 from service.scenes.edit_models import SceneEdit, SetPositionsOperation
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.scenes.validation import Group, require_group
 
 
-async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> tuple[SceneRecord, bool]:
+async def settled(
+    record: SceneRecord, scenes: SceneShelf, desk: SceneJobs
+) -> tuple[SceneRecord, bool]:
     """Return the latest revision of a scene with its robots where executions left them.
 
     Also whether it stays the latest until something is done to the scene: nothing moves in it.
@@ -43,14 +45,14 @@ async def settled(record: SceneRecord, scenes: SceneShelf, desk: Desk) -> tuple[
     return record, True
 
 
-async def _last(record: SceneRecord, desk: Desk) -> JobBrief | None:
+async def _last(record: SceneRecord, desk: SceneJobs) -> JobSummary | None:
     """Return the last execution in a scene, None if there was none."""
     async for job in desk.newest("execution", scene=record.id):
         return job
     return None
 
 
-async def _pending(record: SceneRecord, job: JobBrief, desk: Desk) -> SceneEdit | None:
+async def _pending(record: SceneRecord, job: JobSummary, desk: SceneJobs) -> SceneEdit | None:
     """Return what an execution changed and the revision does not know, None if nothing."""
     if job.finished_at is None or job.finished_at <= record.created_at:
         return None

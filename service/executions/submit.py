@@ -1,16 +1,16 @@
 """Queueing the execution of a plan, once it is known to hold."""
 
-from service.desk import Desk
 from service.executions.models import ExecutionRequest
 from service.executions.position import require_at_rest, require_at_start
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job, JobSpec
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job, JobSpec
 from service.jobs.tasks import TaskModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
 from service.plans.resource import polynomial_of
+from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.scenes.tasks import SceneWork, StoredScene
@@ -38,7 +38,7 @@ class _PlanOutcome(TaskModel):
 
 
 async def submit_execution(
-    request: ExecutionRequest, key: str | None, scenes: SceneShelf, desk: Desk
+    request: ExecutionRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
 ) -> Job:
     """Queue an execution in the latest revision of the plan's scene.
 
@@ -54,7 +54,7 @@ async def submit_execution(
     job = await desk.job("plan", request.plan)
     trajectory = Polynomial.model_validate(polynomial_of(job))
     plan, outcome = _Plan.model_validate(job.payload), _PlanOutcome.model_validate(job.result)
-    idempotency = Key(key, request.model_dump(mode="json"))
+    idempotency = IdempotencyKey(key, request.model_dump(mode="json"))
     # Two requests at once must not both find the robot at rest.
     async with desk.admitting_motion:
         again = JobSpec(
@@ -64,7 +64,7 @@ async def submit_execution(
             key=idempotency.text,
             request_digest=idempotency.digest,
         )
-        if (known := await desk.known(again)) is not None:
+        if (known := await desk.find_by_key(again)) is not None:
             return known
         # Before the scene is read: what ends until then is in it.
         await require_at_rest(desk, plan.request.scene)
@@ -85,7 +85,9 @@ async def submit_execution(
         return await _submit(work, record, idempotency, scenes, desk)
 
 
-async def _check_proven(desk: Desk, scene: SceneWork, plan: _Plan, trajectory: Polynomial) -> None:
+async def _check_proven(
+    desk: SceneJobs, scene: SceneWork, plan: _Plan, trajectory: Polynomial
+) -> None:
     """Check that the motion is proven in a scene, by the plan's own proof or by a new one.
 
     Raises:
@@ -104,7 +106,11 @@ async def _check_proven(desk: Desk, scene: SceneWork, plan: _Plan, trajectory: P
 
 
 async def _submit(
-    work: ExecutionWork, record: SceneRecord, key: Key, scenes: SceneShelf, desk: Desk
+    work: ExecutionWork,
+    record: SceneRecord,
+    key: IdempotencyKey,
+    scenes: SceneShelf,
+    desk: SceneJobs,
 ) -> Job:
     payload = work.model_dump(mode="json")
     job = spec_of(EXECUTE.queue, EXECUTE.name, payload, scene=record, key=key)

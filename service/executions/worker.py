@@ -14,7 +14,6 @@ from planning.execute.states import ExecutionState
 from service.executions.models import Contact, ExecutionStatus
 from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
-from service.plans.models.trajectory_conversion import trajectory_value
 from service.scenes.world_cache import borrow_world
 
 # How long a tick takes, or works [s].
@@ -44,7 +43,7 @@ def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
 
 
 def _runner(world: World, work: ExecutionWork) -> Runner:
-    trajectory = trajectory_value(work.trajectory.model_dump())
+    trajectory = work.trajectory.to_domain()
     group = world.group(work.group)
     simulation = Simulation(world, group, trajectory.start)
     execution = Execution(trajectory, world.limits(group))

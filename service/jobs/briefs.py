@@ -5,8 +5,8 @@ import logging
 from sqlalchemy import Connection, Engine, delete, insert, or_, select
 
 from service.jobs.outline import without
-from service.jobs.records import bodies, briefs, jobs
 from service.jobs.states import JobState
+from service.jobs.tables import bodies, jobs, summaries
 from service.jobs.tasks import outline_of
 
 # Jobs that are read at once: each may be megabytes.
@@ -14,7 +14,7 @@ _AT_ONCE = 16
 _log = logging.getLogger(__name__)
 
 
-def fill_briefs(engine: Engine) -> None:
+def fill_summaries(engine: Engine) -> None:
     """Write the briefs that are missing, or that lack how their job ended.
 
     Every portion is a transaction of its own: whoever interrupts it loses nothing.
@@ -39,11 +39,13 @@ def _incomplete(connection: Connection, last: int) -> list[tuple[int, str]]:
     has_succeeded = jobs.c.state == JobState.SUCCEEDED.value
     has_failed = jobs.c.state.in_([JobState.FAILED.value, JobState.CANCELED.value])
     is_incomplete = or_(
-        briefs.c.job.is_(None),
-        has_succeeded & briefs.c.result.is_(None),
-        has_failed & briefs.c.failure.is_(None),
+        summaries.c.job.is_(None),
+        has_succeeded & summaries.c.result.is_(None),
+        has_failed & summaries.c.failure.is_(None),
     )
-    query = select(jobs.c.serial, jobs.c.id).join(briefs, briefs.c.job == jobs.c.id, isouter=True)
+    query = select(jobs.c.serial, jobs.c.id).join(
+        summaries, summaries.c.job == jobs.c.id, isouter=True
+    )
     query = query.where(is_incomplete, jobs.c.serial > last).order_by(jobs.c.serial)
     return [(row.serial, row.id) for row in connection.execute(query.limit(_AT_ONCE))]
 
@@ -60,5 +62,7 @@ def _write(connection: Connection, serials: list[int]) -> None:
             "failure": without(row.failure, outline.failure),
         })
     if rows:
-        connection.execute(delete(briefs).where(briefs.c.job.in_([row["job"] for row in rows])))
-        connection.execute(insert(briefs), rows)
+        connection.execute(
+            delete(summaries).where(summaries.c.job.in_([row["job"] for row in rows]))
+        )
+        connection.execute(insert(summaries), rows)

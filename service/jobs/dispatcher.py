@@ -7,21 +7,21 @@ from contextlib import aclosing
 from dataclasses import replace
 from typing import Any
 
-from service.events.bus import EventBus, Stretch
+from service.jobs.attempt import Attempt
 from service.jobs.calls import Answer, Calls, Question
-from service.jobs.floor import Floor
+from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.intake import Intake
-from service.jobs.job_run import JobRun
-from service.jobs.lane import Lane
-from service.jobs.ownership import Ownership
-from service.jobs.ownership_watch import OwnershipWatch, Patience
-from service.jobs.recording import Recording
-from service.jobs.records import Job, JobBrief, JobSpec, JobText, LoggedEvent
+from service.jobs.leader import DispatcherLock
+from service.jobs.ownership_watch import DatabaseTimeouts, LockWatch
+from service.jobs.queue import JobQueue
+from service.jobs.recorder import JobRecorder
 from service.jobs.recovery import Recovery
-from service.jobs.slot import Slot
-from service.jobs.steering import Steering
+from service.jobs.scheduler import Scheduler
+from service.jobs.steering import JobControl
 from service.jobs.store import JobStore
-from service.jobs.waiting import END_OF_STREAM, Waiting
+from service.jobs.tables import Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.waiting import END_OF_STREAM, JobWaits
+from service.jobs.worker.process_worker import Worker
 
 # To record the ends of what ran when the server stops [s].
 _WRITING = 5.0
@@ -38,33 +38,33 @@ class Dispatcher:
     def __init__(
         self,
         store: JobStore,
-        ownership: Ownership,
-        lanes: Mapping[str, Lane],
+        lock: DispatcherLock,
+        queues: Mapping[str, JobQueue],
         *,
         on_taken: Callable[[], None] = _nothing,
-        patience: Patience | None = None,
+        timeouts: DatabaseTimeouts | None = None,
     ) -> None:
         """Put the parts together; `start` begins.
 
         Args:
             store: The record of jobs.
-            ownership: Of the database.
-            lanes: Where jobs run, by name.
+            lock: On the database.
+            queues: Where jobs run, by name.
             on_taken: Called once when another server has taken the database over.
-            patience: How long a database may be out of reach.
+            timeouts: How long a database may be out of reach.
         """
         self.is_taken = False
         self._on_taken = on_taken
-        self._patience = patience or Patience()
+        self._timeouts = timeouts or DatabaseTimeouts()
         self._store = store
-        self._ownership = ownership
-        self._floor = Floor(lanes)
-        self._bus: EventBus[LoggedEvent] = EventBus(self._stretch)
-        self._runs: dict[str, JobRun] = {}
-        self._calls = Calls(self._floor)
-        self._waiting = Waiting(self._runs, self._bus, store)
-        self._recording: Recording
-        self._steering: Steering
+        self._lock = lock
+        self._scheduler = Scheduler(queues)
+        self._bus: EventBus[LoggedEvent] = EventBus(self._read_events)
+        self._attempts: dict[str, Attempt] = {}
+        self._calls = Calls(self._scheduler)
+        self._waiting = JobWaits(self._attempts, self._bus, store)
+        self._recorder: JobRecorder
+        self._steering: JobControl
         self._intake: Intake
 
     async def start(self, warm_up: str | None = None) -> None:
@@ -76,22 +76,22 @@ class Dispatcher:
         Raises:
             DatabaseInUse: Another dispatcher has the database.
         """
-        await asyncio.to_thread(self._ownership.take)
+        await asyncio.to_thread(self._lock.take)
         try:
-            self._store.fence(self._ownership.epoch)
+            self._store.set_epoch(self._lock.epoch)
             await asyncio.to_thread(self._store.open)
-            self._recording = Recording(self._store, self._bus, self.give_up)
-            self._steering = Steering(self._runs, self._recording, self._floor)
-            within = self._patience.record
-            self._intake = Intake(self._recording, self._seat, self._unseat, within)
-            await self._floor.open(warm_up)
-            recovery = Recovery(self._recording, self._ownership, self._floor, self._enqueue)
-            await recovery.run(self._patience.takeover)
+            self._recorder = JobRecorder(self._store, self._bus, self.give_up)
+            self._steering = JobControl(self._attempts, self._recorder, self._scheduler)
+            within = self._timeouts.record
+            self._intake = Intake(self._recorder, self._schedule, self._unschedule, within)
+            await self._scheduler.open(warm_up)
+            recovery = Recovery(self._recorder, self._lock, self._scheduler, self._enqueue)
+            await recovery.run(self._timeouts.takeover)
         except BaseException:
-            await asyncio.to_thread(self._ownership.release)
+            await asyncio.to_thread(self._lock.release)
             raise
-        if self._ownership.may_be_lost:
-            self._floor.spawn(OwnershipWatch(self._ownership, self, self._patience).run())
+        if self._lock.may_be_lost:
+            self._scheduler.spawn(LockWatch(self._lock, self, self._timeouts).run())
 
     async def stop(self) -> None:
         """Bring what runs to its end, end every slot and release the database.
@@ -99,7 +99,7 @@ class Dispatcher:
         What was interrupted is queued again if it may run again; that does not count as an attempt.
         """
         self.begin_to_stop()
-        running = [run for run in self._runs.values() if run.has_begun]
+        running = [run for run in self._attempts.values() if run.has_begun]
         longest = max((run.grace for run in running), default=0.0) + _WRITING
         waits = [asyncio.ensure_future(run.concluded.wait()) for run in running]
         if waits:
@@ -109,9 +109,9 @@ class Dispatcher:
             if late:
                 _log.error("the ends of %d jobs could not be recorded", len(late))
         self._bus.close()
-        await self._floor.close()
-        await self._recording.close()
-        await asyncio.to_thread(self._ownership.release)
+        await self._scheduler.close()
+        await self._recorder.close()
+        await asyncio.to_thread(self._lock.release)
 
     def begin_to_stop(self) -> None:
         """Begin nothing more, and tell what runs to end: a robot comes to rest on its path.
@@ -125,9 +125,9 @@ class Dispatcher:
         """Begin nothing, and end what runs: the database may be another's by now."""
         self._end_runs("the database was out of reach")
 
-    def go_on(self) -> None:
+    def resume(self) -> None:
         """Work again after `suspend`."""
-        self._floor.go_on()
+        self._scheduler.resume()
 
     def give_up(self) -> None:
         """End what runs, and do nothing more: another has the database."""
@@ -137,13 +137,13 @@ class Dispatcher:
             self._end_runs("another server took the database over")
             self._on_taken()
 
-    def live(self, identifier: str) -> JobRun | None:
+    def attempt_of(self, identifier: str) -> Attempt | None:
         """Return what memory has of a job that waits or runs here, None if it does not."""
-        return self._runs.get(identifier)
+        return self._attempts.get(identifier)
 
     def faults(self) -> dict[str, str]:
         """Return why lanes cannot begin a job well, by name; empty if all can."""
-        return self._floor.faults()
+        return self._scheduler.faults()
 
     async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.
@@ -155,14 +155,14 @@ class Dispatcher:
             DBAPIError: The database refuses it.
         """
         if spec.key:
-            asked = (spec.lane, spec.key, spec.request_digest)
-            known = await asyncio.to_thread(self._store.known, *asked)
+            asked = (spec.queue, spec.key, spec.request_digest)
+            known = await asyncio.to_thread(self._store.find_by_key, *asked)
             if known:
                 return known
-        self._floor.require_room(spec.lane)
-        return await self._intake.take(spec)
+        self._scheduler.check_room(spec.queue)
+        return await self._intake.submit(spec)
 
-    async def cancel(self, identifier: str) -> JobBrief:
+    async def cancel(self, identifier: str) -> JobSummary:
         """Ask for the end of a job, whatever its state, and return it; again does no harm.
 
         A queued job ends at once. A running one is asked, and its process ended if need be; wait
@@ -213,47 +213,52 @@ class Dispatcher:
 
     def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
         """Run a queued job of the table when it has a slot."""
-        self._seat(job, controls, order).enter(job)
+        self._schedule(job, controls, order).confirm(job)
 
-    def _seat(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> JobRun:
+    def _schedule(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> Attempt:
         """Run a job when it has a slot; if its process dies it keeps its place."""
         place: list[int] = []
-        run = self._runs[job.id] = JobRun(job, self._recording, self._floor, controls)
+        run = self._attempts[job.id] = Attempt(job, self._recorder, self._scheduler, controls)
 
-        def use(slot: Slot) -> None:
+        def use(slot: Worker) -> None:
             run.has_begun = True
-            self._floor.spawn(self._run(run, slot, place))
+            self._scheduler.spawn(self._run(run, slot, place))
 
         place.append(0 if order is None else order)
-        place[0] = self._floor.seat(
-            job.lane, job.id, use, warm_key=job.warm_key, priority=job.priority, order=order
+        place[0] = self._scheduler.request_worker(
+            job.queue,
+            job.id,
+            use,
+            world_digest=job.world_digest,
+            priority=job.priority,
+            order=order,
         )
         return run
 
-    def _unseat(self, run: JobRun) -> None:
+    def _unschedule(self, run: Attempt) -> None:
         """Have a job that the table does not have run no more."""
-        run.drop()
-        self._floor.lane(run.job.lane).remove(run.job.id)
+        run.discard()
+        self._scheduler.queue(run.job.queue).remove(run.job.id)
         if not run.has_begun:
-            self._runs.pop(run.job.id, None)
+            self._attempts.pop(run.job.id, None)
             run.concluded.set()
 
-    async def _run(self, run: JobRun, slot: Slot, place: list[int]) -> None:
+    async def _run(self, run: Attempt, slot: Worker, place: list[int]) -> None:
         is_queued_again = False
         try:
             is_queued_again = await run.run(slot)
         finally:
-            self._runs.pop(run.job.id, None)
+            self._attempts.pop(run.job.id, None)
             run.concluded.set()
         if is_queued_again:
-            job = replace(run.job, is_cancel_requested=run.is_unwanted)
+            job = replace(run.job, is_cancel_requested=run.is_cancel_requested)
             self._enqueue(job, run.controls, place[0])
 
     def _end_runs(self, reason: str) -> None:
-        self._floor.hold()
-        for run in self._runs.values():
+        self._scheduler.pause()
+        for run in self._attempts.values():
             if run.has_begun:
                 run.interrupt(reason)
 
-    async def _stretch(self, identifier: str, after: int) -> Stretch[LoggedEvent]:
-        return await asyncio.to_thread(self._store.stretch, identifier, after)
+    async def _read_events(self, identifier: str, after: int) -> EventBatch[LoggedEvent]:
+        return await asyncio.to_thread(self._store.events_after, identifier, after)

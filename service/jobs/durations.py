@@ -11,7 +11,7 @@ _MOST = 4096
 
 
 @dataclass(frozen=True)
-class Kind:
+class CallKind:
     """What questions that take about as long have in common.
 
     Attributes:
@@ -25,15 +25,15 @@ class Kind:
     is_load: bool = False
 
 
-class Durations:
+class DurationHistory:
     """Remembers the last duration of questions by kind and scene, and of loading a scene."""
 
     def __init__(self) -> None:
         """Remember nothing yet."""
-        self._runs: OrderedDict[tuple[Kind, str | None], float] = OrderedDict()
+        self._runs: OrderedDict[tuple[CallKind, str | None], float] = OrderedDict()
         self._loads: OrderedDict[str | None, float] = OrderedDict()
 
-    def is_short(self, kind: Kind, key: str | None, *, is_warm: bool) -> bool:
+    def is_short(self, kind: CallKind, key: str | None, *, is_warm: bool) -> bool:
         """Return whether a question is likely to be short.
 
         A scene that was not loaded yet may take minutes; a question to a loaded one that was
@@ -54,14 +54,16 @@ class Durations:
             expected = load + (known or 0.0)
         return expected <= SHORT
 
-    def note(self, kind: Kind, key: str | None, seconds: float, *, was_warm: bool) -> None:
+    def record_run(
+        self, kind: CallKind, key: str | None, seconds: float, *, was_warm: bool
+    ) -> None:
         """Remember how long a question took, with the load of its scene if that was not warm."""
         if kind.is_load or was_warm or key is None:
             _put(self._runs, (kind, key), seconds)
         else:
             _put(self._loads, key, seconds)
 
-    def note_load(self, key: str, seconds: float) -> None:
+    def record_load(self, key: str, seconds: float) -> None:
         """Remember how long a scene took to load."""
         _put(self._loads, key, seconds)
 

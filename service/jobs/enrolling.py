@@ -10,21 +10,21 @@ from sqlalchemy import Connection, insert
 
 from service.jobs.errors import IdempotencyConflict
 from service.jobs.json_text import Encoded, encode
-from service.jobs.moving import log
 from service.jobs.outline import without
 from service.jobs.prepared import Prepared
 from service.jobs.reading import job_of, jobs_where, now
-from service.jobs.records import Job, JobSpec, bodies, briefs, jobs
 from service.jobs.states import JobState
+from service.jobs.tables import COLUMNS, Job, JobSpec, bodies, jobs, summaries
 from service.jobs.tasks import outline_of
+from service.jobs.transitions import append_events
 
 _COPIED = (
-    "lane",
+    "queue",
     "task",
     "scene",
-    "warm_key",
+    "world_digest",
     "priority",
-    "allowed",
+    "time_limit",
     "max_attempts",
     "key",
     "request_digest",
@@ -36,7 +36,7 @@ _ADD_JOB = Prepared(
     *(column.name for column in jobs.c if column.name not in _COUNTED),
 )
 _ADD_BODY = Prepared(insert(bodies), "job", "payload")
-_ADD_BRIEF = Prepared(insert(briefs), "job", "payload")
+_ADD_BRIEF = Prepared(insert(summaries), "job", "payload")
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def draft(spec: JobSpec) -> Draft:
     return Draft(job, row, payload)
 
 
-def enroll(connection: Connection, drafted: Draft) -> Job:
+def insert_job(connection: Connection, drafted: Draft) -> Job:
     """Write a job as it was drafted, and return it as it would be read."""
     job, payload = drafted.job, drafted.payload
     short = without(job.payload, outline_of(job.task).payload)
@@ -74,14 +74,14 @@ def enroll(connection: Connection, drafted: Draft) -> Job:
     serial = _ADD_JOB(connection, **drafted.row).scalar_one()
     _ADD_BODY(connection, job=job.id, payload=payload)
     _ADD_BRIEF(connection, job=job.id, payload=brief)
-    log(connection, job.id, 1, [("queued", Encoded("{}"))])
-    return replace(job, serial=serial)
+    append_events(connection, job.id, 1, [("queued", Encoded("{}"))])
+    return replace(job, sequence=serial)
 
 
 def _queued_row(spec: JobSpec) -> dict[str, Any]:
     """Return the columns of a new job, with an identifier of its own."""
     return {
-        **{name: getattr(spec, name) for name in _COPIED},
+        **{COLUMNS.get(name, name): getattr(spec, name) for name in _COPIED},
         "id": f"{spec.prefix}_{secrets.token_hex(10)}",
         "attempts": 0,
         "state": JobState.QUEUED.value,
@@ -93,7 +93,7 @@ def _queued_row(spec: JobSpec) -> dict[str, Any]:
     }
 
 
-def job_by_key(connection: Connection, spec: JobSpec | Job) -> Job | None:
+def find_by_idempotency_key(connection: Connection, spec: JobSpec | Job) -> Job | None:
     """Return the job that an idempotency key names, if there is one.
 
     Raises:
@@ -101,7 +101,7 @@ def job_by_key(connection: Connection, spec: JobSpec | Job) -> Job | None:
     """
     if spec.key is None:
         return None
-    named = (jobs.c.lane == spec.lane) & (jobs.c.key == spec.key)
+    named = (jobs.c.lane == spec.queue) & (jobs.c.key == spec.key)
     found = jobs_where(connection, named)
     if found and found[0].request_digest != spec.request_digest:
         known = found[0].id

@@ -17,7 +17,7 @@ class RemoteFailure(PlanningFailure):
         self.stage = stage
 
 
-def error_text(error: WayproofError) -> str:
+def dump_error(error: WayproofError) -> str:
     """Return the text of an error."""
     kind = type(error)
     known = {
@@ -32,7 +32,7 @@ def error_text(error: WayproofError) -> str:
     return f'{encode_leniently(known)[:-1]},"evidence":{evidence}}}'
 
 
-def error_in(text: str) -> WayproofError:
+def load_error(text: str) -> WayproofError:
     """Return the error in a text, of its own class if the server has loaded it."""
     told = json.loads(text)
     evidence = dict(told["evidence"])

@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from service.jobs.attempt import Attempt
 from service.jobs.enrolling import Draft, draft
-from service.jobs.job_run import JobRun
-from service.jobs.recording import Recording
-from service.jobs.records import Job, JobSpec
+from service.jobs.recorder import JobRecorder
+from service.jobs.tables import Job, JobSpec
 
 
 class Intake:
@@ -21,9 +21,9 @@ class Intake:
 
     def __init__(
         self,
-        recording: Recording,
-        seat: Callable[[Job, Mapping[str, Any]], JobRun],
-        unseat: Callable[[JobRun], None],
+        recording: JobRecorder,
+        seat: Callable[[Job, Mapping[str, Any]], Attempt],
+        unseat: Callable[[Attempt], None],
         within: float,
     ) -> None:
         """Write through `recording`.
@@ -39,7 +39,7 @@ class Intake:
         self._unseat = unseat
         self._within = within
 
-    async def take(self, spec: JobSpec) -> Job:
+    async def submit(self, spec: JobSpec) -> Job:
         """Queue a job, or return the one that its key names; it is durable when this returns.
 
         Raises:
@@ -59,12 +59,12 @@ class Intake:
             self._unseat(run)
             raise
         if is_new:
-            run.enter(job)
+            run.confirm(job)
         else:
             self._unseat(run)
         return job
 
     async def _write(self, drafted: Draft) -> tuple[Job, bool]:
         # Not in this thread: while a locked database is waited for, others are to be stopped.
-        enter = partial(self._recording.store.enter, drafted)
+        enter = partial(self._recording.store.insert_draft, drafted)
         return await self._recording.write(enter, within=self._within)

@@ -8,19 +8,19 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Key:
+class IdempotencyKey:
     """An idempotency key, or none, and all that must be the same where it is used again.
 
     Attributes:
         text: As the client chose it, or None.
-        stands_for: Whatever tells this request from another one of its lane, JSON-compatible: the
+        fingerprint: Whatever tells this request from another one of its lane, JSON-compatible: the
             body as it was sent, and what its address named.
     """
 
     text: str | None
-    stands_for: Mapping[str, Any]
+    fingerprint: Mapping[str, Any]
 
     @property
     def digest(self) -> str:
         """Return the sha256 of what it stands for."""
-        return hashlib.sha256(json.dumps(self.stands_for, sort_keys=True).encode()).hexdigest()
+        return hashlib.sha256(json.dumps(self.fingerprint, sort_keys=True).encode()).hexdigest()

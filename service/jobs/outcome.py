@@ -27,11 +27,11 @@ class Returned:
 
     Attributes:
         result: What.
-        brief: What lists show of it; None for all.
+        summary: What lists show of it; None for all.
     """
 
     result: Encoded
-    brief: Encoded | None = None
+    summary: Encoded | None = None
 
 
 def returned(brief: str, result: str) -> Returned:
@@ -67,7 +67,7 @@ class TimedOut:
         error: What it said when it was told to end, None if it was ended by force.
     """
 
-    allowed: float
+    time_limit: float
     error: WayproofError | None = field(default=None, compare=False)
 
 
@@ -79,7 +79,7 @@ class Silent:
 
 
 @dataclass(frozen=True)
-class Overgrown:
+class MemoryExceeded:
     """It used more memory than it may, and was ended.
 
     Attributes:
@@ -92,7 +92,7 @@ class Overgrown:
 
 
 @dataclass(frozen=True)
-class Ended:
+class Terminated:
     """It ended, or was ended, because somebody asked for it.
 
     Attributes:
@@ -102,11 +102,11 @@ class Ended:
     error: WayproofError | None = None
 
 
-type Failed = Raised | Crashed | Silent | TimedOut | Overgrown | Ended
+type Failed = Raised | Crashed | Silent | TimedOut | MemoryExceeded | Terminated
 type Outcome = Returned | Failed
 
 
-def repeats(shown: Any) -> bool:
+def is_deterministic(shown: Any) -> bool:
     """Return whether what lists show of a result says that no clock had a part in it."""
     return isinstance(shown, dict) and shown.get("cut_short") == []
 
@@ -116,18 +116,18 @@ def error_of(outcome: Failed, attempts: int) -> WayproofError:
     match outcome:
         case Raised(error=error):
             return error
-        case Ended(error=error):
+        case Terminated(error=error):
             # A robot that was lost or touched something on its way to rest is not merely canceled.
             is_own = isinstance(error, Canceled | ExecutionFailure)
             return error if is_own else Canceled("canceled on request")
         case TimedOut(error=DeadlineExceeded() as error):
             return error
-        case TimedOut(allowed=allowed, error=error):
+        case TimedOut(time_limit=allowed, error=error):
             return _late(allowed, error)
         case Silent(seconds=seconds):
             message = f"the worker process said nothing for {seconds:g} s and was ended"
             return WorkerUnresponsive(message, {"silence": seconds, "attempts": attempts})
-        case Overgrown() | Crashed():
+        case MemoryExceeded() | Crashed():
             return _lost(outcome, attempts)
 
 
@@ -142,7 +142,7 @@ def failure_of(error: WayproofError) -> dict[str, Any]:
     }
 
 
-def placed(error: WayproofError, told: Mapping[str, Any], seconds: float) -> WayproofError:
+def with_stage(error: WayproofError, told: Mapping[str, Any], seconds: float) -> WayproofError:
     """Return the error of a run that was ended by force, with the stage that it was in.
 
     Args:
@@ -171,7 +171,7 @@ def _late(allowed: float, said: WayproofError | None) -> DeadlineExceeded:
     return late
 
 
-def _lost(outcome: Overgrown | Crashed, attempts: int) -> WayproofError:
+def _lost(outcome: MemoryExceeded | Crashed, attempts: int) -> WayproofError:
     if isinstance(outcome, Crashed):
         return _crash(outcome, attempts)
     message = f"the task needs more than the {outcome.bound / 1e6:.0f} MB that a worker may use"

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from service.jobs.errors import DatabaseTaken
-from service.jobs.ownership import Ownership
+from service.jobs.leader import DispatcherLock
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Patience:
+class DatabaseTimeouts:
     """How long a database is waited for; `takeover` bounds how long two servers move one robot.
 
     Attributes:
@@ -37,14 +37,14 @@ class Patience:
         return self.period + 2 * self.answer + self.regain + self.rest
 
 
-class Owner(Protocol):
+class LockListener(Protocol):
     """Who has to know; all are called in the event loop's thread."""
 
     def suspend(self) -> None:
         """Begin nothing, and end what runs: the database may be another's by now."""
         ...
 
-    def go_on(self) -> None:
+    def resume(self) -> None:
         """Work again after `suspend`: the database had no other owner meanwhile."""
         ...
 
@@ -53,14 +53,16 @@ class Owner(Protocol):
         ...
 
 
-class OwnershipWatch:
+class LockWatch:
     """Watches one ownership from one event loop."""
 
-    def __init__(self, ownership: Ownership, told: Owner, patience: Patience) -> None:
+    def __init__(
+        self, lock: DispatcherLock, listener: LockListener, timeouts: DatabaseTimeouts
+    ) -> None:
         """Tell `told` what becomes of `ownership`; `run` begins."""
-        self._ownership = ownership
-        self._told = told
-        self._patience = patience
+        self._lock = lock
+        self._listener = listener
+        self._timeouts = timeouts
         self._threads = ThreadPoolExecutor(1, "ownership")
 
     async def run(self) -> None:
@@ -73,35 +75,35 @@ class OwnershipWatch:
 
     async def _watch(self) -> None:
         while True:
-            await asyncio.sleep(self._patience.period)
-            if await self._ask(self._ownership.holds):
+            await asyncio.sleep(self._timeouts.period)
+            if await self._ask(self._lock.holds):
                 continue
             _log.warning("the lock on the database was lost; taking it again")
             try:
                 await self._regain()
             except DatabaseTaken:
-                self._told.give_up()
+                self._listener.give_up()
                 return
 
     async def _regain(self) -> None:
         loop = asyncio.get_running_loop()
-        until = loop.time() + self._patience.regain
+        until = loop.time() + self._timeouts.regain
         is_suspended = False
-        while not await self._ask(self._ownership.retake):
+        while not await self._ask(self._lock.retake):
             if not is_suspended and loop.time() > until:
                 is_suspended = True
                 _log.error("the database is out of reach: what runs is brought to its end")
-                self._told.suspend()
-            await asyncio.sleep(min(0.25, self._patience.period))
+                self._listener.suspend()
+            await asyncio.sleep(min(0.25, self._timeouts.period))
         _log.warning("the lock on the database is ours again")
         if is_suspended:
-            self._told.go_on()
+            self._listener.resume()
 
     async def _ask(self, question: Callable[[], bool]) -> bool:
         """Return the answer, False if there is none in time."""
         loop = asyncio.get_running_loop()
         try:
-            async with asyncio.timeout(self._patience.answer):
+            async with asyncio.timeout(self._timeouts.answer):
                 return await loop.run_in_executor(self._threads, question)
         except TimeoutError:
             # That thread waits for a connection that is dead; the next question must not.

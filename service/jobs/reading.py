@@ -20,20 +20,22 @@ from sqlalchemy import (
 
 from service.jobs.errors import UnknownJob
 from service.jobs.json_text import Encoded
-from service.jobs.records import (
+from service.jobs.states import JobState
+from service.jobs.tables import (
+    COLUMNS,
     Job,
-    JobBrief,
+    JobSummary,
     JobText,
     LoggedEvent,
     bodies,
-    briefs,
     events,
     jobs,
     makers,
+    summaries,
 )
-from service.jobs.states import JobState
 
 _MAX_STAGE = 40
+_FIELDS = {column: field for field, column in COLUMNS.items()}
 
 
 def _jobs_with(content: Table) -> Select[Any]:
@@ -42,7 +44,7 @@ def _jobs_with(content: Table) -> Select[Any]:
     return joined.join(makers, makers.c.job == jobs.c.id, isouter=True)
 
 
-_WHOLE, _BRIEF = _jobs_with(bodies), _jobs_with(briefs)
+_WHOLE, _BRIEF = _jobs_with(bodies), _jobs_with(summaries)
 # What is asked again and again is built once: that takes longer than to ask it.
 _OF_ID = jobs.c.id == bindparam("job_id")
 _ONE_WHOLE, _ONE_BRIEF = _WHOLE.where(_OF_ID), _BRIEF.where(_OF_ID)
@@ -91,7 +93,7 @@ def job(connection: Connection, identifier: str) -> Job:
     return job_of(_one(connection, _ONE_WHOLE, identifier))
 
 
-def brief(connection: Connection, identifier: str) -> JobBrief:
+def brief(connection: Connection, identifier: str) -> JobSummary:
     """Return a job as lists have it; raises as `job`."""
     return brief_of(_one(connection, _ONE_BRIEF, identifier))
 
@@ -111,11 +113,13 @@ def unfinished(connection: Connection) -> list[Job]:
 
 def page(
     connection: Connection, wanted: Mapping[str, str | None], before: int | None, limit: int
-) -> list[JobBrief]:
+) -> list[JobSummary]:
     """Return jobs whose columns are as wanted, newest first, with a serial below `before`."""
     query = _BRIEF
     for name, content in wanted.items():
-        query = query if content is None else query.where(jobs.c[name] == content)
+        query = (
+            query if content is None else query.where(jobs.c[COLUMNS.get(name, name)] == content)
+        )
     query = query if before is None else query.where(jobs.c.serial < before)
     rows = connection.execute(query.order_by(jobs.c.serial.desc()).limit(limit))
     return [brief_of(columns_of(row)) for row in rows]
@@ -147,9 +151,9 @@ def job_of(columns: Mapping[str, Any]) -> Job:
     return Job(**_decoded(columns))
 
 
-def brief_of(columns: Mapping[str, Any]) -> JobBrief:
+def brief_of(columns: Mapping[str, Any]) -> JobSummary:
     """Return the job of the columns of its tables, as lists have it."""
-    return JobBrief(**_decoded(columns))
+    return JobSummary(**_decoded(columns))
 
 
 def columns_of(row: Row[Any]) -> dict[str, Any]:
@@ -165,7 +169,7 @@ def _one(connection: Connection, query: Select[Any], identifier: str) -> dict[st
 
 
 def _decoded(columns: Mapping[str, Any]) -> dict[str, Any]:
-    fields = dict(columns)
+    fields = {_FIELDS.get(name, name): content for name, content in columns.items()}
     for name in ("created_at", "started_at", "finished_at"):
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
     fields["state"] = JobState(fields["state"])

@@ -1,136 +1,143 @@
-"""EventRecorder: what a run says, recorded in order, then published."""
+"""Recording: what happens to jobs goes to the table and then to those who follow.
+
+What a server does never waits for the database: a run is told first. What the database does not
+take is kept, and written when it takes it again; meanwhile `unrecorded` says what it lacks.
+"""
 
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from functools import partial
 
 from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseTaken
-from service.jobs.json_text import Encoded
+from service.jobs.event_buffer import PendingEvent
+from service.jobs.event_bus import EventBus
+from service.jobs.group_commit import GroupCommit
+from service.jobs.store import JobStore
+from service.jobs.tables import LoggedEvent
+from service.jobs.transitions import Transition
 
-_MAX_BACKLOG = 256
-# What is said so soon after something else is recorded with it [s].
-_GATHERING = 0.01
-# Before a database that took nothing is asked again [s].
+# Before what the database refused is written again [s].
 _PAUSE = 1.0
 _log = logging.getLogger(__name__)
 
-type Told = tuple[str, Encoded]
 
+class JobRecorder:
+    """Writes to the store for coroutines of one event loop, and publishes what was written."""
 
-@dataclass(frozen=True)
-class _Event:
-    type: str
-    data: Encoded
-    is_update: bool
-
-
-class EventRecorder:
-    """Takes events at any pace and records what has gathered while the database was busy.
-
-    Attributes:
-        latest: The last event of each type, recorded or not.
-        is_refused: Whether the database did not take what was told last.
-    """
-
-    def __init__(self, record: Callable[[Sequence[Told]], Awaitable[None]]) -> None:
-        """Record, and publish, by awaiting `record`."""
-        self.latest: dict[str, Encoded] = {}
-        self.is_refused = False
-        self._record = record
-        self._backlog: list[_Event] = []
-        self._pump: asyncio.Task[None] | None = None
-        self._closed = asyncio.Event()
-        self._has_room = asyncio.Event()
-        self._has_room.set()
-
-    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
-        """Take an event; after `close` it is dropped.
+    def __init__(
+        self, store: JobStore, bus: EventBus[LoggedEvent], on_taken: Callable[[], None]
+    ) -> None:
+        """Begin.
 
         Args:
-            event_type: Of the event.
-            data: JSON.
-            is_update: Whether it may replace the one before it if that is of its type and there is
-                much to record.
+            store: Where to write.
+            bus: Who follows.
+            on_taken: Called when another server has taken the database over.
         """
-        if self._closed.is_set():
-            return
-        self.latest[event_type[:64]] = data
-        self._backlog.append(_Event(event_type[:64], data, is_update))
-        self._bound()
-        if self._pump is None:
-            self._pump = asyncio.get_running_loop().create_task(self._write())
+        self.store = store
+        self._bus = bus
+        self._on_taken = on_taken
+        self._commits = GroupCommit(store)
+        self._unrecorded: dict[str, list[str]] = {}
 
-    async def room(self) -> None:
-        """Wait while there is much to record."""
-        await self._has_room.wait()
+    def unrecorded(self, identifier: str) -> list[str]:
+        """Return what has happened to a job and is not in the database yet."""
+        return list(dict.fromkeys(self._unrecorded.get(identifier, ())))
 
-    async def close(self) -> list[Told]:
-        """Take no more, wait for what is being recorded, and return what is not recorded."""
-        self._closed.set()
-        if self._pump is not None:
-            await self._pump
-        return [(event.type, event.data) for event in self._backlog]
+    async def write[T](
+        self,
+        work: Callable[[], T],
+        *,
+        is_durable: bool = True,
+        is_owed: bool = False,
+        within: float | None = None,
+    ) -> T:
+        """Carry out a write; it is committed when this returns.
 
-    async def _write(self) -> None:
-        while self._backlog and not await self._is_closed_soon():
-            events, self._backlog = self._backlog, []
-            self._has_room.set()
-            try:
-                await self._record([(event.type, event.data) for event in events])
-                self.is_refused = False
-            except DatabaseTaken:
-                continue
-            except Exception as fault:  # noqa: BLE001  (the job itself goes on)
-                if not is_of_database(fault):
-                    _log.exception("%d events were lost", len(events))
-                    continue
-                self.is_refused = True
-                self._backlog = events + self._backlog
-                self._bound()
-                if self._closed.is_set():
-                    break
+        Args:
+            work: Calls methods of the store.
+            is_durable: Whether it must survive a power cut.
+            is_owed: Whether it is to survive one that comes a moment later, if it must not at once.
+            within: How long to wait [s]; what is not committed by then never is.
+
+        Raises:
+            DatabaseUnavailable: The database did not take it in that time.
+            DatabaseTaken: Another server has the database.
+            DBAPIError: The database did not take it.
+        """
+        try:
+            return await self._commits.execute(
+                work, is_durable=is_durable, is_owed=is_owed, within=within
+            )
+        except DatabaseTaken:
+            self._on_taken()
+            raise
+
+    async def apply(
+        self,
+        identifier: str,
+        work: Callable[[], Transition | None],
+        *,
+        told: Sequence[PendingEvent] = (),
+        is_durable: bool = True,
+        is_owed: bool = False,
+    ) -> Transition | None:
+        """Move a job to another state, and tell of it; raises as `write`.
+
+        Args:
+            identifier: Of the job.
+            work: Moves it.
+            told: What it said before, and is not recorded yet.
+            is_durable: As for `write`.
+            is_owed: As for `write`.
+        """
+
+        def both() -> tuple[list[LoggedEvent], Transition | None]:
+            return self.store.append_events(identifier, told), work()
+
+        said, moved = await self.write(both, is_durable=is_durable, is_owed=is_owed)
+        self.publish(identifier, said if moved is None else [*said, moved.event])
+        return moved
+
+    async def append_events(
+        self, identifier: str, told: Sequence[PendingEvent], *, may_wait: bool = False
+    ) -> None:
+        """Append what was said of a job that runs, or waits, and tell of it; raises as `write`."""
+        work = partial(self.store.append_events, identifier, told, may_wait=may_wait)
+        self.publish(identifier, await self.write(work, is_durable=False))
+
+    def publish(self, identifier: str, events: Sequence[LoggedEvent]) -> None:
+        """Tell of events that have been recorded."""
+        self._bus.publish(identifier, events)
+
+    async def write_until_done[T](
+        self, identifier: str, what: str, work: Callable[[], Awaitable[T]]
+    ) -> T:
+        """Write something until the database takes it.
+
+        Args:
+            identifier: Of the job.
+            what: It is, for `unrecorded`.
+            work: Writes once; raises as `write`.
+        """
+        missing = self._unrecorded.setdefault(identifier, [])
+        missing.append(what)
+        try:
+            while True:
+                try:
+                    return await work()
+                except Exception as fault:
+                    if not is_of_database(fault):
+                        raise
+                    _log.error("%s of %s is not recorded yet: %s", what, identifier, fault)
                 await asyncio.sleep(_PAUSE)
-        self._pump = None
+        finally:
+            missing.remove(what)
+            if not missing and self._unrecorded.get(identifier) is missing:
+                del self._unrecorded[identifier]
 
-    async def _is_closed_soon(self) -> bool:
-        """Let events gather, and return whether no more will."""
-        with suppress(TimeoutError):
-            await asyncio.wait_for(self._closed.wait(), _GATHERING)
-        return self._closed.is_set()
-
-    def _bound(self) -> None:
-        """Hold no more than there is room for.
-
-        Every other update gives way to the one that follows it. A task waits while the database is
-        slow, but it is not held up by one that takes nothing: then the oldest events are lost.
-        """
-        if len(self._backlog) < _MAX_BACKLOG:
-            return
-        kept: list[_Event] = []
-        has_given_way = False
-        for event, after in zip(self._backlog, [*self._backlog[1:], None], strict=True):
-            may_give_way = event.is_update and after is not None and after.type == event.type
-            has_given_way = may_give_way and not has_given_way
-            if not has_given_way:
-                kept.append(event)
-        if self.is_refused and len(kept) >= _MAX_BACKLOG:
-            _log.error("%d events were lost", len(kept) - _MAX_BACKLOG // 2)
-            kept = kept[-_MAX_BACKLOG // 2 :]
-        self._backlog = kept
-        if len(kept) >= _MAX_BACKLOG and not self.is_refused:
-            self._has_room.clear()
-        else:
-            self._has_room.set()
-
-
-class NoSink:
-    """Drops events."""
-
-    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
-        """Drop an event."""
-
-    async def room(self) -> None:
-        """Return at once."""
+    async def close(self) -> None:
+        """Write what was asked for, if the database takes it now."""
+        await self._commits.close()

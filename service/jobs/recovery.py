@@ -6,14 +6,14 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled
+from service.jobs.attempt import CONTROLS
 from service.jobs.errors import InternalError, ServerRestarted
-from service.jobs.floor import Floor
-from service.jobs.job_run import CONTROLS
-from service.jobs.moving import Moved
-from service.jobs.ownership import Ownership
-from service.jobs.recording import Recording
-from service.jobs.records import Job
+from service.jobs.leader import DispatcherLock
+from service.jobs.recorder import JobRecorder
+from service.jobs.scheduler import Scheduler
 from service.jobs.states import JobState
+from service.jobs.tables import Job
+from service.jobs.transitions import Transition
 
 
 class Recovery:
@@ -21,9 +21,9 @@ class Recovery:
 
     def __init__(
         self,
-        recording: Recording,
-        ownership: Ownership,
-        floor: Floor,
+        recording: JobRecorder,
+        ownership: DispatcherLock,
+        floor: Scheduler,
         enqueue: Callable[[Job, Mapping[str, Any]], None],
     ) -> None:
         """Prepare.
@@ -58,23 +58,23 @@ class Recovery:
     async def _recover_later(self, identifier: str, seconds: float) -> None:
         await asyncio.sleep(seconds)
 
-        def recover() -> tuple[Job, Moved | None]:
+        def recover() -> tuple[Job, Transition | None]:
             job = self._store.get(identifier)
             return job, self._settle(job)
 
         write = partial(self._recording.write, recover)
-        job, moved = await self._recording.insist(identifier, "recovery", write)
+        job, moved = await self._recording.write_until_done(identifier, "recovery", write)
         if moved is not None:
             self._recording.publish(identifier, [moved.event])
             if not moved.event.is_last:
                 self._enqueue(job, {})
 
-    def _settle(self, job: Job) -> Moved | None:
+    def _settle(self, job: Job) -> Transition | None:
         """Write what becomes of a job that was left; None if it only has to run."""
         if job.is_cancel_requested:
             return self._store.cancel(job.id, Canceled("canceled on request"))
-        if job.lane not in self._floor:
-            message = f"this server has no lane {job.lane!r}"
+        if job.queue not in self._floor:
+            message = f"this server has no lane {job.queue!r}"
             return self._store.fail(job.id, InternalError(message))
         if job.state is JobState.QUEUED:
             return None

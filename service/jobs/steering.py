@@ -6,31 +6,31 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled, IllegalTransition
+from service.jobs.attempt import CONTROLS, Attempt
 from service.jobs.errors import DatabaseTaken
-from service.jobs.floor import Floor
-from service.jobs.job_run import CONTROLS, JobRun
 from service.jobs.json_text import Encoded, encode
-from service.jobs.moving import Moved
-from service.jobs.recording import Recording
-from service.jobs.records import Job, JobBrief
+from service.jobs.recorder import JobRecorder
+from service.jobs.scheduler import Scheduler
 from service.jobs.states import JobState
+from service.jobs.tables import Job, JobSummary
+from service.jobs.transitions import Transition
 
 # How long an answer waits for the database [s]; what is not written by then is written later.
 _PROMPT = 0.5
 
 
-class Steering:
+class JobControl:
     """Cancels and controls the jobs of a dispatcher."""
 
     def __init__(
-        self, runs: MutableMapping[str, JobRun], recording: Recording, floor: Floor
+        self, runs: MutableMapping[str, Attempt], recording: JobRecorder, floor: Scheduler
     ) -> None:
         """Steer the runs that there are, by the ids of their jobs."""
         self._runs = runs
         self._recording = recording
         self._floor = floor
 
-    async def cancel(self, identifier: str) -> JobBrief:
+    async def cancel(self, identifier: str) -> JobSummary:
         """Ask for the end of a job, whatever its state, and return it; again does no harm.
 
         Raises:
@@ -39,10 +39,10 @@ class Steering:
         """
         run = self._runs.get(identifier)
         if run is None:
-            job = await asyncio.to_thread(self._recording.store.brief, identifier)
+            job = await asyncio.to_thread(self._recording.store.summary, identifier)
             return job if job.state.is_final else await self._write_cancel(identifier)
         run.cancel()
-        self._floor.lane(run.job.lane).remove(identifier)
+        self._floor.queue(run.job.queue).remove(identifier)
         job = await self._recorded(identifier, "cancel", lambda: self._write_cancel(identifier))
         return job or run.snapshot()
 
@@ -54,7 +54,7 @@ class Steering:
         """
         run = self._runs.get(identifier)
         if run is None or not run.is_open:
-            state = "canceling" if run is not None and run.is_unwanted else "at its end"
+            state = "canceling" if run is not None and run.is_cancel_requested else "at its end"
             message = f"job {identifier} is {state}: it cannot be steered any more"
             raise IllegalTransition(message, {"state": state, "event": "steer", "legal": []})
         run.control(asked)
@@ -68,7 +68,7 @@ class Steering:
 
         async def record() -> T | None:
             try:
-                return await self._recording.insist(identifier, what, write)
+                return await self._recording.write_until_done(identifier, what, write)
             except DatabaseTaken:
                 return None
 
@@ -88,7 +88,7 @@ class Steering:
                 run.concluded.set()
         return job
 
-    def _cancel_in_store(self, identifier: str) -> tuple[Job, Moved | None]:
+    def _cancel_in_store(self, identifier: str) -> tuple[Job, Transition | None]:
         store = self._recording.store
         with store.transaction(is_durable=True):
             job = store.request_cancel(identifier)
@@ -97,7 +97,7 @@ class Steering:
             moved = store.cancel_queued(identifier, Canceled("canceled on request"))
             return store.request_cancel(identifier), moved
 
-    async def _write_controls(self, run: JobRun) -> None:
+    async def _write_controls(self, run: Attempt) -> None:
         """Record all that is asked by now: a job that waits is told again after a restart."""
         told = [(CONTROLS, Encoded(encode(run.controls)))]
-        await self._recording.log(run.job.id, told, may_wait=True)
+        await self._recording.append_events(run.job.id, told, may_wait=True)

@@ -12,30 +12,30 @@ from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, up
 
 from planning.errors import Canceled, WayproofError
 from service.jobs import reading
-from service.jobs.briefs import fill_briefs
+from service.jobs.briefs import fill_summaries
 from service.jobs.database import set_durability, sync_log
-from service.jobs.enrolling import Draft, draft, enroll, job_by_key
+from service.jobs.enrolling import Draft, draft, find_by_idempotency_key, insert_job
 from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import Encoded, encode
-from service.jobs.moving import Moved, log, move, reserve
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.prepared import Prepared
+from service.jobs.queries import JobQueries
 from service.jobs.reading import now
-from service.jobs.reads import JobReads
-from service.jobs.records import (
+from service.jobs.states import JobEvent, JobState
+from service.jobs.tables import (
     Job,
     JobSpec,
     LoggedEvent,
     bodies,
-    briefs,
     jobs,
     makers,
     metadata,
     owner,
+    summaries,
 )
-from service.jobs.states import JobEvent, JobState
 from service.jobs.tasks import outline_of
+from service.jobs.transitions import Transition, append_events, apply_event, reserve_events
 
 _OPEN = [state.value for state in JobState if not state.is_final]
 _WHOSE = bindparam("whose")
@@ -45,7 +45,7 @@ _END = {
     (table, part): Prepared(
         update(table).where(table.c.job == _WHOSE).values({part: bindparam("new")})
     )
-    for table in (bodies, briefs)
+    for table in (bodies, summaries)
     for part in ("result", "failure")
 }
 _IF_OPEN = update(jobs).where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
@@ -53,7 +53,7 @@ _CANCEL = _IF_OPEN.values(is_cancel_requested=True)
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
-class JobStore(JobReads):
+class JobStore(JobQueries):
     """Jobs and their events in a database; every method is one transaction, from any thread.
 
     Attributes:
@@ -72,21 +72,21 @@ class JobStore(JobReads):
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()
-        self._joined: Connection | None = None
+        self._open_transaction: Connection | None = None
 
     def open(self) -> None:
         """Create tables and indices that are missing, and write what an older version did not."""
         metadata.create_all(self._engine)
         for index in jobs.indexes:  # that tables of an older version lack
             index.create(self._engine, checkfirst=True)
-        fill_briefs(self._engine)
+        fill_summaries(self._engine)
 
     @property
     def may_crash_alone(self) -> bool:
         """Whether the database may die while we live: then it forgets what was not durable."""
         return self._engine.dialect.name != "sqlite"
 
-    def fence(self, epoch: int) -> None:
+    def set_epoch(self, epoch: int) -> None:
         """Write only as long as the owner of the database is the one of an epoch."""
         self._epoch = epoch
 
@@ -102,18 +102,18 @@ class JobStore(JobReads):
             DatabaseTaken: The database has another owner; nothing was written.
         """
         with self._lock:
-            if self._joined is not None:
-                yield self._joined
+            if self._open_transaction is not None:
+                yield self._open_transaction
                 return
             with self._engine.connect() as connection:
                 set_durability(connection, is_durable=is_durable)
-                self._joined = connection
+                self._open_transaction = connection
                 try:
                     yield connection
                     self._require_ownership(connection)
                     connection.commit()
                 finally:
-                    self._joined = None
+                    self._open_transaction = None
 
     def insert(self, spec: JobSpec) -> tuple[Job, bool]:
         """Return a new queued job and True, or the one that the idempotency key names and False.
@@ -122,26 +122,26 @@ class JobStore(JobReads):
             IdempotencyConflict: The key was used for another request.
             TypeError: The payload is not JSON-compatible.
         """
-        return self.enter(draft(spec))
+        return self.insert_draft(draft(spec))
 
-    def enter(self, drafted: Draft) -> tuple[Job, bool]:
+    def insert_draft(self, drafted: Draft) -> tuple[Job, bool]:
         """Write a job that was drafted; returns and raises as `insert`."""
         with self.transaction(is_durable=True) as connection:
-            known = job_by_key(connection, drafted.job)
-            return (enroll(connection, drafted), True) if known is None else (known, False)
+            known = find_by_idempotency_key(connection, drafted.job)
+            return (insert_job(connection, drafted), True) if known is None else (known, False)
 
-    def start(self, identifier: str) -> Moved | None:
+    def start(self, identifier: str) -> Transition | None:
         """Let a queued job run; None if it is not queued any more. So for the other moves."""
         changes = {"started_at": now(), "more_attempts": 1}
         with self.transaction(is_durable=False) as connection:
-            moved = move(connection, identifier, JobEvent.START, changes, {})
+            moved = apply_event(connection, identifier, JobEvent.START, changes, {})
             if moved is not None:
                 if moved.event.number > 2:  # it is not the first event after `queued`
                     connection.execute(_FORGET_MAKER, {"whose": identifier})
                 _ADD_MAKER(connection, job=identifier, made_by=self._made_by)
             return moved
 
-    def requeue(self, identifier: str, reason: str, *, refund: int = 0) -> Moved | None:
+    def requeue(self, identifier: str, reason: str, *, refund: int = 0) -> Transition | None:
         """Queue a running job again.
 
         Args:
@@ -151,11 +151,13 @@ class JobStore(JobReads):
         """
         changes = {"more_attempts": -refund}
         with self.transaction(is_durable=False) as connection:
-            return move(connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason})
+            return apply_event(
+                connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason}
+            )
 
     def succeed(
         self, identifier: str, result: Encoded, brief: Encoded | None = None
-    ) -> Moved | None:
+    ) -> Transition | None:
         """End a running job with its result.
 
         Args:
@@ -164,22 +166,22 @@ class JobStore(JobReads):
             brief: What lists show of it; None for all.
         """
         with self.transaction(is_durable=True) as connection:
-            moved = move(connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {})
+            moved = apply_event(connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {})
             if moved is not None:
                 _end(connection, identifier, "result", result.text, (brief or result).text)
             return moved
 
-    def fail(self, identifier: str, error: WayproofError) -> Moved | None:
+    def fail(self, identifier: str, error: WayproofError) -> Transition | None:
         """End a job with the reason why it has no result."""
-        return self._give_up(identifier, JobEvent.FAIL, error)
+        return self._end_without_result(identifier, JobEvent.FAIL, error)
 
-    def cancel(self, identifier: str, error: Canceled) -> Moved | None:
+    def cancel(self, identifier: str, error: Canceled) -> Transition | None:
         """End a running job because somebody asked for it."""
-        return self._give_up(identifier, JobEvent.CANCEL, error)
+        return self._end_without_result(identifier, JobEvent.CANCEL, error)
 
-    def cancel_queued(self, identifier: str, error: Canceled) -> Moved | None:
+    def cancel_queued(self, identifier: str, error: Canceled) -> Transition | None:
         """End a job because somebody asked for it, if it is still queued."""
-        return self._give_up(identifier, JobEvent.CANCEL, error, only=JobState.QUEUED)
+        return self._end_without_result(identifier, JobEvent.CANCEL, error, only=JobState.QUEUED)
 
     def request_cancel(self, identifier: str) -> Job:
         """Note that somebody wants the end of a job that has not ended, and return it.
@@ -191,7 +193,7 @@ class JobStore(JobReads):
             connection.execute(_CANCEL, {"whose": identifier})
             return reading.job(connection, identifier)
 
-    def record(
+    def append_events(
         self, identifier: str, told: Sequence[tuple[str, Encoded]], *, may_wait: bool = False
     ) -> list[LoggedEvent]:
         """Append what a running job says, and return it; nothing if the job has ended meanwhile.
@@ -206,8 +208,8 @@ class JobStore(JobReads):
         if not told:
             return []
         with self.transaction(is_durable=False) as connection:
-            first = reserve(connection, identifier, told, may_wait=may_wait)
-            return [] if first is None else log(connection, identifier, first, told)
+            first = reserve_events(connection, identifier, told, may_wait=may_wait)
+            return [] if first is None else append_events(connection, identifier, first, told)
 
     def flush(self) -> None:
         """Make durable what was committed before this.
@@ -217,16 +219,16 @@ class JobStore(JobReads):
         """
         sync_log(self._engine)
 
-    def _give_up(
+    def _end_without_result(
         self,
         identifier: str,
         happened: JobEvent,
         error: WayproofError,
         only: JobState | None = None,
-    ) -> Moved | None:
+    ) -> Transition | None:
         failure = failure_of(error)
         with self.transaction(is_durable=True) as connection:
-            moved = move(connection, identifier, happened, {}, {"failure": failure}, only)
+            moved = apply_event(connection, identifier, happened, {}, {"failure": failure}, only)
             if moved is not None:
                 kept = without(failure, outline_of(moved.columns["task"]).failure)
                 _end(connection, identifier, "failure", encode(failure), encode(kept))
@@ -249,4 +251,4 @@ class JobStore(JobReads):
 def _end(connection: Connection, identifier: str, part: str, whole: str, short: str) -> None:
     """Write how a job ended (JSON), whole and as lists show it."""
     _END[bodies, part](connection, whose=identifier, new=whole)
-    _END[briefs, part](connection, whose=identifier, new=short)
+    _END[summaries, part](connection, whose=identifier, new=short)

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from planning.errors import WayproofError
-from service.jobs.error_text import error_text
+from service.jobs.error_text import dump_error
 from service.jobs.errors import InternalError
 from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
-from service.jobs.link import FrameKind
 from service.jobs.outline import without
 from service.jobs.tasks import is_declared, outline_of, task_named
+from service.jobs.worker.protocol import MessageKind
 
 # Events are for people; whatever is larger belongs into the result.
 MAX_EVENT = 64 * 1024
@@ -27,12 +27,12 @@ class TaskEnd:
     Attributes:
         kind: RESULT, FAILURE or CRASH.
         text: The result or the error as JSON; what ended the process.
-        brief: Of a result, what lists show of it as JSON; empty for all.
+        summary: Of a result, what lists show of it as JSON; empty for all.
     """
 
-    kind: FrameKind
+    kind: MessageKind
     text: str
-    brief: str = ""
+    summary: str = ""
 
 
 def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
@@ -44,19 +44,19 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     try:
         if is_declared(task):
             done = task_named(task).run(payload, channel)
-            return TaskEnd(FrameKind.RESULT, done.text, done.brief)
+            return TaskEnd(MessageKind.RESULT, done.text, done.brief)
         found = load_task(task)(json.loads(payload), channel)
         large = outline_of(task).result
         brief = encode_result(without(found, large)) if large else ""
-        return TaskEnd(FrameKind.RESULT, _text(found, large), brief)
+        return TaskEnd(MessageKind.RESULT, _text(found, large), brief)
     except WayproofError as error:
-        return TaskEnd(FrameKind.FAILURE, error_text(error))
+        return TaskEnd(MessageKind.FAILURE, dump_error(error))
     except MemoryError:
-        return TaskEnd(FrameKind.CRASH, "MemoryError")
+        return TaskEnd(MessageKind.CRASH, "MemoryError")
     except Exception as fault:  # noqa: BLE001  (the last edge: nothing may be lost)
-        return TaskEnd(FrameKind.FAILURE, error_text(_internal(fault)))
+        return TaskEnd(MessageKind.FAILURE, dump_error(_internal(fault)))
     except BaseException as fault:  # noqa: BLE001
-        return TaskEnd(FrameKind.CRASH, f"{type(fault).__name__}: {fault}"[:500])
+        return TaskEnd(MessageKind.CRASH, f"{type(fault).__name__}: {fault}"[:500])
 
 
 def _text(found: Any, large: tuple[str, ...]) -> str:

@@ -4,25 +4,25 @@ import asyncio
 from collections.abc import Mapping
 from contextlib import aclosing
 
-from service.events.bus import EventBus
-from service.jobs.job_run import JobRun
+from service.jobs.attempt import Attempt
+from service.jobs.event_bus import EventBus
 from service.jobs.json_steps import STEP, decode
-from service.jobs.reads import JobReads
-from service.jobs.records import Job, JobText, LoggedEvent
+from service.jobs.queries import JobQueries
+from service.jobs.tables import Job, JobText, LoggedEvent
 from service.jobs.wait_limits import WaitLimits
 
 # No stream is longer; it also fits into every database's integers.
 END_OF_STREAM = 2**31 - 1
 
 
-class Waiting:
+class JobWaits:
     """Waits for the jobs of a dispatcher, from its event loop."""
 
     def __init__(
-        self, runs: Mapping[str, JobRun], bus: EventBus[LoggedEvent], store: JobReads
+        self, runs: Mapping[str, Attempt], bus: EventBus[LoggedEvent], store: JobQueries
     ) -> None:
         """Wait for the runs that there are, by the ids of their jobs, and for what `store` has."""
-        self._runs = runs
+        self._attempts = runs
         self._bus = bus
         self._store = store
         self._limits = WaitLimits()
@@ -53,16 +53,16 @@ class Waiting:
         """Answer who waits at once with the job as it is, and who comes later as well."""
         self._limits.end()
 
-    async def _until_ended(self, identifier: str, seconds: float) -> JobRun | None:
+    async def _until_ended(self, identifier: str, seconds: float) -> Attempt | None:
         """Wait until a job has ended, at most so long; return its last run, if it was here."""
-        run = self._runs.get(identifier)
+        run = self._attempts.get(identifier)
         if run is not None and run.ended is not None:
             return run
         # One that is not here has ended, or is being taken up again: the log knows.
         wait = self._drained(identifier) if run is None else self._bus.until_over(identifier)
         async with self._limits.limit(seconds):
             await wait
-        return self._runs.get(identifier, run)
+        return self._attempts.get(identifier, run)
 
     async def _drained(self, identifier: str) -> None:
         async with aclosing(self._bus.follow(identifier, END_OF_STREAM)) as nothing:
@@ -75,4 +75,4 @@ async def _whole(ended: JobText) -> Job:
     text = "null" if ended.result is None else ended.result.text
     is_small = len(text) <= STEP
     result = decode(text) if is_small else await asyncio.to_thread(decode, text)
-    return Job(**{**vars(ended.brief), "result": result})
+    return Job(**{**vars(ended.summary), "result": result})

@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse
 from service.api.raw_json import passed_on
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import DeskDep, PlanJob
+from service.dependencies import JobsDep, PlanJob
 from service.plans.models.trajectory import Trajectory
 from service.plans.resource import motion_of, polynomial_of, sampling_of
 
@@ -92,7 +92,7 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
 )
 async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     job: PlanJob,
-    desk: DeskDep,
+    desk: JobsDep,
     *,
     format: Format = "json",  # noqa: A002  (the contract's name)
     period: Period = None,
@@ -121,7 +121,7 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     response_class=HTMLResponse,
     responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
 )
-async def get_replay(job: PlanJob, desk: DeskDep) -> HTMLResponse:
+async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
     """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
     payload = {
         **{part: job.payload[part] for part in ("scene", "library")},
@@ -138,7 +138,7 @@ async def get_replay(job: PlanJob, desk: DeskDep) -> HTMLResponse:
     response_class=Response,
     responses={200: {"content": {"image/svg+xml": _SVG}}, **problems(404, 409, 422, 429, 503)},
 )
-async def get_plot(job: PlanJob, desk: DeskDep, name: Chart) -> Response:
+async def get_plot(job: PlanJob, desk: JobsDep, name: Chart) -> Response:
     """Draw the motion of a plan against its limits, or its clearance, over time."""
     payload = {
         **{part: job.payload[part] for part in ("scene", "library")},

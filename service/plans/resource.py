@@ -2,16 +2,16 @@
 
 from typing import Any
 
-from service.desk import Desk
 from service.errors import NotFinished
 from service.jobs.outline import without
-from service.jobs.records import Job, JobBrief
+from service.jobs.tables import Job, JobSummary
 from service.jobs.tasks import outline_of
 from service.plans.models.sampling import DEFAULT_PERIOD
 from service.plans.models.trajectory_conversion import IN_QUERY, require_one_sampling
+from service.scene_jobs import SceneJobs
 
 
-def job_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
+def job_brief(desk: SceneJobs, job: JobSummary) -> dict[str, Any]:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request = job.payload["request"]
     done = job.result or {}
@@ -33,7 +33,7 @@ def job_brief(desk: Desk, job: JobBrief) -> dict[str, Any]:
     }
 
 
-def timings_of(job: JobBrief) -> dict[str, float]:
+def timings_of(job: JobSummary) -> dict[str, float]:
     """Return the seconds per stage of a job that has ended, however it did."""
     ended: dict[str, Any] = job.result or job.failure or {}
     return dict(ended.get("timings") or {})

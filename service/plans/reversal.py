@@ -2,19 +2,19 @@
 
 from typing import Any
 
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.plans.models.request import PlanRequest
 from service.plans.resource import polynomial_of
 from service.plans.submit import SLACK
+from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf
 
 TASK = "service.plans.reverse_worker:reverse_motion"
 
 
-async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: SceneJobs) -> Job:
     """Queue the way back of a plan.
 
     Raises:
@@ -48,7 +48,7 @@ async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: 
     }
     allowed = request.search.allowed_planning_time + SLACK
     # Two plans with the same ends have the same way back as a request, but not as a motion.
-    named = Key(key, {"reverse": plan.id})
+    named = IdempotencyKey(key, {"reverse": plan.id})
     return await desk.submit(
         spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
     )

@@ -14,14 +14,14 @@ from service.api.raw_json import whole
 from service.api.responses import Cursor, LastEventId, Limit, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep, taken_in
-from service.dependencies import DeskDep, OpenPlan, PlanJob, PlanText, ScenesDep
-from service.desk import Desk
-from service.jobs.records import JobText
+from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
+from service.jobs.tables import JobText
 from service.plans.models.graph import PlannerGraph
 from service.plans.models.request import PlanRequest
 from service.plans.resource import graph_of, job_brief
 from service.plans.reversal import submit_reversal
 from service.plans.submit import submit_plan
+from service.scene_jobs import SceneJobs
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
@@ -43,7 +43,7 @@ async def create_plan(request: PlanRequest, asked: SubmissionDep, scenes: Scenes
 
 @router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
 async def list_plans(
-    desk: DeskDep,
+    desk: JobsDep,
     state: State = None,
     scene: OfScene = None,
     limit: Limit = 50,
@@ -55,7 +55,7 @@ async def list_plans(
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
-async def get_plan(found: PlanText, desk: DeskDep) -> Any:
+async def get_plan(found: PlanText, desk: JobsDep) -> Any:
     """Show a plan: how far it is, and its result once it succeeded."""
     return await _whole(desk, found)
 
@@ -67,7 +67,7 @@ async def get_plan(found: PlanText, desk: DeskDep) -> Any:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_plan_events(
-    job: OpenPlan, desk: DeskDep, last_event_id: LastEventId = None
+    job: OpenPlan, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to a plan: queued, started, stage, progress, best-so-far, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -101,7 +101,7 @@ async def reverse_plan(job: PlanJob, asked: SubmissionDep, scenes: ScenesDep) ->
 @router.post(
     "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
 )
-async def cancel_plan(job: OpenPlan, desk: DeskDep) -> Any:
+async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Any:
     """End a plan, in whatever state it is; asking again changes nothing.
 
     No database is waited for: `unrecorded` says what it does not hold yet.
@@ -109,7 +109,7 @@ async def cancel_plan(job: OpenPlan, desk: DeskDep) -> Any:
     return await _whole(desk, await desk.text_of(await desk.cancel(job)))
 
 
-async def _whole(desk: Desk, found: JobText, told: Response | None = None) -> Response:
+async def _whole(desk: SceneJobs, found: JobText, told: Response | None = None) -> Response:
     """Return a plan in full."""
-    brief = JobBrief.model_validate(job_brief(desk, found.brief))
+    brief = JobBrief.model_validate(job_brief(desk, found.summary))
     return await whole(brief, found.result, told)

@@ -9,16 +9,15 @@ from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
 from service.catalog.models import Planner
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
-from service.plans.models.goal_values import steering_value
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.plans.models.request import PlanRequest
-from service.plans.models.search import Car, Search
+from service.plans.models.search import Search
 from service.plans.models.trajectory_conversion import require_one_sampling
 from service.regions.eligibility import check_eligible, own_cars, uses_gcs
 from service.regions.selection import SelectedRegions, regions_file, select_regions
+from service.scene_jobs import SceneJobs
 from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
@@ -37,7 +36,9 @@ TASK = "service.plans.worker:plan_motion"
 SLACK = 15.0
 
 
-async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf, desk: Desk) -> Job:
+async def submit_plan(
+    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+) -> Job:
     """Queue a plan.
 
     Args:
@@ -82,7 +83,7 @@ async def submit_plan(request: PlanRequest, key: str | None, scenes: SceneShelf,
     if request.search.on_cancel == "best":
         payload["cancel_grace"] = desk.best_grace
     allowed = request.search.allowed_planning_time + SLACK
-    named = Key(key, request.model_dump(mode="json"))
+    named = IdempotencyKey(key, request.model_dump(mode="json"))
     return await desk.submit(
         spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
     )
@@ -106,9 +107,8 @@ def require_planner(planners: Sequence[Planner], search: Search) -> None:
         UnknownName: There are not.
     """
     by_name = {planner.name: planner for planner in planners}
-    names = [search.planner] if isinstance(search.planner, str) else search.planner
     known: set[str] = set()
-    for name in names:
+    for name in search.planners:
         if name not in by_name:
             raise unknown_planner(name, by_name)
         known |= {parameter.name for parameter in by_name[name].parameters}
@@ -144,14 +144,8 @@ def require_cars(group: Group, search: Search) -> None:
         ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards, or the
             group can have no regions and the planner GCS is asked for.
     """
-    asked = {
-        name: steering_value(space)
-        for name, space in search.spaces.items()
-        if isinstance(space, Car)
-    }
     planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
-    names = [search.planner] if isinstance(search.planner, str) else search.planner
-    cars = resolve_steering(own_cars(group), asked, planar)
+    cars = resolve_steering(own_cars(group), search.cars, planar)
     if uses_gcs(search):
         check_eligible(group, cars, "search.planner")
-    validate_forward_planners(names, cars)
+    validate_forward_planners(search.planners, cars)

@@ -16,7 +16,9 @@ from service.plans.cores import own_core
 from service.plans.models.goal_values import problem_value
 from service.plans.models.request import PlanRequest
 from service.plans.models.result_conversion import plan_wire
-from service.plans.models.trajectory_conversion import polynomial_wire, require_few, sampled_wire
+from service.plans.models.sampling import require_few
+from service.plans.models.trajectory import Trajectory
+from service.plans.models.trajectory_conversion import polynomial_wire
 from service.plans.progress import StageLog
 from service.plans.roadmaps import shelf_in
 from service.regions.worker import read_regions
@@ -119,7 +121,8 @@ def delivered(
         clearance=found.certificate.proven_clearance,
     )
     samples = deadline.clock() - began
-    result = plan_wire(found, sampled_wire(proven.samples, proven.interpolations), [*cuts])
+    trajectory = Trajectory.from_samples(proven.samples, proven.interpolations)
+    result = plan_wire(found, trajectory, [*cuts])
     return {
         "result": result,
         "polynomial": polynomial_wire(found.trajectory),

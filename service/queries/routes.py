@@ -4,7 +4,7 @@ from fastapi import APIRouter
 
 from service.api.responses import SceneId, problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import DeskDep, ScenesDep
+from service.dependencies import JobsDep, ScenesDep
 from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse
@@ -26,7 +26,7 @@ router = APIRouter(
 
 
 @router.post("/check", operation_id="checkConfigurations", response_model=CheckResponse)
-async def check(scene: SceneId, request: CheckRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def check(scene: SceneId, request: CheckRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Check configurations: limits, and every pair of bodies that collides, with its depth."""
     record = await scenes.get(scene)
     group = require_group(record, request.group)
@@ -36,7 +36,7 @@ async def check(scene: SceneId, request: CheckRequest, scenes: ScenesDep, desk: 
 
 
 @router.post("/fk", operation_id="computeForwardKinematics", response_model=FkResponse)
-async def fk(scene: SceneId, request: FkRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def fk(scene: SceneId, request: FkRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Compute where frames are in given configurations."""
     record = await scenes.get(scene)
     group = require_group(record, request.group)
@@ -47,7 +47,7 @@ async def fk(scene: SceneId, request: FkRequest, scenes: ScenesDep, desk: DeskDe
 
 
 @router.post("/ik", operation_id="solveInverseKinematics", response_model=IkResponse)
-async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Find all distinct configurations that reach a goal, or say why there is none."""
     record = await scenes.get(scene)
     group = require_group(record, request.group)
@@ -60,7 +60,7 @@ async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: DeskDe
 
 
 @router.post("/line", operation_id="traceLine", response_model=LineResponse)
-async def line(scene: SceneId, request: LineRequest, scenes: ScenesDep, desk: DeskDep) -> object:
+async def line(scene: SceneId, request: LineRequest, scenes: ScenesDep, desk: JobsDep) -> object:
     """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
     record = await scenes.get(scene)
     group = require_group(record, request.group)

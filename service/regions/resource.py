@@ -5,13 +5,13 @@ from fastapi import Response
 from service.api.job_models import JobState
 from service.api.problem import Failure
 from service.api.raw_json import whole
-from service.desk import Desk
-from service.jobs.records import JobBrief, JobText
+from service.jobs.tables import JobSummary, JobText
 from service.regions.models import RegionsBrief
 from service.regions.tasks import RegionsOutline, RegionsWork
+from service.scene_jobs import SceneJobs
 
 
-def regions_brief(desk: Desk, job: JobBrief) -> RegionsBrief:
+def regions_brief(desk: SceneJobs, job: JobSummary) -> RegionsBrief:
     """Return regions without their faces."""
     work = RegionsWork.model_validate(job.payload)
     outcome = None if job.result is None else RegionsOutline.model_validate(job.result)
@@ -36,6 +36,8 @@ def regions_brief(desk: Desk, job: JobBrief) -> RegionsBrief:
     )
 
 
-async def regions_in_full(desk: Desk, found: JobText, answer: Response | None = None) -> Response:
+async def regions_in_full(
+    desk: SceneJobs, found: JobText, answer: Response | None = None
+) -> Response:
     """Return regions with their faces, if they have grown, under the headers of an answer."""
-    return await whole(regions_brief(desk, found.brief), found.result, answer)
+    return await whole(regions_brief(desk, found.summary), found.result, answer)

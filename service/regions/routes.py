@@ -11,7 +11,7 @@ from service.api.event_stream import EVENTS, server_sent
 from service.api.responses import Cursor, LastEventId, Limit, SceneId, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep, taken_in
-from service.dependencies import DeskDep, OpenRegions, RegionsText, ScenesDep
+from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
 from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
 from service.regions.resource import regions_brief, regions_in_full
 from service.regions.submit import submit_regions
@@ -43,7 +43,7 @@ async def grow_regions(
 )
 async def list_regions(
     scene: SceneId,
-    desk: DeskDep,
+    desk: JobsDep,
     scenes: ScenesDep,
     limit: Limit = 50,
     cursor: Cursor = None,
@@ -60,7 +60,7 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(found: RegionsText, desk: DeskDep) -> Response:
+async def get_regions(found: RegionsText, desk: JobsDep) -> Response:
     """Show regions: how far they are, and all of them once they have grown."""
     return await regions_in_full(desk, found)
 
@@ -72,7 +72,7 @@ async def get_regions(found: RegionsText, desk: DeskDep) -> Response:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_regions_events(
-    job: OpenRegions, desk: DeskDep, last_event_id: LastEventId = None
+    job: OpenRegions, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to regions: queued, started, stage, progress, finished."""
     async for event in server_sent(desk, job, last_event_id):
@@ -85,6 +85,6 @@ async def stream_regions_events(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def cancel_regions(job: OpenRegions, desk: DeskDep) -> Response:
+async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Response:
     """End the growth, in whatever state it is; asking again changes nothing."""
     return await regions_in_full(desk, await desk.text_of(await desk.cancel(job)))

@@ -8,16 +8,16 @@ from pathlib import Path
 
 from planning.errors import ProblemInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
-from service.desk import Desk
 from service.errors import NoRegions
 from service.jobs.json_steps import member_of
 from service.jobs.json_text import Encoded
-from service.jobs.records import JobBrief
+from service.jobs.tables import JobSummary
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
 from service.regions.eligibility import PLANNER, uses_gcs
 from service.regions.models import RegionsSummary
 from service.regions.tasks import RegionsOutline, RegionsWork
+from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.validation import require_group
 
@@ -42,7 +42,7 @@ class SelectedRegions:
 
 
 async def select_regions(
-    request: PlanRequest, record: SceneRecord, desk: Desk
+    request: PlanRequest, record: SceneRecord, desk: SceneJobs
 ) -> SelectedRegions | None:
     """Return the regions that a plan is given; None if its planners need none.
 
@@ -90,16 +90,16 @@ def _check_unnamed(search: Search) -> None:
 
 
 async def _candidates(
-    request: PlanRequest, record: SceneRecord, desk: Desk
-) -> AsyncIterator[JobBrief]:
+    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+) -> AsyncIterator[JobSummary]:
     if request.search.regions is not None:
-        yield (await desk.job_text("regions", request.search.regions)).brief
+        yield (await desk.job_text("regions", request.search.regions)).summary
         return
-    async for job in desk.newest("regions", warm_key=record.digest):
+    async for job in desk.newest("regions", world_digest=record.digest):
         yield job
 
 
-def _grown(job: JobBrief) -> RegionsSummary | None:
+def _grown(job: JobSummary) -> RegionsSummary | None:
     return None if job.result is None else RegionsOutline.model_validate(job.result).result
 
 
@@ -112,7 +112,7 @@ def _fits(grown: RegionsSummary, record: SceneRecord, group: str, margin: float)
     )
 
 
-def _describe(job: JobBrief, grown: RegionsSummary | None) -> dict[str, object]:
+def _describe(job: JobSummary, grown: RegionsSummary | None) -> dict[str, object]:
     names = ("group", "margin", "scene", "num_regions")
     return {
         "id": job.id,

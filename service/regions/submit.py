@@ -2,13 +2,13 @@
 
 from planning.domain.request.region_request import validate_one_turn
 from planning.errors import UnknownName
-from service.desk import Desk
 from service.job_spec import spec_of
-from service.jobs.key import Key
-from service.jobs.records import Job
+from service.jobs.key import IdempotencyKey
+from service.jobs.tables import Job
 from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork
+from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf
 from service.scenes.validation import joints_of, require_group
 
@@ -17,7 +17,7 @@ _SLACK = 60.0
 
 
 async def submit_regions(
-    scene: str, request: RegionsRequest, key: str | None, scenes: SceneShelf, desk: Desk
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
 ) -> Job:
     """Queue the growth of regions.
 
@@ -46,7 +46,7 @@ async def submit_regions(
             GROW_REGIONS.name,
             payload,
             scene=record,
-            key=Key(key, {"scene": record.id, **payload["request"]}),
+            key=IdempotencyKey(key, {"scene": record.id, **payload["request"]}),
             allowed=request.allowed_time + _SLACK,
         )
     )

@@ -2,8 +2,8 @@
 
 from itertools import count
 
-from service.desk import Desk
 from service.errors import RevisionConflict
+from service.scene_jobs import SceneJobs
 from service.scenes.edit_models import SceneEdit
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
@@ -13,7 +13,7 @@ _MAX_ROUNDS = 10
 
 
 async def revised(
-    identifier: str, request: SceneEdit, scenes: SceneShelf, desk: Desk
+    identifier: str, request: SceneEdit, scenes: SceneShelf, desk: SceneJobs
 ) -> SceneRecord:
     """Carry out operations and record what comes of them.
 

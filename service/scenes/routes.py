@@ -9,7 +9,7 @@ from planning.errors import UnknownName
 from service.api.raw_json import passed_on
 from service.api.responses import Cursor, Limit, Revision, SceneId, problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import DeskDep, ScenesDep
+from service.dependencies import JobsDep, ScenesDep
 from service.errors import UnknownInScene
 from service.executions.replay import executed_motions
 from service.scenes.edit_models import SceneEdit
@@ -39,7 +39,7 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     responses=problems(400, 413, 415, 422, 429, 503),
     openapi_extra={"requestBody": REQUEST_BODY},
 )
-async def create_scene(request: Request, scenes: ScenesDep, desk: DeskDep) -> Response:
+async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
     payload = {**desk.common, "text": text, "media": media}
@@ -80,7 +80,7 @@ async def get_scene(scene: SceneId, scenes: ScenesDep, revision: Revision = None
     responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
 )
 async def get_scene_replay(
-    scene: SceneId, scenes: ScenesDep, desk: DeskDep, last: LastMotions = _MOST_MOTIONS
+    scene: SceneId, scenes: ScenesDep, desk: JobsDep, last: LastMotions = _MOST_MOTIONS
 ) -> HTMLResponse:
     """Replay in 3-D what executions moved in a scene, one motion after the other."""
     record = await scenes.stored(scene)
@@ -98,7 +98,7 @@ async def get_scene_replay(
     responses=problems(400, 404, 409, 413, 422, 429, 503),
 )
 async def edit_scene(
-    scene: SceneId, request: SceneEdit, scenes: ScenesDep, desk: DeskDep
+    scene: SceneId, request: SceneEdit, scenes: ScenesDep, desk: JobsDep
 ) -> Response:
     """Edit a scene: its next revision, which plans use from now on; older ones stay."""
     return passed_on(scene_text(await revised(scene, request, scenes, desk)))

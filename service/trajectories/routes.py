@@ -6,10 +6,10 @@ from service.api.models import ResponseModel
 from service.api.raw_json import passed_on
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import DeskDep, ScenesDep
-from service.desk import Desk
+from service.dependencies import JobsDep, ScenesDep
 from service.jobs.tasks import Task
-from service.plans.models.trajectory_conversion import IN_QUESTION, require_one_sampling
+from service.plans.models.sampling import IN_QUESTION, require_one_sampling
+from service.scene_jobs import SceneJobs
 from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
 from service.scenes.validation import require_constraints, require_count, require_group
@@ -35,7 +35,7 @@ router = APIRouter(
 
 
 @router.post("/retime", operation_id="retimePath", response_model=RetimeResponse)
-async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> Response:
+async def retime(request: RetimeRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Time a path of your own as quickly as the limits allow, and prove the motion."""
     record = await scenes.get(request.scene, request.revision)
     group = require_group(record, request.group)
@@ -47,7 +47,7 @@ async def retime(request: RetimeRequest, scenes: ScenesDep, desk: DeskDep) -> Re
 
 
 @router.post("/certify", operation_id="certifyTrajectory", response_model=CertifyMotionResponse)
-async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDep) -> Response:
+async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Hold a trajectory of your own against limits and obstacles, between its samples too."""
     record = await scenes.get(request.scene, request.revision)
     group = require_group(record, request.group)
@@ -59,7 +59,7 @@ async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: DeskDe
 
 
 @router.post("/stop", operation_id="stopMotion", response_model=StopMotionResponse)
-async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: DeskDep) -> Response:
+async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Stop a running motion from an instant of it, as quickly as the limits allow, and prove it."""
     record = await scenes.get(request.scene, request.revision)
     _check_transition(record, request)
@@ -67,7 +67,7 @@ async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: DeskDep) -> 
 
 
 @router.post("/splice", operation_id="spliceMotion", response_model=SpliceMotionResponse)
-async def splice(request: SpliceMotionRequest, scenes: ScenesDep, desk: DeskDep) -> Response:
+async def splice(request: SpliceMotionRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Go over from a running motion to another one without a rest in between, and prove it."""
     record = await scenes.get(request.scene, request.revision)
     _check_transition(record, request)
@@ -84,7 +84,7 @@ def _check_transition(
 
 
 async def _answer[Request: MotionRequest, Answer: ResponseModel](
-    desk: Desk,
+    desk: SceneJobs,
     task: Task[MotionWork[Request], Answer],
     record: SceneRecord,
     request: Request,

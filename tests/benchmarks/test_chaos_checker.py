@@ -14,9 +14,9 @@ from benchmarks.chaos_rounds.journal import Asked, Event, Glimpse
 from benchmarks.chaos_rounds.records import check_files, check_rows
 from planning.errors import Canceled
 from service.jobs.database import open_engine
-from service.jobs.ownership import Ownership
-from service.jobs.records import JobSpec
+from service.jobs.leader import DispatcherLock
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec
 
 CERTIFICATE = {"proven": True, "checks": [{"name": "clearance", "passed": True}]}
 TRAJECTORY = {"times": [0.0, 1.0, 2.0], "positions": [[0.0], [0.5], [1.0]]}
@@ -165,7 +165,7 @@ SABOTAGE = {
 @pytest.mark.parametrize("statement", [None, *SABOTAGE])
 def test_rows_that_are_wrong_are_blamed(tmp_path, statement: str | None) -> None:
     engine = open_engine(f"sqlite:///{tmp_path / 'wayproof.sqlite'}")
-    store, ownership = JobStore(engine), Ownership(engine)
+    store, ownership = JobStore(engine), DispatcherLock(engine)
     ownership.take()
     store.open()
     job, _ = store.insert(JobSpec("plan", "x", {}))

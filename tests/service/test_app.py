@@ -50,7 +50,7 @@ def test_entry_point_imports_nothing_until_it_runs():
 
 
 def test_what_workers_begin_with_has_no_database():
-    code = "import sys, service.jobs.worker; print('sqlalchemy' in sys.modules)"
+    code = "import sys, service.jobs.worker.main; print('sqlalchemy' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["False"]
 

@@ -6,8 +6,8 @@ import pytest
 from sqlalchemy import create_engine, func, insert, select, update
 
 from service.jobs.json_text import Encoded
-from service.jobs.records import JobSpec, bodies, briefs, events, jobs, makers
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec, bodies, events, jobs, makers, summaries
 from service.retention import _EVENTS_AT_ONCE, Retention
 from service.scenes.records import metadata, scenes
 
@@ -39,7 +39,7 @@ def add(store, engine):
         payload = given.pop("payload", {})
         job, _ = store.insert(JobSpec(lane, "t", payload, prefix=prefix, **given))
         store.start(job.id)
-        store.record(job.id, [("status", Encoded("{}"))] * 3)
+        store.append_events(job.id, [("status", Encoded("{}"))] * 3)
         if days is not None:
             store.succeed(job.id, Encoded("{}"))
             at = (NOW - days * DAY).isoformat()
@@ -77,7 +77,7 @@ def test_what_is_old_goes_with_all_that_was_recorded(store, engine, add):
     assert sweep(store) == 1
     assert left(engine) == {young, running}
     with engine.connect() as connection:
-        for table in (bodies, briefs, makers, events):
+        for table in (bodies, summaries, makers, events):
             named = set(connection.execute(select(table.c.job).distinct()).scalars())
             assert old not in named
             assert {young, running} <= named
@@ -88,7 +88,7 @@ def test_what_is_old_goes_with_all_that_was_recorded(store, engine, add):
 
 def test_more_jobs_and_events_go_than_fit_into_a_transaction(store, engine, add):
     long = add()
-    store.record(long, [("status", Encoded("{}"))] * (_EVENTS_AT_ONCE + 1))
+    store.append_events(long, [("status", Encoded("{}"))] * (_EVENTS_AT_ONCE + 1))
     store.succeed(long, Encoded("{}"))
     with engine.begin() as connection:
         connection.execute(update(jobs).values(finished_at=(NOW - 40 * DAY).isoformat()))
@@ -113,8 +113,8 @@ def test_the_last_execution_of_a_scene_stays_because_it_knows_where_the_robot_is
 
 def test_regions_stay_as_long_as_the_scene_they_have_grown_in(store, engine, add, add_scene):
     add_scene("here", "digest")
-    kept = add("regions", days=40, scene="here", warm_key="digest")
-    add("regions", days=40, scene="here", warm_key="edited since")
+    kept = add("regions", days=40, scene="here", world_digest="digest")
+    add("regions", days=40, scene="here", world_digest="edited since")
     assert sweep(store) == 1
     assert left(engine) == {kept}
 

@@ -1,10 +1,13 @@
-"""Path constraints on the wire: what a motion shall keep on its whole way."""
+"""Path constraints: what a motion shall keep on its whole way."""
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
+from planning.domain.request import constraint as domain
+from service.api.arrays import vector
 from service.api.models import Name, RequestModel
 from service.api.numbers import NonNegative, Real, Triple
 from service.api.pose import Pose
@@ -25,6 +28,16 @@ class Box(RequestModel):
         default_factory=lambda: Pose(position=[0.0, 0.0, 0.0]),
         description="Of its middle; in a frame that moves with the group, where the start puts it",
     )
+
+    def to_domain(self) -> domain.PlacedBox:
+        """Return the domain's box."""
+        return _placed(self.size, self.pose)
+
+
+def _placed(size: Sequence[float | None], pose: Pose) -> domain.PlacedBox:
+    """Return the domain's box; sides that are null are infinite."""
+    sides = vector([math.inf if side is None else side for side in size])
+    return domain.PlacedBox(sides, pose.to_domain(), pose.frame)
 
 
 class DistanceBand(RequestModel):
@@ -55,6 +68,15 @@ class DistanceBand(RequestModel):
             raise ValueError(message)
         return self
 
+    def to_domain(self) -> domain.DistanceBand:
+        """Return the domain's constraint."""
+        return domain.DistanceBand(
+            bodies=None if self.bodies is None else tuple(self.bodies),
+            to=None if self.to is None else tuple(self.to),
+            min=self.min,
+            max=math.inf if self.max is None else self.max,
+        )
+
 
 class KeepOut(RequestModel):
     """The origin of a frame stays out of a box."""
@@ -63,6 +85,10 @@ class KeepOut(RequestModel):
     frame: Name = Field(description="Whose origin")
     box: Box = Field(description="Where it must not be")
 
+    def to_domain(self) -> domain.KeepOut:
+        """Return the domain's constraint."""
+        return domain.KeepOut(self.frame, self.box.to_domain())
+
 
 class KeepIn(RequestModel):
     """The origin of a frame stays in a box."""
@@ -70,6 +96,10 @@ class KeepIn(RequestModel):
     type: Literal["keep_in"] = Field(description="Says which constraint this is")
     frame: Name = Field(description="Whose origin")
     box: Box = Field(description="Where it must be")
+
+    def to_domain(self) -> domain.KeepIn:
+        """Return the domain's constraint."""
+        return domain.KeepIn(self.frame, self.box.to_domain())
 
 
 class Position(RequestModel):
@@ -106,6 +136,10 @@ class Position(RequestModel):
             raise ValueError(message)
         return self
 
+    def to_domain(self) -> domain.PositionBand:
+        """Return the domain's constraint."""
+        return domain.PositionBand(self.frame, _placed(self.size, self.pose))
+
 
 class Orientation(RequestModel):
     """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
@@ -138,11 +172,21 @@ class Orientation(RequestModel):
 
     @model_validator(mode="after")
     def _has_length(self) -> Self:
-        for name, vector in (("axis", self.axis), ("direction", self.direction)):
-            if not math.hypot(*vector) > _SHORTEST:
+        for name, numbers in (("axis", self.axis), ("direction", self.direction)):
+            if not math.hypot(*numbers) > _SHORTEST:
                 message = f"`{name}` must not be zero"
                 raise ValueError(message)
         return self
+
+    def to_domain(self) -> domain.OrientationCone:
+        """Return the domain's constraint."""
+        return domain.OrientationCone(
+            frame=self.frame,
+            axis=vector(self.axis),
+            direction=vector(self.direction),
+            tolerance=self.tolerance,
+            reference=self.reference,
+        )
 
 
 class LockedJoints(RequestModel):
@@ -150,6 +194,10 @@ class LockedJoints(RequestModel):
 
     type: Literal["locked_joints"] = Field(description="Says which constraint this is")
     joints: Names = Field(description="Full names")
+
+    def to_domain(self) -> domain.LockedJoints:
+        """Return the domain's constraint."""
+        return domain.LockedJoints(tuple(self.joints))
 
 
 class JointLimits(RequestModel):
@@ -177,8 +225,17 @@ class JointLimits(RequestModel):
                 raise ValueError(message)
         return self
 
+    def to_domain(self) -> domain.TightLimits:
+        """Return the domain's constraint."""
+        return domain.TightLimits({name: (low, high) for name, (low, high) in self.limits.items()})
+
 
 type Constraint = Annotated[
     DistanceBand | KeepOut | KeepIn | Position | Orientation | LockedJoints | JointLimits,
     Field(discriminator="type", description="What a motion shall keep on its whole way"),
 ]
+
+
+def constraints_to_domain(constraints: Iterable[Constraint]) -> tuple[domain.PathConstraint, ...]:
+    """Return the domain's constraints, in the same order."""
+    return tuple(constraint.to_domain() for constraint in constraints)

@@ -3,14 +3,9 @@
 from typing import Any
 
 from planning.errors import WayproofError
+from service.api.problem import Failure
 
 
 def failure_wire(error: WayproofError) -> dict[str, Any]:
     """Return an error as `code`, `stage`, `detail`, `evidence`, `timings`."""
-    return {
-        "code": error.code,
-        "stage": str(getattr(error, "stage", "")),
-        "detail": error.detail,
-        "evidence": error.evidence,
-        "timings": dict(getattr(error, "timings", {})),
-    }
+    return Failure.from_error(error).model_dump()

@@ -1,14 +1,23 @@
-"""Goals on the wire: what a motion shall reach."""
+"""Goals: what a motion shall reach."""
 
+import math
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
+from planning.domain.arrays import Array
+from planning.domain.geometry import pose as geometry
+from planning.domain.goals import goal as domain
+from service.api.arrays import vector
 from service.api.models import Name, RequestModel
 from service.api.numbers import NonNegative, Positions, Quadruple, Real, Triple
 from service.api.pose import Pose, require_one_rotation
-from service.plans.models.line_goals import LineGoal, PathGoal
-from service.plans.models.tool_frame import ToolFrame
+from service.plans.models.line_goals import LineGoal, PathGoal, ToolFrame
+
+
+def _optional(numbers: list[float] | None) -> Array | None:
+    return None if numbers is None else vector(numbers)
 
 
 class Tolerance(RequestModel):
@@ -31,12 +40,20 @@ class JointGoal(RequestModel):
         description="The group's positions, one list or several [rad or m]"
     )
 
+    def to_domain(self) -> domain.JointGoal:
+        """Return the domain's goal."""
+        return domain.JointGoal(np.atleast_2d(np.array(self.positions, dtype=np.float64)))
+
 
 class ConfigurationGoal(RequestModel):
     """Reach a configuration that the scene or the robot names."""
 
     type: Literal["configuration"] = Field(description="Says which goal this is")
     name: Name = Field(description="Of the configuration, for example `home`")
+
+    def to_domain(self) -> domain.ConfigurationGoal:
+        """Return the domain's goal."""
+        return domain.ConfigurationGoal(self.name)
 
 
 type Weight = Annotated[Real, Field(ge=0, le=1e3)]
@@ -57,6 +74,10 @@ class PoseBall(RequestModel):
         description="By whose axes the way from the target's origin is, as they stand at the "
         "start: any frame; null for the target's own",
     )
+
+    def to_domain(self) -> domain.PoseBall:
+        """Return the domain's tolerance."""
+        return domain.PoseBall(self.tolerance, vector(self.weights), self.frame or "")
 
 
 class PoseGoal(RequestModel):
@@ -101,6 +122,18 @@ class PoseGoal(RequestModel):
             message = "give `tolerance` or `metric`, and not both"
             raise ValueError(message)
         return self
+
+    def to_domain(self) -> domain.PoseGoal:
+        """Return the domain's goal."""
+        return domain.PoseGoal(
+            targets=tuple(pose.to_target() for pose in self.poses),
+            frame=self.frame or "",
+            position_tolerance=vector(self.tolerance.position),
+            rotation_tolerance=vector(self.tolerance.rotation),
+            approach=_optional(self.approach),
+            retreat=_optional(self.retreat),
+            ball=None if self.metric is None else self.metric.to_domain(),
+        )
 
 
 class RegionGoal(RequestModel):
@@ -155,6 +188,21 @@ class RegionGoal(RequestModel):
             raise ValueError(message)
         return self
 
+    def to_domain(self) -> domain.RegionGoal:
+        """Return the domain's goal; what is free has no bound."""
+        poses = self.poses if self.pose is None else [self.pose]
+        position, rotation = vector(self.tolerance.position), vector(self.tolerance.rotation)
+        position[[axis in self.free_axes for axis in ("x", "y", "z")]] = math.inf
+        rotation[[axis in self.free_axes for axis in ("rx", "ry", "rz")]] = math.pi
+        return domain.RegionGoal(
+            targets=tuple(pose.to_target() for pose in poses or ()),
+            frame=self.frame or "",
+            position_tolerance=position,
+            rotation_tolerance=rotation,
+            approach=_optional(self.approach),
+            retreat=_optional(self.retreat),
+        )
+
 
 class Displacement(RequestModel):
     """A displacement: a translation, a rotation, or both."""
@@ -174,6 +222,11 @@ class Displacement(RequestModel):
             raise ValueError(message)
         require_one_rotation(self.quaternion, self.rpy)
         return self
+
+    def to_domain(self) -> geometry.Pose:
+        """Return the domain's pose of what is displaced, before it."""
+        position = self.position or (0.0, 0.0, 0.0)
+        return geometry.Pose.from_parts(position, self.quaternion, self.rpy)
 
 
 class RelativeGoal(RequestModel):
@@ -199,6 +252,11 @@ class RelativeGoal(RequestModel):
         description="The frame by whose axes, as they are at the start, the tool is shifted, and "
         "turned about its own origin; null for the tool frame itself",
     )
+
+    def to_domain(self) -> domain.RelativeGoal:
+        """Return the domain's goal."""
+        displacement = self.displacement.to_domain()
+        return domain.RelativeGoal(displacement, self.frame or "", self.reference or "")
 
 
 type Goal = Annotated[

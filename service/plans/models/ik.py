@@ -4,6 +4,7 @@ from typing import Annotated
 
 from pydantic import Field, Strict
 
+from planning.domain.request import options as domain
 from service.api.models import Name, RequestModel
 from service.api.numbers import WHOLE, NonNegative, Real
 
@@ -18,6 +19,10 @@ class PoseMetric(RequestModel):
         default=0.1,
         description="Weight of a radian [1/rad]; by default one weighs as much as 0.1 m",
     )
+
+    def to_domain(self) -> domain.PoseMetric:
+        """Return the domain's metric."""
+        return domain.PoseMetric(self.translation, self.rotation)
 
 
 class Ik(RequestModel):
@@ -46,3 +51,13 @@ class Ik(RequestModel):
         description="For finding them, or saying why there is none [s]; null for as long as there "
         "is",
     )
+
+    def to_domain(self) -> domain.IkOptions:
+        """Return the domain's IK options."""
+        return domain.IkOptions(
+            max_configurations=self.max_configurations,
+            max_trials=self.max_trials,
+            joint_weights=dict(self.joint_weights),
+            pose_metric=self.pose_metric.to_domain(),
+            time_limit=self.time_limit,
+        )

@@ -1,16 +1,22 @@
-"""Goals that are straight lines, on the wire."""
+"""Goals that are straight lines, and the tool frame that a goal is for."""
 
 from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
+from planning.domain.goals import goal as domain
+from planning.domain.goals.linear_moves import Displacement
+from service.api.arrays import vector
 from service.api.models import Name, RequestModel
 from service.api.numbers import Real, Triple
 from service.api.pose import Pose
-from service.plans.models.tool_frame import ToolFrame
 
 type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
 type Turn = Annotated[Real, Field(ge=1e-5, le=3)]
+type ToolFrame = Annotated[
+    Name | None,
+    Field(description="The tool frame: any that the group moves; null for its default"),
+]
 
 
 class Deviation(RequestModel):
@@ -27,6 +33,10 @@ class Way(RequestModel):
     frame: Name = Field(
         default="world", description="In whose axes, as they stand at the start: any frame"
     )
+
+    def to_domain(self) -> Displacement:
+        """Return the domain's displacement."""
+        return Displacement(vector(self.vector), self.frame)
 
 
 class LineEnd(RequestModel):
@@ -48,6 +58,12 @@ class LineEnd(RequestModel):
             raise ValueError(message)
         return self
 
+    def to_target(self) -> domain.PoseTarget | Displacement:
+        """Return where the line leads."""
+        if self.pose is not None:
+            return self.pose.to_target()
+        return (self.displacement or Way(vector=[0.0, 0.0, 0.0])).to_domain()
+
 
 class LineGoal(LineEnd):
     """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
@@ -67,6 +83,10 @@ class LineGoal(LineEnd):
         default_factory=Deviation,
         description="How far from the line the motion may be, between samples too",
     )
+
+    def to_domain(self) -> domain.LineGoal:
+        """Return the domain's goal of one line."""
+        return _lines((self.to_target(),), self.frame, self.deviation)
 
 
 class PathGoal(RequestModel):
@@ -95,3 +115,14 @@ class PathGoal(RequestModel):
         default_factory=Deviation,
         description="How far from the lines the motion may be, between samples too",
     )
+
+    def to_domain(self) -> domain.LineGoal:
+        """Return the domain's goal of several lines."""
+        targets = tuple(pose.to_target() for pose in self.poses)
+        return _lines(targets, self.frame, self.deviation)
+
+
+def _lines(
+    targets: tuple[domain.PoseTarget | Displacement, ...], frame: str | None, deviation: Deviation
+) -> domain.LineGoal:
+    return domain.LineGoal(targets, frame or "", deviation.position, deviation.rotation)

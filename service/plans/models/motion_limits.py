@@ -1,16 +1,25 @@
-"""Limits on a motion besides those of its joints, on the wire."""
+"""Limits on a motion besides those of its joints."""
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self, TypedDict
 
 from pydantic import ConfigDict, Field, model_validator
 
+from planning.domain.request import motion_limits as domain
+from planning.domain.robot import payload as robot
+from planning.errors import ProblemInvalid
 from service.api.models import Boolean, Name, RequestModel
-from service.api.numbers import Coordinate, Real, Scale
+from service.api.numbers import Coordinate, Real, Scale, Triple
 from service.plans.models.constraints import Box
-from service.plans.models.payload import Payload
 
 type Speed = Annotated[Real, Field(ge=1e-3, le=1e3)]
 type AccelerationPair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+type Moments = Annotated[list[Coordinate], Field(min_length=6, max_length=6)]
+
+EXAMPLE_PAYLOAD: dict[str, Any] = {
+    "frame": "arm::tool0",
+    "mass": 2.0,
+    "center_of_mass": [0, 0, 0.05],
+}
 
 
 class ToolLimit(RequestModel):
@@ -33,6 +42,10 @@ class ToolLimit(RequestModel):
             raise ValueError(message)
         return self
 
+    def to_domain(self) -> domain.ToolLimit:
+        """Return the domain's limit."""
+        return domain.ToolLimit(self.frame, self.speed, self.acceleration)
+
 
 class SpeedZone(RequestModel):
     """How fast the origin of a frame may move while it is in a box."""
@@ -54,6 +67,49 @@ class SpeedZone(RequestModel):
     frame: Name = Field(description="Whose origin: any frame of the scene")
     box: Box = Field(description="Where")
     speed: Speed = Field(description="At most, in the box [m/s]")
+
+    def to_domain(self) -> domain.SpeedZone:
+        """Return the domain's zone."""
+        return domain.SpeedZone(self.name, self.frame, self.box.to_domain(), self.speed)
+
+
+class Payload(RequestModel):
+    """A rigid mass that follows a frame and burdens every joint that carries it."""
+
+    model_config = ConfigDict(title="Payload", json_schema_extra={"examples": [EXAMPLE_PAYLOAD]})
+
+    frame: Name = Field(description="What it follows; the group must move it")
+    mass: Annotated[Real, Field(gt=0, le=1e4)] = Field(description="[kg]")
+    center_of_mass: Triple = Field(default=[0.0, 0.0, 0.0], description="In the frame [m]")
+    inertia: Moments = Field(
+        default=[0.0] * 6,
+        description="Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass, along the frame's axes "
+        "[kg m^2]; zeros for a point mass",
+    )
+
+    @model_validator(mode="after")
+    def _could_be_a_body(self) -> Self:
+        try:
+            self.to_domain()
+        except ProblemInvalid as fault:
+            raise ValueError(fault.detail) from fault
+        return self
+
+    def to_domain(self) -> robot.Payload:
+        """Return the domain's payload."""
+        return robot.Payload.from_parts(self.frame, self.mass, self.center_of_mass, self.inertia)
+
+
+class LimitFields(TypedDict):
+    """Fields of the domain's `RetimeOptions`."""
+
+    velocity_scale: float
+    acceleration_scale: float
+    tool_limits: tuple[domain.ToolLimit, ...]
+    speed_zones: tuple[domain.SpeedZone, ...]
+    acceleration_bounds: domain.AccelerationBounds
+    effort: bool
+    payload: robot.Payload | None
 
 
 class MotionLimits(RequestModel):
@@ -104,3 +160,17 @@ class ScaledLimits(MotionLimits):
     acceleration_scale: Scale = Field(
         default=1.0, description="Factor on every acceleration and jerk limit, 0..1"
     )
+
+    def limit_fields(self) -> LimitFields:
+        """Return the limits, and the scales, as fields of the options of the timing."""
+        return LimitFields(
+            velocity_scale=self.velocity_scale,
+            acceleration_scale=self.acceleration_scale,
+            tool_limits=tuple(limit.to_domain() for limit in self.tool_limits),
+            speed_zones=tuple(zone.to_domain() for zone in self.speed_zones),
+            acceleration_bounds={
+                name: (low, high) for name, (low, high) in self.acceleration_bounds.items()
+            },
+            effort=self.effort,
+            payload=None if self.payload is None else self.payload.to_domain(),
+        )

@@ -1,7 +1,11 @@
 """What every stage of a plan says about its work."""
 
+from typing import Self
+
 from pydantic import Field
 
+from planning.domain.goals.funnel import funnel_evidence
+from planning.domain.report.motion_plan import StageReports
 from service.api.models import ResponseModel
 from service.plans.models.funnel import IkFunnel
 from service.plans.models.search_reports import SearchReport
@@ -153,3 +157,17 @@ class Stages(ResponseModel):
     refine: RefineReport = Field(description="The optimisation")
     retime: RetimeReport = Field(description="The timing")
     certify: CertifyReport = Field(description="The proof")
+
+    @classmethod
+    def from_domain(cls, stages: StageReports) -> Self:
+        """Return the reports of all stages."""
+        return cls.model_validate({
+            "goals": {
+                "num_configurations": len(stages.goals.positions),
+                "funnel": funnel_evidence(stages.goals.funnel),
+            },
+            "search": stages.search,
+            "refine": stages.refine,
+            "retime": stages.retime,
+            "certify": stages.certify,
+        })

@@ -4,9 +4,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, Strict, model_validator
 
+from planning.domain.request import options as domain
+from planning.domain.request.problem import PlanningProblem
+from service.api.arrays import vector
 from service.api.models import Boolean, Identifier, Name, RequestModel
 from service.api.numbers import WHOLE, NonNegative, Positions, Real
-from service.plans.models.constraints import Constraint
+from service.plans.models.constraints import Constraint, constraints_to_domain
 from service.plans.models.goals import Goal
 from service.plans.models.ik import Ik
 from service.plans.models.line_goals import LineGoal, PathGoal
@@ -40,6 +43,10 @@ class ClearanceWish(RequestModel):
         "lacks of the distance, on average along the motion [s/m]"
     )
 
+    def to_domain(self) -> domain.ClearanceObjective:
+        """Return the domain's objective."""
+        return domain.ClearanceObjective(self.distance, self.weight)
+
 
 class Refine(RequestModel):
     """Whether and how to optimise the path."""
@@ -60,6 +67,10 @@ class Refine(RequestModel):
             message = "clearance requires method 'trajopt' or 'auto', not 'none'"
             raise ValueError(message)
         return self
+
+    def to_domain(self) -> domain.RefineOptions:
+        """Return the domain's options of the refinement."""
+        return domain.RefineOptions(self.method, self.clearance and self.clearance.to_domain())
 
 
 class Retime(Sampling, ScaledLimits):
@@ -88,6 +99,17 @@ class Retime(Sampling, ScaledLimits):
         "binds, six at most",
     )
 
+    def to_domain(self) -> domain.RetimeOptions:
+        """Return the domain's options of the timing."""
+        return domain.RetimeOptions(
+            method=self.method,
+            sample_period=self.sampling.period,
+            duration=self.duration,
+            deviation=self.deviation,
+            explain=self.explain,
+            **self.limit_fields(),
+        )
+
 
 class Certify(RequestModel):
     """What to find out about the motion once it is proven; told in the report on `certify`."""
@@ -107,6 +129,10 @@ class Certify(RequestModel):
         description="Bound how far off obstacles and joints may be: `robustness` in the report; "
         "takes some 0.2 s",
     )
+
+    def to_domain(self) -> domain.CertifyOptions:
+        """Return the domain's options of the proof."""
+        return domain.CertifyOptions(self.stop_anywhere, self.max_stopping_time, self.robustness)
 
 
 class PlanRequest(RequestModel):
@@ -149,3 +175,19 @@ class PlanRequest(RequestModel):
             message = "search.roadmap: goals `line` and `path` are not searched for; leave it out"
             raise ValueError(message)
         return self
+
+    def to_domain(self) -> PlanningProblem:
+        """Return the domain's problem; every field of the request is in it but for the scene."""
+        return PlanningProblem(
+            group=self.group,
+            goal=self.goal.to_domain(),
+            start=None if self.start is None else vector(self.start),
+            ik=self.ik.to_domain(),
+            search=self.search.to_domain(),
+            refine=self.refine.to_domain(),
+            retime=self.retime.to_domain(),
+            margin=self.margin,
+            seed=self.seed,
+            constraints=constraints_to_domain(self.path_constraints),
+            certify=self.certify.to_domain(),
+        )

@@ -1,14 +1,19 @@
 """PlanResult: a certified motion and everything that is known of it."""
 
-from typing import Literal
+from collections.abc import Iterable
+from typing import Literal, Self
 
 from pydantic import ConfigDict, Field
 
+from planning.domain.report import certificate as domain
+from planning.domain.report.motion_plan import MotionPlan
+from service.api.arrays import FiniteOrNull, Row, Rows
 from service.api.models import ResponseModel
 from service.plans.models.reports import Stages
 from service.plans.models.trajectory import Trajectory
 from service.queries.models.check import Pair, UncheckedPair
 from service.queries.models.checked import Check
+from service.queries.verdict_conversion import pair_wire
 
 
 class Certificate(ResponseModel):
@@ -17,11 +22,11 @@ class Certificate(ResponseModel):
     model_config = ConfigDict(title="Certificate")
 
     proven: bool = Field(description="Every check passed on the whole interval")
-    min_clearance: float | None = Field(
+    min_clearance: FiniteOrNull = Field(
         description="If clearance is proven, a lower bound on the distance of all pairs at all "
         "instants [m]; if not, the same as `observed_clearance`; null if there is no pair"
     )
-    observed_clearance: float | None = Field(
+    observed_clearance: FiniteOrNull = Field(
         default=None,
         description="Smallest signed distance at any instant that was measured [m]; the true "
         "smallest one lies between `min_clearance`, if that is proven, and this",
@@ -33,7 +38,7 @@ class Certificate(ResponseModel):
         description="When it was observed [s]; if clearance is not proven neither the first "
         "instant that is too near nor for certain the worst"
     )
-    points: list[list[float]] = Field(
+    points: Rows = Field(
         default=[],
         description="The nearest point of each of `pair` then, in world [m], of shapes that "
         "overlap the deepest; empty without a pair",
@@ -55,6 +60,23 @@ class Certificate(ResponseModel):
     )
     checks: list[Check] = Field(description="All checks, passed or not")
 
+    @classmethod
+    def from_domain(cls, certificate: domain.Certificate) -> Self:
+        """Return the model of a certificate."""
+        stop = certificate.first_unproven
+        return cls.model_validate({
+            "proven": certificate.proven,
+            "min_clearance": certificate.min_clearance,
+            "observed_clearance": certificate.observed_clearance,
+            "pair": certificate.pair,
+            "time": certificate.time,
+            "points": certificate.points,
+            "proven_until": certificate.proven_until,
+            "first_unproven": None if stop is None else pair_wire(stop),
+            "unchecked": certificate.unchecked,
+            "checks": certificate.checks,
+        })
+
 
 class Part(ResponseModel):
     """A part of the motion, from rest to rest."""
@@ -71,15 +93,15 @@ class Part(ResponseModel):
 class PlanResult(ResponseModel):
     """What a solved problem gives."""
 
-    goal_configuration: list[float] = Field(
+    goal_configuration: Row = Field(
         description="Where the motion reaches the goal: its end, but for a retreat [rad or m]"
     )
     goal_index: int = Field(description="Which of the goal's candidates that is, from 0")
-    start: list[float] = Field(description="Where it starts, clipped into the limits [rad or m]")
-    start_clipped: list[float] = Field(
+    start: Row = Field(description="Where it starts, clipped into the limits [rad or m]")
+    start_clipped: Row = Field(
         description="By how much the given start was clipped, at most 1e-6 [rad or m]"
     )
-    path: list[list[float]] = Field(description="Untimed waypoints, one row each [rad or m]")
+    path: Rows = Field(description="Untimed waypoints, one row each [rad or m]")
     parts: list[Part] = Field(
         default=[], description="The free motion and the straight lines it is made of, in order"
     )
@@ -93,3 +115,28 @@ class PlanResult(ResponseModel):
         "same numbers again, but for `timings`. Null: made by a version that did not tell",
     )
     digest: str = Field(description="sha256 over the delivered numbers")
+
+    @classmethod
+    def from_domain(
+        cls, plan: MotionPlan, trajectory: Trajectory, cuts: Iterable[str] = ()
+    ) -> Self:
+        """Return the result of a plan.
+
+        Args:
+            plan: The plan.
+            trajectory: Its samples.
+            cuts: What a deadline cut after the plan.
+        """
+        return cls.model_validate({
+            "goal_configuration": plan.goal_configuration,
+            "goal_index": plan.goal_index,
+            "start": plan.start,
+            "start_clipped": plan.start_clipped,
+            "path": plan.path.waypoints,
+            "parts": plan.parts,
+            "trajectory": trajectory,
+            "certificate": Certificate.from_domain(plan.certificate),
+            "stages": Stages.from_domain(plan.stages),
+            "cut_short": [*plan.cut_short, *cuts],
+            "digest": plan.digest,
+        })

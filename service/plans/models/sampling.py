@@ -5,11 +5,18 @@ from typing import Annotated, Any
 from pydantic import Field, Strict, model_validator
 
 from planning.domain.curves import sampling as domain
+from planning.domain.curves.curve import TimedTrajectory
+from planning.errors import ProblemInvalid
 from service.api.models import Boolean, RequestModel
 from service.api.numbers import WHOLE, Real
 
 # Between samples [s].
 DEFAULT_PERIOD = 0.01
+MAX_SAMPLES = 200_000
+# Where requests say how to sample: fields of a body, deep in it or not, or parameters of a query.
+IN_BODY = ("retime.sample_period", "retime.num_points")
+IN_QUESTION = ("sample_period", "num_points")
+IN_QUERY = ("period", "points")
 
 
 class Sampling(RequestModel):
@@ -46,3 +53,44 @@ class Sampling(RequestModel):
         """At which instants to sample."""
         period = self.sample_period or DEFAULT_PERIOD
         return domain.Sampling(period, self.num_points, self.even_samples)
+
+
+def require_one_sampling(
+    period: float | None, num_points: int | None, names: tuple[str, str] = IN_BODY
+) -> None:
+    """Go on only if a request does not say twice how to sample.
+
+    Args:
+        period: Between samples [s]; None if it is not given.
+        num_points: How many samples; None if it is not given.
+        names: What the request calls these two.
+
+    Raises:
+        ProblemInvalid: Both are given.
+    """
+    if period is not None and num_points is not None:
+        message = f"`{names[0]}` and `{names[1]}` cannot both be given: one follows from the other"
+        raise ProblemInvalid(message, {"field": names[1]})
+
+
+def require_few(
+    trajectory: TimedTrajectory, sampling: domain.Sampling, names: tuple[str, str] = IN_BODY
+) -> None:
+    """Go on only if a motion has not too many samples.
+
+    Args:
+        trajectory: What to sample.
+        sampling: At which instants.
+        names: What the request calls the period and the number of points.
+
+    Raises:
+        ProblemInvalid: That would be too many samples.
+    """
+    count = sampling.num_points or trajectory.duration / sampling.period
+    if count > MAX_SAMPLES:
+        message = (
+            f"{names[0]}: a motion of {trajectory.duration:.4g} s with a sample every "
+            f"{sampling.period:g} s would have more than {MAX_SAMPLES} samples; take a longer one, "
+            f"or `{names[1]}`"
+        )
+        raise ProblemInvalid(message, {"field": names[0], "bound": MAX_SAMPLES})

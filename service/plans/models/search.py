@@ -4,6 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Field, Strict, Tag
 
+from planning.domain.request import options as domain
+from planning.domain.robot.steering import Steering
 from service.api.models import Boolean, Identifier, Name, RequestModel
 from service.api.numbers import WHOLE, Coordinate, Integer, Real
 
@@ -25,6 +27,10 @@ class Roadmap(RequestModel):
         default=0, description="Of its samples; the plan's own seed does not change it"
     )
 
+    def to_domain(self) -> domain.RoadmapOptions:
+        """Return the domain's options of a roadmap."""
+        return domain.RoadmapOptions(self.states, self.neighbours, self.seed)
+
 
 class Car(RequestModel):
     """A planar base that moves like a car: never sideways, in no tighter turn than it can."""
@@ -36,6 +42,10 @@ class Car(RequestModel):
         default=True,
         description="Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')",
     )
+
+    def to_domain(self) -> Steering:
+        """Return how the domain says that a base is steered."""
+        return Steering(self.turning_radius, self.reverse)
 
 
 def _kind_of_space(space: object) -> str:
@@ -149,3 +159,41 @@ class Search(RequestModel):
         description="Look for a path in this roadmap first, and ask the planner only where it has "
         "none; under `path_constraints` it is one that keeps them",
     )
+
+    @property
+    def planners(self) -> list[str]:
+        """The names of all planners."""
+        return [self.planner] if isinstance(self.planner, str) else self.planner
+
+    @property
+    def cars(self) -> dict[str, Steering]:
+        """How bases are to be steered, by the names of their joints."""
+        spaces = self.spaces.items()
+        return {name: space.to_domain() for name, space in spaces if isinstance(space, Car)}
+
+    def to_domain(self) -> domain.SearchOptions:
+        """Return the domain's search options."""
+        return domain.SearchOptions(
+            planner=self.planner if isinstance(self.planner, str) else tuple(self.planner),
+            parameters=dict(self.parameters),
+            attempts=self.attempts,
+            allowed_planning_time=self.allowed_planning_time,
+            resolution=self.resolution,
+            num_states=self.num_states,
+            approach_states=self.approach_states,
+            weights=dict(self.weights),
+            bounds={name: (low, high) for name, (low, high) in self.bounds.items()},
+            spaces={
+                name: space.to_domain() if isinstance(space, Car) else space
+                for name, space in self.spaces.items()
+            },
+            setup_time=self.setup_time,
+            solve_time=self.solve_time,
+            shortcut_time=self.shortcut_time,
+            interpolate_time=self.interpolate_time,
+            objective=self.objective,
+            approximate=self.approximate,
+            keep_graph=self.keep_graph,
+            on_cancel=self.on_cancel,
+            roadmap=None if self.roadmap is None else self.roadmap.to_domain(),
+        )

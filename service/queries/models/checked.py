@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from service.api.arrays import FiniteOrNull
 from service.api.models import ResponseModel
 
 
@@ -11,13 +12,13 @@ class Check(ResponseModel):
     """One property that was checked on the whole interval."""
 
     name: str = Field(description="position, velocity, acceleration, jerk, clearance, start, ...")
-    value: float | None = Field(
+    value: FiniteOrNull = Field(
         description="The worst value found, in `unit`; of a check that failed the worst seen until "
         "then, there may be worse; null for none"
     )
-    bound: float | None = Field(description="What it was held against, in `unit`; null for none")
+    bound: FiniteOrNull = Field(description="What it was held against, in `unit`; null for none")
     unit: str = Field(description="Of value, bound and resolution; `1` for peak over limit")
-    resolution: float | None = Field(
+    resolution: FiniteOrNull = Field(
         description="How far the true worst value may lie beyond `value`; null if it is not "
         "bounded, as where a search for it ended at once"
     )
@@ -39,7 +40,7 @@ class Interpolation(ResponseModel):
     proven: bool = Field(
         description="Every check passed on the whole interval, those in `unchecked` excepted"
     )
-    deviation: float | None = Field(
+    deviation: FiniteOrNull = Field(
         description="How far any coordinate is from the exact motion at most [rad or m]; null if "
         "that is not known"
     )

@@ -7,8 +7,7 @@ from pydantic import ConfigDict, Field
 from service.api.models import Boolean, Name, ResponseModel
 from service.api.numbers import NonNegative, Positions, Real
 from service.api.pose import Pose
-from service.plans.models.line_goals import Deviation, LineEnd
-from service.plans.models.tool_frame import ToolFrame
+from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
 from service.queries.models.check import Pair
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.jobs.ownership_watch import Patience
+from service.jobs.ownership_watch import DatabaseTimeouts
 from tests.service.jobs.databases import locked
 
 
@@ -10,7 +10,7 @@ from tests.service.jobs.databases import locked
 def held(app, settings, client, monkeypatch):
     """The write lock is another's; new jobs are refused soon."""
     dispatcher = app.state.desk._dispatcher
-    monkeypatch.setattr(dispatcher, "_patience", Patience(record=0.05))
+    monkeypatch.setattr(dispatcher, "_timeouts", DatabaseTimeouts(record=0.05))
     with locked(settings.data_dir / "wayproof.sqlite"):
         yield
 

@@ -12,7 +12,7 @@ from service.api.raw_json import passed_on, whole
 from service.jobs import json_steps
 from service.jobs.database import is_in_loop
 from service.jobs.json_text import Encoded, encode
-from service.jobs.records import JobSpec
+from service.jobs.tables import JobSpec
 from service.plans.models.trajectory import Trajectory
 from service.regions.models import RegionsJob
 

@@ -11,7 +11,7 @@ from service.cli.app import app
 from service.cli.serve import bind
 from service.cli.server import run
 from service.jobs.database import open_engine
-from service.jobs.ownership import Ownership
+from service.jobs.leader import DispatcherLock
 from service.settings import Settings
 
 
@@ -35,7 +35,7 @@ def said(ended, code):
 
 
 def test_a_data_folder_in_use(settings, tmp_path):
-    ownership = Ownership(open_engine(settings.url))
+    ownership = DispatcherLock(open_engine(settings.url))
     ownership.take()
     try:
         line = said(serve("--port", 0, "--data-dir", tmp_path), 1)

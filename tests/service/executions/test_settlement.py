@@ -13,7 +13,7 @@ LATER, BEFORE = CREATED + timedelta(seconds=1), CREATED - timedelta(seconds=1)
 RECORD = SimpleNamespace(id="scn", created_at=CREATED)
 
 
-class Desk:
+class SceneJobs:
     """Knows one execution at most."""
 
     def __init__(self, *executions):
@@ -24,7 +24,7 @@ class Desk:
         for job in self.executions:
             yield job
 
-    async def last_told(self, job, event_type):
+    async def latest_event(self, job, event_type):
         return None
 
 
@@ -35,11 +35,11 @@ def execution(finished_at):
 @pytest.mark.parametrize(
     ("desk", "is_at_rest"),
     [
-        (Desk(), True),
-        (Desk(execution(BEFORE)), True),
-        (Desk(execution(LATER)), True),  # it never moved
-        (Desk(execution(None)), False),
-        (Desk(execution(None), execution(BEFORE)), False),
+        (SceneJobs(), True),
+        (SceneJobs(execution(BEFORE)), True),
+        (SceneJobs(execution(LATER)), True),  # it never moved
+        (SceneJobs(execution(None)), False),
+        (SceneJobs(execution(None), execution(BEFORE)), False),
     ],
 )
 def test_a_revision_is_the_latest_for_good_once_nothing_moves(desk, is_at_rest):

@@ -39,7 +39,7 @@ class Moving:
         payload = {"request": request, "scene": {"digest": "d", "document": "file"}}
         return SimpleNamespace(payload=payload, result={"result": {"start": [0.0]}})
 
-    async def known(self, spec):
+    async def find_by_key(self, spec):
         return None
 
     async def in_scene(self, lane, scene):

@@ -3,9 +3,10 @@
 import json
 import sys
 
+from service.jobs.worker.protocol import MessageKind
+
 from service.errors import status_of
-from service.jobs.error_text import error_in
-from service.jobs.link import FrameKind
+from service.jobs.error_text import load_error
 from service.jobs.task import run_task
 
 
@@ -15,10 +16,10 @@ def main():
         payload = {"text": line, "media": "json", "library": library}
         end = run_task("service.scenes.worker:load_scene", json.dumps(payload), None)
         answer = {"status": 201, "text": ""}
-        if end.kind is FrameKind.FAILURE:
-            error = error_in(end.text)
+        if end.kind is MessageKind.FAILURE:
+            error = load_error(end.text)
             answer = {"status": status_of(error), "text": end.text}
-        elif end.kind is FrameKind.CRASH:
+        elif end.kind is MessageKind.CRASH:
             answer = {"status": 503, "text": json.dumps({"code": "crash", "detail": end.text})}
         sys.stdout.write(json.dumps(answer) + "\n")
         sys.stdout.flush()

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
-from service.jobs.inline_slot import InlineSlot
-from service.jobs.lane import Lane, Share
-from service.jobs.ownership import Ownership
-from service.jobs.pool import Pool
-from service.jobs.records import JobSpec
-from service.jobs.slot import ProcessSlot, Slot
+from service.jobs.leader import DispatcherLock
+from service.jobs.queue import JobQueue, Share
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec
+from service.jobs.worker.process_worker import ProcessWorker, Worker
+from service.jobs.worker.thread_worker import ThreadWorker
+from service.jobs.worker_pool import WorkerPool
 from tests.service.jobs.databases import FullDisk
 
 TASKS = "tests.service.jobs.fake_tasks"
@@ -21,7 +21,7 @@ GUARD = 120.0
 
 
 def spec(task: str, /, **options: object) -> JobSpec:
-    return JobSpec(**{"lane": "plan", "task": f"{TASKS}:{task}", "payload": {}, **options})
+    return JobSpec(**{"queue": "plan", "task": f"{TASKS}:{task}", "payload": {}, **options})
 
 
 @asynccontextmanager
@@ -42,12 +42,12 @@ async def running(  # noqa: PLR0913  (what a test may vary)
         disks.append(FullDisk(engine))
     store = JobStore(engine, {"tests": version})
 
-    def slot() -> Slot:
-        return InlineSlot(is_exclusive=False) if inline else ProcessSlot([TASKS])
+    def slot() -> Worker:
+        return ThreadWorker(is_exclusive=False) if inline else ProcessWorker([TASKS])
 
-    pool = Pool([slot() for _ in range(slots)])
-    lanes = {"plan": Lane("plan", pool, max_waiting, cancel_grace, share=share)}
-    dispatcher = Dispatcher(store, Ownership(engine), lanes)
+    pool = WorkerPool([slot() for _ in range(slots)])
+    lanes = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes)
     await dispatcher.start(f"{TASKS}:warm")
     try:
         yield dispatcher, store

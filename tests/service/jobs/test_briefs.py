@@ -14,9 +14,9 @@ from service.executions.tasks import EXECUTE
 from service.jobs.database import open_engine
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
-from service.jobs.records import JobBrief, JobSpec, bodies, briefs, jobs, metadata
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec, JobSummary, bodies, jobs, metadata, summaries
 from service.jobs.tasks import outline_of
 from service.regions.tasks import GROW_REGIONS
 
@@ -87,7 +87,7 @@ def assert_listed(store, engine):
             whole,
             **{part: without(getattr(whole, part), getattr(outline, part)) for part in PARTS},
         )
-        names = [field.name for field in fields(JobBrief)]
+        names = [field.name for field in fields(JobSummary)]
         assert [getattr(brief, n) for n in names] == [getattr(expected, n) for n in names]
         if brief.task in {PLAN, REVERSE}:
             assert "motion" not in brief.payload
@@ -105,11 +105,11 @@ def check_upgrade(engine):
     metadata.create_all(engine)
     store = JobStore(engine)
     add_some(store)
-    briefs.drop(engine)
+    summaries.drop(engine)
     store.open()
     assert_listed(store, engine)
     with engine.begin() as connection:
-        connection.execute(update(briefs).values(result=None, failure=None))
+        connection.execute(update(summaries).values(result=None, failure=None))
     store.open()
     assert_listed(store, engine)
     with statements(engine) as told:
@@ -132,7 +132,7 @@ def test_an_upgrade_that_is_interrupted_loses_nothing(engine):
     store = JobStore(engine)
     store.open()
     add_some(store)
-    briefs.drop(engine)
+    summaries.drop(engine)
     portions = count(1)
 
     def interrupt(_, __, statement, *___):
@@ -144,7 +144,7 @@ def test_an_upgrade_that_is_interrupted_loses_nothing(engine):
         store.open()
     event.remove(engine, "before_cursor_execute", interrupt)
     with engine.connect() as connection:
-        assert len(connection.execute(select(briefs)).all()) == 16
+        assert len(connection.execute(select(summaries)).all()) == 16
     store.open()
     assert_listed(store, engine)
 
@@ -157,7 +157,7 @@ def test_jobs_without_a_body_do_not_keep_a_store_from_opening(engine):
     with engine.begin() as connection:
         lost = connection.execute(select(jobs.c.id).limit(3)).scalars().all()
         connection.execute(bodies.delete().where(bodies.c.job.in_(lost)))
-        connection.execute(briefs.delete().where(briefs.c.job.in_(lost)))
+        connection.execute(summaries.delete().where(summaries.c.job.in_(lost)))
         connection.execute(insert(bodies).values(job="nobody", payload={}))
     store.open()
     assert len(store.page("plan", limit=100)) == len(RESULTS) * len(JobState) - 3

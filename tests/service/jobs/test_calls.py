@@ -7,7 +7,7 @@ import pytest
 
 from service.jobs.calls import Question
 from service.jobs.errors import InternalError, QueueFull, QueueTimeout, WorkerCrashed
-from service.jobs.lane import Share
+from service.jobs.queue import Share
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
 from tests.service.servers import until
 
@@ -65,11 +65,11 @@ def test_large_scenes_do_not_keep_short_questions_waiting(tmp_path):
     """While one scene is loaded and others wait to be, two workers answer what is short."""
 
     async def story():
-        async with running(tmp_path, slots=2, share=Share(2, kept=1)) as (dispatcher, _):
+        async with running(tmp_path, slots=2, share=Share(2, reserved=1)) as (dispatcher, _):
             file, begun = tmp_path / "go", tmp_path / "begun"
             payload = {"file": str(file), "begun": str(begun)}
             loads = [
-                asyncio.create_task(call(dispatcher, "wait_for_file", payload, leaves="pid"))
+                asyncio.create_task(call(dispatcher, "wait_for_file", payload, digest_field="pid"))
                 for _ in range(3)
             ]
             await asyncio.to_thread(until, begun.exists)
@@ -79,7 +79,7 @@ def test_large_scenes_do_not_keep_short_questions_waiting(tmp_path):
             file.touch()
             pids = [told["pid"] for told in await asyncio.gather(*loads)]
             # What was left by a load is where the next question about it goes.
-            assert (await call(dispatcher, "echo", warm_key=pids[-1]))["pid"] == pids[-1]
+            assert (await call(dispatcher, "echo", world_digest=pids[-1]))["pid"] == pids[-1]
 
     asyncio.run(story())
 

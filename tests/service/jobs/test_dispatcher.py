@@ -13,8 +13,8 @@ import pytest
 from planning.errors import DeadlineExceeded, GoalUnreachable
 from service.jobs.calls import Question
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull, UnknownJob
-from service.jobs.records import Job
 from service.jobs.states import JobState
+from service.jobs.tables import Job
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
 
 
@@ -99,7 +99,7 @@ def test_a_worker_killed_from_outside_loses_nothing(tmp_path: Path) -> None:
 def test_a_deadline_ends_native_code(tmp_path: Path) -> None:
     async def story() -> None:
         async with running(tmp_path) as (dispatcher, _):
-            job = await dispatcher.submit(spec("hang", allowed=0.5))
+            job = await dispatcher.submit(spec("hang", time_limit=0.5))
             ended = await dispatcher.wait(job.id, GUARD)
             failure = ended.failure
             assert (failure["code"], failure["stage"]) == ("deadline_exceeded", "hang")

@@ -12,7 +12,7 @@ import pytest
 from service.jobs.database import open_engine
 from service.jobs.errors import DatabaseUnavailable, IdempotencyConflict
 from service.jobs.intake import Intake
-from service.jobs.ownership_watch import Patience
+from service.jobs.ownership_watch import DatabaseTimeouts
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from tests.service.jobs.conftest import GUARD, spec
@@ -36,7 +36,7 @@ def watched(store):
 
     @contextmanager
     def noted(*, is_durable):
-        is_outer = store._joined is None
+        is_outer = store._open_transaction is None
         with transaction(is_durable=is_durable) as connection:
             yield connection
         if is_outer:
@@ -66,9 +66,9 @@ def test_what_may_run_twice_begins_before_it_is_written(tmp_path):
             for task, file in zip(asked, files, strict=True):
                 job = await task
                 ended = await dispatcher.wait_text(job.id, GUARD)
-                assert ended.brief.state is JobState.SUCCEEDED
+                assert ended.summary.state is JobState.SUCCEEDED
                 assert ended == await asyncio.to_thread(store.text, job.id)
-                assert ended.brief.serial == job.serial > 0
+                assert ended.summary.sequence == job.sequence > 0
                 told = await asyncio.to_thread(store.events, job.id)
                 assert [one.number for one in told] == list(range(1, len(told) + 1))
                 assert [told[0].type, told[1].type] == ["queued", "started"]
@@ -82,20 +82,20 @@ def test_what_is_refused_ends_and_leaves_no_trace(tmp_path, task):
     """Whether it runs then, or has run."""
 
     async def story():
-        async with serving(tmp_path, patience=Patience(record=0.2)) as (dispatcher, store):
+        async with serving(tmp_path, timeouts=DatabaseTimeouts(record=0.2)) as (dispatcher, store):
             mark = tmp_path / "mark"
             with locked(tmp_path / "jobs.sqlite"):
                 asked = asyncio.create_task(
                     dispatcher.submit(spec(task, payload={"file": str(mark)}))
                 )
-                await eventually(lambda: bool(dispatcher._runs))
-                [run] = dispatcher._runs.values()
+                await eventually(lambda: bool(dispatcher._attempts))
+                [run] = dispatcher._attempts.values()
                 if task == "touch":
                     await eventually(mark.exists)
                 with pytest.raises(DatabaseUnavailable):
                     await asked
             await asyncio.wait_for(run.concluded.wait(), GUARD)
-            assert dispatcher.live(run.job.id) is None
+            assert dispatcher.attempt_of(run.job.id) is None
             later = await dispatcher.submit(spec("warm"))
             assert (await dispatcher.wait(later.id, GUARD)).state is JobState.SUCCEEDED
             assert [job.id for job in await asyncio.to_thread(store.page, "plan")] == [later.id]
@@ -106,13 +106,13 @@ def test_what_is_refused_ends_and_leaves_no_trace(tmp_path, task):
 
 def test_what_is_refused_while_it_waits_takes_no_place(tmp_path):
     async def story():
-        async with serving(tmp_path, patience=Patience(record=0.2)) as (dispatcher, _):
+        async with serving(tmp_path, timeouts=DatabaseTimeouts(record=0.2)) as (dispatcher, _):
             gate = tmp_path / "gate"
             first = await dispatcher.submit(spec("wait_for_file", payload={"file": str(gate)}))
             with locked(tmp_path / "jobs.sqlite"), pytest.raises(DatabaseUnavailable):
                 await dispatcher.submit(spec("warm"))
-            assert list(dispatcher._runs) == [first.id]
-            assert dispatcher._floor.lane("plan").num_waiting == 0
+            assert list(dispatcher._attempts) == [first.id]
+            assert dispatcher._scheduler.queue("plan").num_waiting == 0
             gate.touch()
             assert (await dispatcher.wait(first.id, GUARD)).state is JobState.SUCCEEDED
 
@@ -128,7 +128,7 @@ def test_one_key_is_one_job_however_often_it_is_sent_at_once(tmp_path):
             with pytest.raises(IdempotencyConflict):
                 await dispatcher.submit(spec("warm", key="k", request_digest="2"))
             assert (await dispatcher.wait(jobs[0].id, GUARD)).state is JobState.SUCCEEDED
-            await eventually(lambda: not dispatcher._runs)
+            await eventually(lambda: not dispatcher._attempts)
             assert [job.id for job in await asyncio.to_thread(store.page, "plan")] == [jobs[0].id]
 
     asyncio.run(story())
@@ -140,8 +140,8 @@ def test_a_success_that_is_told_outlives_the_server_at_once_and_soon_a_power_cut
     async def ended(dispatcher, wanted):
         job = await dispatcher.submit(wanted)
         text = await dispatcher.wait_text(job.id, GUARD)
-        assert state_on_disk(tmp_path, job.id) == text.brief.state
-        return text.brief.state
+        assert state_on_disk(tmp_path, job.id) == text.summary.state
+        return text.summary.state
 
     async def story():
         async with serving(tmp_path) as (dispatcher, store):
@@ -184,14 +184,14 @@ def test_a_job_is_on_its_way_to_a_slot_before_the_writer_is_asked():
         told, runs = [], []
 
         class Recording:
-            store = SimpleNamespace(enter=print)
+            store = SimpleNamespace(insert_draft=print)
 
             async def write(self, work, *, within):
                 told.append("asked to write")
                 return None, True
 
         class Run:
-            def enter(self, _):
+            def confirm(self, _):
                 told.append("entered")
 
         async def send():
@@ -201,7 +201,7 @@ def test_a_job_is_on_its_way_to_a_slot_before_the_writer_is_asked():
             runs.append(asyncio.create_task(send()))
             return Run()
 
-        await Intake(Recording(), seat, lambda _: None, GUARD).take(spec("touch"))
+        await Intake(Recording(), seat, lambda _: None, GUARD).submit(spec("touch"))
         assert told == ["sent", "asked to write", "entered"]
 
     asyncio.run(story())

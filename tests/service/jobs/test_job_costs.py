@@ -10,27 +10,27 @@ from planning.errors import Canceled
 from service.jobs.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseUnavailable
-from service.jobs.inline_slot import InlineSlot
-from service.jobs.lane import Lane
-from service.jobs.ownership import Ownership
-from service.jobs.ownership_watch import Patience
+from service.jobs.leader import DispatcherLock
+from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.databases import locked
 from tests.service.jobs.test_stopping import eventually
 
 
 @asynccontextmanager
-async def serving(folder, told=None, patience=None):
+async def serving(folder, told=None, timeouts=None):
     """A dispatcher of a database that loops may not ask; `told` gets its statements."""
     engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
     keep_off_loops(engine)
     if told is not None:
         event.listen(engine, "before_cursor_execute", lambda *said: told.append(said[2]))
     store = JobStore(engine)
-    lanes = {"plan": Lane("plan", [InlineSlot(is_exclusive=False)], 100)}
-    dispatcher = Dispatcher(store, Ownership(engine), lanes, patience=patience)
+    lanes = {"plan": JobQueue("plan", [ThreadWorker(is_exclusive=False)], 100)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes, timeouts=timeouts)
     await dispatcher.start()
     try:
         yield dispatcher, store
@@ -48,7 +48,7 @@ def test_a_job_and_the_wait_for_it_are_a_dozen_statements_and_read_nothing(tmp_p
             for _ in range(5):
                 job = await dispatcher.submit(spec("warm"))
                 ended = await dispatcher.wait_text(job.id, GUARD)
-                assert ended.brief.state is JobState.SUCCEEDED
+                assert ended.summary.state is JobState.SUCCEEDED
             written = [said for said in told if said.startswith(("INSERT", "UPDATE", "DELETE"))]
             assert len(written) <= 5 * 11
             read = [said for said in told if said.startswith("SELECT")]
@@ -65,7 +65,7 @@ def test_what_is_waited_for_is_what_is_recorded(tmp_path, task):
         async with serving(tmp_path) as (dispatcher, store):
             job = await dispatcher.submit(spec(task, payload={"a": [1.5, None]}, scene="s"))
             ended = await dispatcher.wait_text(job.id, GUARD)
-            assert ended.brief.state.is_final
+            assert ended.summary.state.is_final
             assert await asyncio.to_thread(store.text, job.id) == ended
             again = await dispatcher.submit(spec(task, payload={"a": [1.5, None]}, scene="s"))
             whole = await dispatcher.wait(again.id, GUARD)
@@ -103,14 +103,14 @@ def test_what_may_run_twice_begins_before_its_start_is_written(tmp_path):
                 gate.touch()
                 await eventually(mark.exists)
                 assert (await asyncio.to_thread(store.get, twice.id)).state is JobState.QUEUED
-                run = dispatcher.live(once.id)
+                run = dispatcher.attempt_of(once.id)
                 await eventually(lambda: run.has_begun)
                 for _ in range(20):
                     await asyncio.sleep(0)
                 assert not (tmp_path / "once").exists()
             for job in (first, twice, once):
                 ended = await dispatcher.wait_text(job.id, GUARD)
-                assert ended.brief.state is JobState.SUCCEEDED
+                assert ended.summary.state is JobState.SUCCEEDED
                 numbers = [told.number for told in await asyncio.to_thread(store.events, job.id)]
                 assert numbers == list(range(1, len(numbers) + 1))
             assert (tmp_path / "mark").read_text().count("\n") == 1
@@ -131,7 +131,7 @@ def test_a_run_whose_start_is_not_wanted_is_ended(tmp_path):
             gate = tmp_path / "gate"
             await dispatcher.submit(spec("wait_for_file", payload={"file": str(gate)}))
             job = await dispatcher.submit(spec("spin"))
-            run = dispatcher.live(job.id)
+            run = dispatcher.attempt_of(job.id)
             assert await asyncio.to_thread(store.cancel_queued, job.id, Canceled("elsewhere"))
             gate.touch()
             await asyncio.wait_for(run.concluded.wait(), GUARD)
@@ -147,7 +147,7 @@ def test_a_run_whose_start_is_not_wanted_is_ended(tmp_path):
 
 def test_a_job_that_cannot_be_recorded_is_refused_for_certain(tmp_path):
     async def story():
-        async with serving(tmp_path, patience=Patience(record=0.05)) as (dispatcher, store):
+        async with serving(tmp_path, timeouts=DatabaseTimeouts(record=0.05)) as (dispatcher, store):
             with locked(tmp_path / "jobs.sqlite"), pytest.raises(DatabaseUnavailable) as refusal:
                 await dispatcher.submit(spec("warm", key="k"))
             assert refusal.value.evidence["retry_after"] >= 1

@@ -6,15 +6,15 @@ import pytest
 from sqlalchemy import event, text
 
 from service.jobs.database import open_engine
-from service.jobs.records import JobSpec, jobs
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec, jobs
 from service.scenes.store import SceneStore
 
 # Every way in which lists are asked for.
 FILTERS = [
-    dict(zip(("state", "scene", "warm_key"), chosen, strict=True))
+    dict(zip(("state", "scene", "world_digest"), chosen, strict=True))
     for chosen in itertools.product([None, "queued"], [None, "s1"], [None])
-] + [{"warm_key": "w1"}]
+] + [{"world_digest": "w1"}]
 
 
 @pytest.fixture

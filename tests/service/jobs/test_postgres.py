@@ -11,12 +11,12 @@ from service.cli.server import TAKEN
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
-from service.jobs.lane import Lane
-from service.jobs.ownership import Ownership
-from service.jobs.ownership_watch import Patience
-from service.jobs.slot import ProcessSlot
+from service.jobs.leader import DispatcherLock
+from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS, spec
 from tests.service.jobs.postgres import cluster
 from tests.service.jobs.test_briefs import check_upgrade
@@ -25,12 +25,12 @@ from tests.service.servers import server as real_server
 from tests.service.servers import until
 
 # Nothing is noticed by looking at the lock.
-BLIND = Patience(period=10 * GUARD)
-QUICK = Patience(period=0.05, answer=GUARD, regain=GUARD, rest=0.0)
-HASTY = Patience(period=0.05, answer=GUARD, regain=0.2, rest=0.0)
+BLIND = DatabaseTimeouts(period=10 * GUARD)
+QUICK = DatabaseTimeouts(period=0.05, answer=GUARD, regain=GUARD, rest=0.0)
+HASTY = DatabaseTimeouts(period=0.05, answer=GUARD, regain=0.2, rest=0.0)
 
 
-class Soon(Patience):
+class Soon(DatabaseTimeouts):
     """Takes up soon what another has left."""
 
     takeover = 2.0
@@ -58,13 +58,15 @@ def url(server):
 
 
 @asynccontextmanager
-async def serving(url, patience=None):
+async def serving(url, timeouts=None):
     """A dispatcher with an execution-like lane, its store, and its engine."""
     engine = open_engine(url)
     store = JobStore(engine)
-    lanes = {"plan": Lane("plan", [ProcessSlot([TASKS])], 100, cancel_grace=GUARD)}
+    lanes = {"plan": JobQueue("plan", [ProcessWorker([TASKS])], 100, cancel_grace=GUARD)}
     taken = threading.Event()
-    dispatcher = Dispatcher(store, Ownership(engine), lanes, on_taken=taken.set, patience=patience)
+    dispatcher = Dispatcher(
+        store, DispatcherLock(engine), lanes, on_taken=taken.set, timeouts=timeouts
+    )
     await dispatcher.start(f"{TASKS}:warm")
     try:
         yield dispatcher, store
@@ -77,7 +79,7 @@ async def serving(url, patience=None):
 async def moves(dispatcher, folder):
     """A job that moves, and how it goes."""
     job = await dispatcher.submit(moving(folder))
-    live = dispatcher.live(job.id)
+    live = dispatcher.attempt_of(job.id)
     await eventually(lambda: live.latest("status"))
     return job, live
 
@@ -89,8 +91,8 @@ def place(live):
 async def run_jobs(engine):
     """Jobs, a crash, a cancel, events, keys and a rival, on one database."""
     store = JobStore(engine)
-    lanes = {"plan": Lane("plan", [ProcessSlot([TASKS])], 100)}
-    dispatcher = Dispatcher(store, Ownership(engine), lanes)
+    lanes = {"plan": JobQueue("plan", [ProcessWorker([TASKS])], 100)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes)
     await dispatcher.start(f"{TASKS}:warm")
     try:
         good = await dispatcher.submit(
@@ -114,11 +116,11 @@ async def run_jobs(engine):
         assert store.counts()["plan", "failed"] == 1
         rival = open_engine(str(engine.url.render_as_string(hide_password=False)))
         with pytest.raises(DatabaseInUse):
-            Ownership(rival).take()
+            DispatcherLock(rival).take()
         rival.dispose()
     finally:
         await dispatcher.stop()
-    ownership = Ownership(engine)
+    ownership = DispatcherLock(engine)
     ownership.take()
     ownership.release()
 
@@ -146,7 +148,7 @@ def test_a_restart_of_the_database_stops_nothing_and_lets_no_other_in(server, ur
             rival = open_engine(url)
             await eventually(lambda: has_owner(rival))
             with pytest.raises(DatabaseInUse):
-                await asyncio.to_thread(Ownership(rival).take)
+                await asyncio.to_thread(DispatcherLock(rival).take)
             rival.dispose()
             before = place(live)
             await eventually(lambda: place(live) > before)
@@ -201,7 +203,7 @@ def test_one_who_looks_at_a_lock_that_another_has_gives_up(url, tmp_path):
     async def story():
         async with serving(url, QUICK) as (dispatcher, _):
             job = await dispatcher.submit(spec("spin", max_attempts=1))
-            live = dispatcher.live(job.id)
+            live = dispatcher.attempt_of(job.id)
             await eventually(lambda: live.latest("stage"))
             await eventually(lambda: not live.unrecorded)
             with taken_by_force(url) as rival:

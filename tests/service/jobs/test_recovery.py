@@ -14,10 +14,10 @@ import pytest
 from planning.errors import Canceled
 from service.jobs.database import open_engine
 from service.jobs.errors import DatabaseInUse
-from service.jobs.ownership import Ownership
+from service.jobs.leader import DispatcherLock
 from service.jobs.store import JobStore
 from tests.service.jobs.conftest import GUARD, running, spec
-from tests.service.jobs.test_slot import is_alive
+from tests.service.jobs.worker.test_process_worker import is_alive
 
 ROOT = Path(__file__).parents[3]
 
@@ -63,7 +63,7 @@ def test_a_server_killed_with_many_jobs_ends_all_of_them_after_a_restart(tmp_pat
         workers = [int(pid) for pid in server.stdout.readline().split()]
         assert len(workers) == 2
         with pytest.raises(DatabaseInUse):
-            Ownership(open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")).take()
+            DispatcherLock(open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")).take()
         server.send_signal(signal.SIGKILL)
     until = time.monotonic() + GUARD
     while any(is_alive(worker) for worker in workers):
@@ -143,7 +143,7 @@ def test_what_was_to_be_canceled_is_canceled_and_unknown_lanes_fail(tmp_path):
     unwanted, _ = store.insert(spec("hang"))
     store.start(unwanted.id)
     store.request_cancel(unwanted.id)
-    stray, _ = store.insert(spec("echo", lane="gone"))
+    stray, _ = store.insert(spec("echo", queue="gone"))
     engine.dispose()
 
     async def story():

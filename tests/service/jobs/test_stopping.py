@@ -54,7 +54,7 @@ def test_a_run_comes_to_rest_although_the_database_takes_nothing(
             store,
         ):
             job = await dispatcher.submit(moving(tmp_path))
-            live = dispatcher.live(job.id)
+            live = dispatcher.attempt_of(job.id)
             await eventually(lambda: store.last_event(job.id, "status"))
             async with refusing(kind, tmp_path, disks[0]):
                 # A full disk has room in the pages that there are: these statuses fill them.
@@ -88,13 +88,13 @@ def test_what_waits_is_canceled_although_the_database_takes_nothing(tmp_path: Pa
             waits = await dispatcher.submit(spec("touch", payload={"file": str(tmp_path / "ran")}))
             with locked(tmp_path / "jobs.sqlite"):
                 assert (await dispatcher.cancel(waits.id)).is_cancel_requested
-                assert dispatcher.live(waits.id).unrecorded == ["cancel"]
+                assert dispatcher.attempt_of(waits.id).unrecorded == ["cancel"]
                 await dispatcher.cancel(busy.id)
                 await eventually((tmp_path / "rest").exists)
             for job in (busy, waits):
                 assert (await dispatcher.wait(job.id, GUARD)).state is JobState.CANCELED
             assert not (tmp_path / "ran").exists()
-            assert dispatcher.live(waits.id) is None
+            assert dispatcher.attempt_of(waits.id) is None
 
     asyncio.run(story())
 
@@ -106,7 +106,7 @@ def test_what_is_asked_of_a_run_is_obeyed_first_and_recorded_later(
     async def story() -> None:
         async with running(tmp_path, inline=inline) as (dispatcher, store):
             job = await dispatcher.submit(moving(tmp_path))
-            live = dispatcher.live(job.id)
+            live = dispatcher.attempt_of(job.id)
             await eventually(lambda: store.last_event(job.id, "status"))
             with locked(tmp_path / "jobs.sqlite"):
                 await dispatcher.control(job.id, {"a": 1})
@@ -151,7 +151,7 @@ def test_a_result_is_kept_until_the_database_takes_it(tmp_path: Path, kind: str)
             job = await dispatcher.submit(
                 spec("wait_for_file", payload=payload | {"count": 100_000})
             )
-            live = dispatcher.live(job.id)
+            live = dispatcher.attempt_of(job.id)
             await eventually((tmp_path / "begun").exists)
             async with refusing(kind, tmp_path, disks[0]):
                 (tmp_path / "go").touch()
@@ -225,13 +225,13 @@ def test_a_job_shows_the_versions_that_ran_it_and_no_others(tmp_path: Path) -> N
                 assert job.made_by is None
                 assert (await dispatcher.wait(job.id, GUARD)).made_by == {"tests": "1"}
             again = await dispatcher.submit(spec("spin"))
-            await eventually(lambda: dispatcher.live(again.id).latest("stage"))
+            await eventually(lambda: dispatcher.attempt_of(again.id).latest("stage"))
             return [*(job.id for job in jobs), again.id]
 
     async def second(good: str, bad: str, again: str) -> None:
         async with running(tmp_path, version="2") as (dispatcher, store):
             assert [store.get(job).made_by for job in (good, bad)] == [{"tests": "1"}] * 2
-            await eventually(lambda: (run := dispatcher.live(again)) and run.latest("stage"))
+            await eventually(lambda: (run := dispatcher.attempt_of(again)) and run.latest("stage"))
             await dispatcher.cancel(again)
             assert (await dispatcher.wait(again, GUARD)).made_by == {"tests": "2"}
             made_by = [job.made_by["tests"] for job in store.page("plan")]
@@ -247,7 +247,7 @@ def test_who_waits_is_answered_when_the_server_begins_to_end(tmp_path):
         async with running(tmp_path) as (dispatcher, _):
             job = await dispatcher.submit(spec("spin"))
             waits = asyncio.create_task(dispatcher.wait(job.id, 1e6))
-            await eventually(lambda: dispatcher.live(job.id).latest("stage"))
+            await eventually(lambda: dispatcher.attempt_of(job.id).latest("stage"))
             assert not waits.done()
             dispatcher.begin_to_stop()
             answers = [await asyncio.wait_for(waits, GUARD), await dispatcher.wait(job.id, 1e6)]

@@ -12,9 +12,9 @@ from planning.errors import Canceled, NoPathFound
 from service.jobs.database import open_engine
 from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.json_text import Encoded
-from service.jobs.records import JobSpec
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec
 from tests.profiles import num_cases
 
 CANCELED = Canceled("on request")
@@ -36,7 +36,7 @@ def store(engine):
 
 
 def spec(**fields):
-    return JobSpec(**{"lane": "plan", "task": "m:f", "payload": {"x": 0.1 + 0.2}, **fields})
+    return JobSpec(**{"queue": "plan", "task": "m:f", "payload": {"x": 0.1 + 0.2}, **fields})
 
 
 def add(store, **fields):
@@ -46,7 +46,7 @@ def add(store, **fields):
 
 
 def test_a_job_is_as_it_was_asked_for(store, engine):
-    job = add(store, prefix="pln", scene="s", warm_key="w", priority=3, allowed=1.5, key="k")
+    job = add(store, prefix="pln", scene="s", world_digest="w", priority=3, time_limit=1.5, key="k")
     assert job.id.startswith("pln_")
     assert len(job.id) >= 20
     again = JobStore(engine).get(job.id)
@@ -62,13 +62,13 @@ def test_a_job_is_as_it_was_asked_for(store, engine):
 def test_the_same_key_and_request_give_the_same_job(store):
     first = add(store, key="k", request_digest="1")
     assert store.insert(spec(key="k", request_digest="1")) == (first, False)
-    assert store.known("plan", "k", "1") == first
-    assert store.known("plan", "other", "1") is None
-    for ask in (lambda: store.insert(spec(key="k")), lambda: store.known("plan", "k", "2")):
+    assert store.find_by_key("plan", "k", "1") == first
+    assert store.find_by_key("plan", "other", "1") is None
+    for ask in (lambda: store.insert(spec(key="k")), lambda: store.find_by_key("plan", "k", "2")):
         with pytest.raises(IdempotencyConflict) as refusal:
             ask()
         assert refusal.value.evidence == {"key": "k", "job": first.id}
-    assert add(store, key="k", lane="execution").id != first.id
+    assert add(store, key="k", queue="execution").id != first.id
     assert add(store).id != add(store).id
 
 
@@ -88,13 +88,13 @@ def test_a_key_used_by_many_at_once_names_one_job(store):
 
 
 def test_pages_join_up_and_filter(store):
-    ids = [add(store, scene=f"s{i % 2}", lane="plan").id for i in range(7)]
-    add(store, lane="execution")
+    ids = [add(store, scene=f"s{i % 2}", queue="plan").id for i in range(7)]
+    add(store, queue="execution")
     store.start(ids[3])
     seen, before = [], None
     while page := store.page("plan", before=before, limit=3):
         seen += [job.id for job in page]
-        before = page[-1].serial
+        before = page[-1].sequence
     assert seen == ids[::-1]
     assert [job.id for job in store.page("plan", {"state": "running"})] == [ids[3]]
     assert [job.id for job in store.page("plan", {"scene": "s1", "state": "queued"})] == [
@@ -112,24 +112,24 @@ def test_pages_join_up_and_filter(store):
 
 def test_events_carry_stage_and_progress_into_the_job(store):
     job = add(store)
-    assert store.record(job.id, [("stage", Encoded('{"stage":"early"}'))]) == []
+    assert store.append_events(job.id, [("stage", Encoded('{"stage":"early"}'))]) == []
     store.start(job.id)
     told = [
         ("stage", Encoded('{"stage":"search","progress":0.25}')),
         ("progress", Encoded('{"progress":7}')),
         ("note", Encoded('{"stage":5,"progress":"x"}')),
     ]
-    assert [event.number for event in store.record(job.id, told)] == [3, 4, 5]
+    assert [event.number for event in store.append_events(job.id, told)] == [3, 4, 5]
     now = store.get(job.id)
     assert (now.stage, now.progress) == ("search", 1.0)
     assert store.last_event(job.id, "progress").data == {"progress": 7}
     assert store.last_event(job.id, "nothing") is None
     store.fail(job.id, NO_PATH)
-    assert store.record(job.id, told) == []
+    assert store.append_events(job.id, told) == []
     assert [event.number for event in store.events(job.id, 4)] == [5, 6]
-    assert store.stretch(job.id, 5).is_over
+    assert store.events_after(job.id, 5).is_over
     with pytest.raises(UnknownJob):
-        store.stretch("job_x", 0)
+        store.events_after("job_x", 0)
 
 
 def test_a_failed_transaction_leaves_nothing(store):
@@ -218,7 +218,7 @@ class Jobs(RuleBasedStateMachine):
 
     @rule(identifier=ids, count=st.integers(0, 3))
     def record(self, identifier, count):
-        logged = self.store.record(identifier, [("note", Encoded("{}"))] * count)
+        logged = self.store.append_events(identifier, [("note", Encoded("{}"))] * count)
         model = self.model[identifier]
         first = model["events"] + 1
         model["events"] += count if model["state"] == "running" else 0

@@ -6,7 +6,7 @@ import pytest
 
 from service.jobs import outline, task
 from service.jobs.json_steps import member_of
-from service.jobs.link import FrameKind
+from service.jobs.worker.protocol import MessageKind
 
 ECHO = f"{__name__}:echo"
 CONTENTS = [
@@ -27,7 +27,7 @@ def test_large_members_have_lines_of_their_own(monkeypatch, content):
     large = outline.Outline(result=("result.regions", "graph"))
     monkeypatch.setattr(task, "outline_of", lambda _: large)
     end = task.run_task(ECHO, json.dumps(content), None)
-    assert end.kind is FrameKind.RESULT
+    assert end.kind is MessageKind.RESULT
     assert json.loads(end.text) == content
     if isinstance(content, dict) and "result" in content:
         assert json.loads(member_of(end.text, "result")) == content["result"]

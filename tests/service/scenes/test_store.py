@@ -12,8 +12,8 @@ from sqlalchemy import create_engine, event, insert, select
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.database import open_engine
 from service.jobs.json_text import Encoded, encode
-from service.jobs.records import JobSpec
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec
 from service.scenes.recent import RecentScenes
 from service.scenes.records import LoadedScene, scenes
 from service.scenes.resource import scene_text
@@ -236,9 +236,9 @@ def test_scenes_are_durable_although_they_share_connections_with_what_need_not_b
     identifier = jobs.insert(JobSpec("plan", "m:f", {}))[0].id
     jobs.start(identifier)
     added = store.add(loaded("a", "d"))
-    jobs.record(identifier, [("stage", Encoded("{}"))])
+    jobs.append_events(identifier, [("stage", Encoded("{}"))])
     store.revise(added, loaded("a", "e"))
-    jobs.record(identifier, [("stage", Encoded("{}"))])
+    jobs.append_events(identifier, [("stage", Encoded("{}"))])
     store.delete(added.id)
     engine.dispose()
     assert levels == [2, 1, 2, 1, 2, 1, 2]

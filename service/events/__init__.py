@@ -1,1 +1,0 @@
-"""Streams of numbered events: replayed from their record and followed live."""

@@ -1,0 +1,136 @@
+"""EventRecorder: what a run says, recorded in order, then published."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+from service.jobs.database import is_of_database
+from service.jobs.errors import DatabaseTaken
+from service.jobs.json_text import Encoded
+
+_MAX_BACKLOG = 256
+# What is said so soon after something else is recorded with it [s].
+_GATHERING = 0.01
+# Before a database that took nothing is asked again [s].
+_PAUSE = 1.0
+_log = logging.getLogger(__name__)
+
+type PendingEvent = tuple[str, Encoded]
+
+
+@dataclass(frozen=True)
+class _Event:
+    type: str
+    data: Encoded
+    is_update: bool
+
+
+class EventBuffer:
+    """Takes events at any pace and records what has gathered while the database was busy.
+
+    Attributes:
+        latest: The last event of each type, recorded or not.
+        is_refused: Whether the database did not take what was told last.
+    """
+
+    def __init__(self, record: Callable[[Sequence[PendingEvent]], Awaitable[None]]) -> None:
+        """Record, and publish, by awaiting `record`."""
+        self.latest: dict[str, Encoded] = {}
+        self.is_refused = False
+        self._record = record
+        self._backlog: list[_Event] = []
+        self._writing: asyncio.Task[None] | None = None
+        self._closed = asyncio.Event()
+        self._has_space = asyncio.Event()
+        self._has_space.set()
+
+    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
+        """Take an event; after `close` it is dropped.
+
+        Args:
+            event_type: Of the event.
+            data: JSON.
+            is_update: Whether it may replace the one before it if that is of its type and there is
+                much to record.
+        """
+        if self._closed.is_set():
+            return
+        self.latest[event_type[:64]] = data
+        self._backlog.append(_Event(event_type[:64], data, is_update))
+        self._bound()
+        if self._writing is None:
+            self._writing = asyncio.get_running_loop().create_task(self._write())
+
+    async def wait_for_space(self) -> None:
+        """Wait while there is much to record."""
+        await self._has_space.wait()
+
+    async def close(self) -> list[PendingEvent]:
+        """Take no more, wait for what is being recorded, and return what is not recorded."""
+        self._closed.set()
+        if self._writing is not None:
+            await self._writing
+        return [(event.type, event.data) for event in self._backlog]
+
+    async def _write(self) -> None:
+        while self._backlog and not await self._is_closed_soon():
+            events, self._backlog = self._backlog, []
+            self._has_space.set()
+            try:
+                await self._record([(event.type, event.data) for event in events])
+                self.is_refused = False
+            except DatabaseTaken:
+                continue
+            except Exception as fault:  # noqa: BLE001  (the job itself goes on)
+                if not is_of_database(fault):
+                    _log.exception("%d events were lost", len(events))
+                    continue
+                self.is_refused = True
+                self._backlog = events + self._backlog
+                self._bound()
+                if self._closed.is_set():
+                    break
+                await asyncio.sleep(_PAUSE)
+        self._writing = None
+
+    async def _is_closed_soon(self) -> bool:
+        """Let events gather, and return whether no more will."""
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self._closed.wait(), _GATHERING)
+        return self._closed.is_set()
+
+    def _bound(self) -> None:
+        """Hold no more than there is room for.
+
+        Every other update gives way to the one that follows it. A task waits while the database is
+        slow, but it is not held up by one that takes nothing: then the oldest events are lost.
+        """
+        if len(self._backlog) < _MAX_BACKLOG:
+            return
+        kept: list[_Event] = []
+        has_given_way = False
+        for event, after in zip(self._backlog, [*self._backlog[1:], None], strict=True):
+            may_give_way = event.is_update and after is not None and after.type == event.type
+            has_given_way = may_give_way and not has_given_way
+            if not has_given_way:
+                kept.append(event)
+        if self.is_refused and len(kept) >= _MAX_BACKLOG:
+            _log.error("%d events were lost", len(kept) - _MAX_BACKLOG // 2)
+            kept = kept[-_MAX_BACKLOG // 2 :]
+        self._backlog = kept
+        if len(kept) >= _MAX_BACKLOG and not self.is_refused:
+            self._has_space.clear()
+        else:
+            self._has_space.set()
+
+
+class NullSink:
+    """Drops events."""
+
+    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
+        """Drop an event."""
+
+    async def wait_for_space(self) -> None:
+        """Return at once."""

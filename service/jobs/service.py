@@ -1,0 +1,209 @@
+"""JobService: durable jobs for coroutines of one event loop, by way of store and dispatcher."""
+
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from anyio import to_thread
+
+from service.errors import NotReady, UnknownResource
+from service.jobs.dispatcher import Dispatcher
+from service.jobs.errors import UnknownJob
+from service.jobs.states import JobState
+from service.jobs.store import JobStore
+from service.jobs.tables import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
+
+_CHUNK = 20
+
+
+class JobService:
+    """Submits, reads, follows, controls and cancels jobs.
+
+    An id has the prefix of its queue, so that a wrong kind of id is told apart without a look.
+    """
+
+    def __init__(
+        self,
+        store: JobStore,
+        dispatcher: Dispatcher,
+        *,
+        prefixes: Mapping[str, str],
+        queues: Sequence[str],
+    ) -> None:
+        """Put the parts together.
+
+        Args:
+            store: The record of jobs.
+            dispatcher: Runs them already.
+            prefixes: Of the ids of each queue's jobs.
+            queues: The names of all queues, in the order in which they are counted.
+        """
+        self._store = store
+        self._dispatcher = dispatcher
+        self._prefixes = prefixes
+        self._queues = queues
+
+    async def submit(self, spec: JobSpec) -> Job:
+        """Queue a job; it is durable when this returns.
+
+        Raises:
+            QueueFull: Its lane has as many waiting jobs as it may.
+            IdempotencyConflict: Its key was used for another request.
+        """
+        return await self._dispatcher.submit(spec)
+
+    async def find_by_key(self, spec: JobSpec) -> Job | None:
+        """Return the job that the spec's idempotency key names, if there is one.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+        """
+        if spec.key is None:
+            return None
+        asked = (spec.queue, spec.key, spec.request_digest)
+        return await to_thread.run_sync(self._store.find_by_key, *asked)
+
+    async def open_job(self, lane: str, identifier: str) -> JobSummary:
+        """Return a job that waits or runs here as memory has it, any other one as lists have it.
+
+        Raises:
+            UnknownResource: The lane has none of that id.
+        """
+        run = self._dispatcher.attempt_of(identifier)
+        if run is not None and run.job.queue == lane:
+            return run.snapshot()
+        return await self._read(lane, identifier, self._store.summary)
+
+    async def job(self, lane: str, identifier: str) -> Job:
+        """Return a job.
+
+        Raises:
+            UnknownResource: The lane has none of that id.
+        """
+        return await self._read(lane, identifier, self._store.get)
+
+    async def job_text(self, lane: str, identifier: str) -> JobText:
+        """Return a job whose result is passed on as it is; raises as `job`."""
+        return await self._read(lane, identifier, self._store.text)
+
+    async def _read[T](self, lane: str, identifier: str, read: Callable[[str], T]) -> T:
+        if not identifier.startswith(f"{self._prefixes[lane]}_"):
+            raise UnknownResource.of(lane, identifier)
+        try:
+            return await to_thread.run_sync(read, identifier)
+        except UnknownJob as fault:
+            raise UnknownResource.of(lane, identifier) from fault
+
+    async def page(
+        self,
+        lane: str,
+        limit: int,
+        cursor: str | None,
+        *,
+        state: str | None = None,
+        scene: str | None = None,
+        world_digest: str | None = None,
+    ) -> JobPage:
+        """Return jobs of a lane, newest first, from a cursor on."""
+        before = None if cursor is None else int(cursor)
+
+        def read() -> list[JobSummary]:
+            wanted = {"state": state, "scene": scene, "world_digest": world_digest}
+            return self._store.page(lane, wanted, before=before, limit=limit + 1)
+
+        found = await to_thread.run_sync(read)
+        following = str(found[limit - 1].sequence) if len(found) > limit else None
+        return JobPage(found[:limit], following)
+
+    async def newest(
+        self, lane: str, *, scene: str | None = None, world_digest: str | None = None
+    ) -> AsyncIterator[JobSummary]:
+        """Yield the jobs of a lane in a scene, or with a scene's content, newest first."""
+        wanted = {"scene": scene, "world_digest": world_digest}
+        before: int | None = None
+        limit = 1
+        # Mostly the first one is what somebody looks for.
+        while True:
+            read = partial(self._store.page, lane, wanted, before=before, limit=limit)
+            found = await to_thread.run_sync(read)
+            for job in found:
+                yield job
+            if len(found) < limit:
+                return
+            before, limit = found[-1].sequence, min(2 * limit, _CHUNK)
+
+    async def in_scene(self, lane: str, scene: str) -> JobSummary | None:
+        """Return a job of a lane that waits or runs in a scene, if there is one."""
+        # In the order of its life: one that begins between the two looks is seen by the second.
+        for state in ("queued", "running"):
+            page = await self.page(lane, 1, None, state=state, scene=scene)
+            if page.jobs:
+                return page.jobs[0]
+        return None
+
+    async def wait(self, job: Job, seconds: float) -> JobText:
+        """Return a job when it has ended, or as it is after so many seconds."""
+        if seconds > 0:
+            return await self._dispatcher.wait_text(job.id, seconds)
+        return await self.text_of(job)
+
+    async def text_of(self, job: JobSummary) -> JobText:
+        """Return a job with its result, if it has one."""
+        has_one = job.state is JobState.SUCCEEDED
+        return await self.job_text(job.queue, job.id) if has_one else JobText(job, None)
+
+    async def cancel(self, job: JobSummary) -> JobSummary:
+        """Ask for the end of a job, whatever its state; no database is waited for."""
+        return await self._dispatcher.cancel(job.id)
+
+    async def control(self, job: JobSummary, asked: dict[str, Any]) -> Job:
+        """Ask something of a job that waits or runs; no database is waited for.
+
+        Raises:
+            IllegalTransition: It has ended, or is to end.
+        """
+        return await self._dispatcher.control(job.id, asked)
+
+    def unrecorded(self, job: JobSummary) -> list[str]:
+        """Return what has happened to a job and is not in the database yet."""
+        run = None if job.state.is_final else self._dispatcher.attempt_of(job.id)
+        return [] if run is None else run.unrecorded
+
+    def begin_to_stop(self) -> None:
+        """Begin nothing more, and tell what runs to end, before `Dispatcher.stop` waits for it."""
+        self._dispatcher.begin_to_stop()
+
+    async def events(self, job: JobSummary, after: int) -> AsyncIterator[LoggedEvent]:
+        """Yield a job's events with numbers above `after`, until it has ended."""
+        async for event in self._dispatcher.subscribe(job.id, after):
+            yield event
+
+    async def latest_event(self, job: JobSummary, event_type: str) -> dict[str, Any] | None:
+        """Return the data of the newest event of a type, recorded or not, if there is one."""
+        run = self._dispatcher.attempt_of(job.id)
+        if run is not None:
+            return run.latest(event_type)
+        event = await to_thread.run_sync(self._store.last_event, job.id, event_type)
+        return None if event is None else event.data
+
+    def check_ready(self) -> None:
+        """Go on only if workers of every lane are warm.
+
+        Raises:
+            NotReady: They are not, yet or any more.
+        """
+        faults = self._dispatcher.faults()
+        if faults:
+            named = "; ".join(f"{lane}: {fault}" for lane, fault in faults.items())
+            raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
+
+    async def counts(self) -> dict[str, dict[str, int]]:
+        """Return how many jobs there are, by state and lane."""
+        found = await to_thread.run_sync(self._store.counts)
+        counts: dict[str, dict[str, int]] = {
+            state: dict.fromkeys(self._queues, 0)
+            for state in ("queued", "running", "succeeded", "failed", "canceled")
+        }
+        for (lane, state), number in found.items():
+            counts[state][lane] = number
+        return counts

@@ -1,0 +1,131 @@
+"""WorkerProcess: the server's handle of one process that runs tasks."""
+
+import asyncio
+import multiprocessing
+import os
+import signal
+import socket
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from typing import Any
+
+from service.jobs.worker.main import Terms, serve
+from service.jobs.worker.protocol import HEADER_SIZE, Message, unpack_header
+
+# multiprocessing's bookkeeping of children is not thread-safe, and starting one takes
+# milliseconds: one thread of its own does all of it.
+_PROCESSES = ThreadPoolExecutor(1, "slot-processes")
+# A process that has closed its end is about to end; one that does not is made to.
+_LINGER = 0.5
+
+
+def forkserver(preload: Sequence[str]) -> Any:
+    """Return the context that forks workers off a server which has imported some modules.
+
+    There is one such server per process: the modules that are named first count.
+    """
+    context: Any = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([
+        "service.jobs.worker.disable_gc",
+        "service.jobs.worker.main",
+        *preload,
+    ])
+    return context
+
+
+class WorkerProcess:
+    """A process at the other end of a socket, watched until it ends."""
+
+    def __init__(self, process: Any, lifeline: Any) -> None:
+        """Watch a process that has been started; use `start`."""
+        self.pid: int = process.pid
+        self.ended = asyncio.Event()
+        self.exit_code: int | None = None
+        self._process = process
+        self._lifeline = lifeline
+        self._is_gone = False
+        self._reader: asyncio.StreamReader
+        self._writer: asyncio.StreamWriter
+        self._reaping: asyncio.Task[None] | None = None
+        self._sentinel: int = process.sentinel
+        asyncio.get_running_loop().add_reader(self._sentinel, self._on_exit)
+
+    @classmethod
+    async def start(cls, context: Any, warm_up: str | None, terms: Terms) -> "WorkerProcess":
+        """Start a process; it is ready once it has sent its first frame.
+
+        Raises:
+            OSError: There are no more processes or files to be had.
+            EOFError: The forkserver died.
+        """
+        near, far = socket.socketpair()
+        held, lifeline = context.Pipe(duplex=False)
+        try:
+            process = context.Process(
+                target=serve, args=(far, held, warm_up, terms), daemon=True, name="wayproof-slot"
+            )
+            await asyncio.get_running_loop().run_in_executor(_PROCESSES, process.start)
+        except BaseException:
+            near.close()
+            lifeline.close()
+            raise
+        finally:
+            far.close()
+            held.close()
+        worker = cls(process, lifeline)
+        worker._reader, worker._writer = await asyncio.open_unix_connection(sock=near)
+        return worker
+
+    def send(self, frame: Message) -> None:
+        """Send a frame; to a process that is gone it is lost."""
+        if not self._is_gone:
+            self._writer.write(frame.packed())
+
+    async def receive(self) -> Message | None:
+        """Return the next frame, None once the process is gone."""
+        try:
+            header = await self._reader.readexactly(HEADER_SIZE)
+            length, kind, token = unpack_header(header)
+            return Message(kind, token, await self._reader.readexactly(length))
+        except (asyncio.IncompleteReadError, ConnectionError, ValueError):
+            return None
+
+    def kill(self) -> None:
+        """End the process now, whatever it does."""
+        if not self._is_gone:
+            with suppress(ProcessLookupError):
+                os.kill(self.pid, signal.SIGKILL)
+
+    async def end(self) -> int | None:
+        """Wait until the process has ended, make it if need be, and return its exit code."""
+        try:
+            async with asyncio.timeout(_LINGER):
+                await self.ended.wait()
+        except TimeoutError:
+            self.kill()
+            await self.ended.wait()
+        return self.exit_code
+
+    def _on_exit(self) -> None:
+        self._is_gone = True
+        loop = asyncio.get_running_loop()
+        loop.remove_reader(self._sentinel)
+        self._reaping = loop.create_task(self._reap())
+
+    async def _reap(self) -> None:
+        # If it is the forkserver that died, the process still runs: the leash ends it.
+        self._lifeline.close()
+        loop = asyncio.get_running_loop()
+        self.exit_code = await loop.run_in_executor(_PROCESSES, _joined, self._process)
+        self._writer.close()
+        with suppress(OSError):
+            await self._writer.wait_closed()
+        self.ended.set()
+
+
+def _joined(process: Any) -> int | None:
+    process.join()
+    code: int | None = process.exitcode
+    process.close()
+    return code

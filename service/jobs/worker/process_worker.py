@@ -1,0 +1,291 @@
+"""Slot: one warm process that runs one task at a time and can be ended at any moment."""
+
+import asyncio
+import json
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from service.jobs.error_text import load_error
+from service.jobs.json_text import Encoded
+from service.jobs.outcome import (
+    Crashed,
+    MemoryExceeded,
+    Outcome,
+    Raised,
+    Returned,
+    Terminated,
+    returned,
+)
+from service.jobs.worker.main import Terms
+from service.jobs.worker.memory import MemoryWatch, resident
+from service.jobs.worker.process import WorkerProcess, forkserver
+from service.jobs.worker.protocol import Message, MessageKind, two_parts
+from service.jobs.worker.termination import Termination
+
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.05, 5.0
+_log = logging.getLogger(__name__)
+
+
+class EventSink(Protocol):
+    """Where the events of a run go."""
+
+    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
+        """Take an event; an update may replace the one of its type before it."""
+        ...
+
+    async def wait_for_space(self) -> None:
+        """Wait while too many events have been taken and not been dealt with."""
+        ...
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """One run of a task.
+
+    Attributes:
+        task: `module:function`.
+        payload: What it is called with.
+        sink: Told of each of its events, in the event loop's thread.
+        time_limit: Seconds after which it is told to end, and a little later made to; or None. A
+            task that knows better may change them while it runs.
+        controls: What is asked of it when it begins; `Slot.control` tells what is asked later.
+    """
+
+    task: str
+    payload: dict[str, Any]
+    sink: EventSink
+    time_limit: float | None = None
+    controls: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Worker(Protocol):
+    """Where tasks run, one at a time."""
+
+    @property
+    def generation(self) -> int:
+        """A number that changes with the process: another one has no scene loaded."""
+        ...
+
+    @property
+    def fault(self) -> str | None:
+        """Why no run would begin at once, or would not end well; None if all is well."""
+        ...
+
+    async def open(self, warm_up: str | None) -> None:
+        """Begin to get ready; every process of the slot runs the task `warm_up` first."""
+        ...
+
+    async def ready(self) -> None:
+        """Wait until a run would begin at once."""
+        ...
+
+    async def run(self, run: Assignment) -> Outcome:
+        """Run a task to its end, whatever that is."""
+        ...
+
+    def cancel(self, grace: float) -> None:
+        """Ask the present run to end; end it by force after `grace` seconds."""
+        ...
+
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Tell the present run all that is asked of it by now."""
+        ...
+
+    async def close(self) -> None:
+        """End the slot and what runs in it."""
+        ...
+
+
+class ProcessWorker:
+    """A slot that is a process of its own, forked off a server that has imported what it needs.
+
+    The process is replaced as soon as it has ended, also while it had nothing to do.
+    """
+
+    def __init__(self, preload: Sequence[str], terms: Terms | None = None) -> None:
+        """Prepare; `open` starts the process.
+
+        Args:
+            preload: Modules that the forkserver imports once, so that new processes have them.
+            terms: On which the process works.
+        """
+        self.generation = 0
+        self._preload = preload
+        self._terms = terms or Terms()
+        self._warm_up_fault: str | None = None
+        self._process: WorkerProcess | None = None
+        self._is_ready = asyncio.Event()
+        self._supervisor: asyncio.Task[None] | None = None
+        self._token = 0
+        self._termination: Termination | None = None
+        self._running_in: WorkerProcess | None = None
+
+    @property
+    def fault(self) -> str | None:
+        """Why no run would begin at once, or would not end well."""
+        return self._warm_up_fault if self._is_ready.is_set() else "no process is ready"
+
+    async def open(self, warm_up: str | None) -> None:
+        """Begin to get ready."""
+        self._supervisor = asyncio.get_running_loop().create_task(self._supervise(warm_up))
+
+    async def ready(self) -> None:
+        """Wait for a warm process."""
+        await self._is_ready.wait()
+
+    async def run(self, run: Assignment) -> Outcome:
+        """Run a task to its end."""
+        stop = self._termination = Termination(run.time_limit)
+        try:
+            await self._is_ready.wait()
+            return Terminated() if stop.is_canceled else await self._supervise_run(run, stop)
+        finally:
+            stop.disarm()
+            self._termination = None
+
+    def cancel(self, grace: float) -> None:
+        """Tell the task, and end its process if it has not ended by itself in time."""
+        if self._termination is not None:
+            self._termination.cancel(grace)
+
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Tell the task; one that has not begun is told when it does."""
+        if self._running_in is not None:
+            body = json.dumps(controls).encode()
+            self._running_in.send(Message(MessageKind.CONTROLS, self._token, body))
+
+    async def close(self) -> None:
+        """End the process, whatever it does."""
+        if self._supervisor is not None:
+            self._supervisor.cancel()
+            await asyncio.gather(self._supervisor, return_exceptions=True)
+
+    async def _supervise_run(self, run: Assignment, stop: Termination) -> Outcome:
+        """Send the task and deal with what the process says until it has ended."""
+        worker = self._process
+        assert worker is not None  # noqa: S101  (that is what ready means)
+        self._token += 1
+        cancel = Message(MessageKind.CANCEL, self._token)
+        stop.begin(lambda: worker.send(cancel), lambda: self._kill(worker))
+        body = two_parts(run.task, json.dumps(run.payload))
+        worker.send(Message(MessageKind.TASK, self._token, body))
+        self._running_in = worker
+        if run.controls:
+            self.control(run.controls)
+        bound = self._terms.memory
+        watch = MemoryWatch(worker.pid, bound, lambda: stop.cancel(self._terms.memory_grace))
+        try:
+            outcome = await self._read_messages(worker, run, stop)
+        except (ValueError, KeyError, TypeError):
+            self._kill(worker)
+            outcome = stop.classify(Crashed(await worker.end(), "it spoke nonsense"))
+        except BaseException:
+            self._kill(worker)
+            raise
+        finally:
+            watch.end()
+            self._running_in = None
+        return outcome if bound is None else self._check_memory(bound, watch, outcome, worker)
+
+    def _check_memory(
+        self, bound: int, watch: MemoryWatch, outcome: Outcome, worker: WorkerProcess
+    ) -> Outcome:
+        """Return what an outcome means where memory has a bound [bytes]."""
+        if resident(worker.pid) > bound / 2:  # what it keeps must not be held against the next
+            self._kill(worker)
+        is_refused = isinstance(outcome, Crashed) and outcome.reason == "MemoryError"
+        if is_refused or (watch.is_exceeded and not isinstance(outcome, Returned)):
+            return MemoryExceeded(watch.used, bound)
+        return outcome
+
+    async def _read_messages(
+        self, worker: WorkerProcess, run: Assignment, stop: Termination
+    ) -> Outcome:
+        reason = ""
+        while (frame := await worker.receive()) is not None:
+            stop.heard()
+            match frame.kind:
+                case (
+                    MessageKind.EVENT
+                    | MessageKind.UPDATE
+                    | MessageKind.DEADLINE
+                    | MessageKind.WATCH
+                ):
+                    await _apply(frame, run.sink, stop)
+                case MessageKind.RESULT:
+                    return returned(*frame.parts)
+                case MessageKind.FAILURE:
+                    return stop.classify(Raised(load_error(frame.body.decode())))
+                case MessageKind.CRASH:
+                    reason = frame.body.decode()
+                case _:
+                    self._kill(worker)
+                    reason = f"it spoke out of turn: {frame.kind.name}"
+        self._is_ready.clear()
+        return stop.classify(Crashed(await worker.end(), reason))
+
+    def _kill(self, worker: WorkerProcess) -> None:
+        """End a process; nothing is to be run in it any more."""
+        if worker is self._process:
+            self._is_ready.clear()
+        worker.kill()
+
+    async def _supervise(self, warm_up: str | None) -> None:
+        """Have a process, always."""
+        context = forkserver(self._preload)
+        pause = _FIRST_PAUSE
+        while True:
+            worker = await self._spawn(context, warm_up)
+            if worker is None:
+                await asyncio.sleep(pause)
+                pause = min(2 * pause, _LONGEST_PAUSE)
+                continue
+            pause = _FIRST_PAUSE
+            self._process = worker
+            self.generation += 1
+            self._is_ready.set()
+            try:
+                await worker.ended.wait()
+            finally:
+                self._is_ready.clear()
+                worker.kill()
+                await asyncio.shield(worker.end())
+
+    async def _spawn(self, context: Any, warm_up: str | None) -> WorkerProcess | None:
+        """Return a new process that is ready, None if that did not work."""
+        try:
+            worker = await WorkerProcess.start(context, warm_up, self._terms)
+        except (OSError, EOFError):
+            _log.exception("a worker process could not be started")
+            return None
+        try:
+            frame = await worker.receive()
+        except asyncio.CancelledError:
+            worker.kill()
+            await asyncio.shield(worker.end())
+            raise
+        if frame is None or frame.kind is not MessageKind.READY:
+            code = await worker.end()
+            _log.error("a worker process died before it was ready, with exit code %s", code)
+            return None
+        self._warm_up_fault = frame.body.decode()[:2000] or None
+        if self._warm_up_fault is not None:
+            _log.warning("the warm-up %s failed: %s", warm_up, self._warm_up_fault)
+        return worker
+
+
+async def _apply(frame: Message, sink: EventSink, stop: Termination) -> None:
+    """Deal with what a task says on its way."""
+    match frame.kind:
+        case MessageKind.DEADLINE:
+            stop.set_deadline(float(frame.body))
+        case MessageKind.WATCH:
+            stop.limit_silence(float(frame.body))
+        case kind:
+            event_type, data = frame.parts
+            is_update = kind is MessageKind.UPDATE
+            sink.put(event_type, Encoded(data), is_update=is_update)
+            if not is_update:
+                await sink.wait_for_space()

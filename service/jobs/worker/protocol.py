@@ -1,0 +1,118 @@
+"""Frames: what a slot and its process say to each other over a socket.
+
+Both ends speak JSON texts, never pickles: a process whose memory native code has damaged cannot
+make the server run anything.
+"""
+
+import select
+import socket
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+
+_HEADER = struct.Struct(">IBQ")
+HEADER_SIZE = _HEADER.size
+# More than any result; a length beyond it is noise from a damaged process.
+MAX_BODY = 512 * 1024 * 1024
+
+
+class MessageKind(IntEnum):
+    """What a frame says; TASK, CANCEL and CONTROLS go to the process, the others come from it.
+
+    CONTROLS carries all that is asked of the run, as JSON. READY carries how the warm-up failed, if
+    it did; TERM how many seconds the run has from now on; WATCH how long it may be silent [s].
+    UPDATE is an event that a later one of its type may replace.
+    """
+
+    TASK = 1
+    CANCEL = 2
+    READY = 3
+    EVENT = 4
+    RESULT = 5
+    FAILURE = 6
+    CRASH = 7
+    DEADLINE = 8
+    CONTROLS = 9
+    WATCH = 10
+    UPDATE = 11
+
+
+@dataclass(frozen=True)
+class Message:
+    """A message about one run.
+
+    Attributes:
+        kind: What it says.
+        token: Number of the run, so that what comes late is known as such.
+        body: Text, perhaps in two parts of which the first ends with a line feed.
+    """
+
+    kind: MessageKind
+    token: int
+    body: bytes = b""
+
+    @property
+    def parts(self) -> tuple[str, str]:
+        """The body up to its first line feed, and the rest."""
+        first, _, rest = self.body.decode("utf-8").partition("\n")
+        return first, rest
+
+    def packed(self) -> bytes:
+        """Return the bytes of the frame."""
+        return _HEADER.pack(len(self.body), self.kind, self.token) + self.body
+
+
+def two_parts(first: str, rest: str) -> bytes:
+    """Return the body that `Frame.parts` takes apart; `first` loses its line feeds."""
+    return f"{first.replace('\n', ' ')}\n{rest}".encode()
+
+
+def unpack_header(header: bytes) -> tuple[int, MessageKind, int]:
+    """Return the length of the body, the kind and the token.
+
+    Raises:
+        ValueError: It is no header.
+    """
+    length, kind, token = _HEADER.unpack(header)
+    if length > MAX_BODY:
+        message = f"a message of {length} bytes"
+        raise ValueError(message)
+    return length, MessageKind(kind), token
+
+
+class MessagePipe:
+    """The process's end of the socket; blocking."""
+
+    def __init__(self, end: socket.socket) -> None:
+        """Speak over a connected stream socket."""
+        self._end = end
+        self._poll = select.poll()
+        self._poll.register(end, select.POLLIN)
+
+    def send(self, frame: Message) -> None:
+        """Send a frame."""
+        self._end.sendall(frame.packed())
+
+    @property
+    def has_news(self) -> bool:
+        """Whether something has come; takes a microsecond."""
+        return bool(self._poll.poll(0))
+
+    def receive(self) -> Message | None:
+        """Return the next frame, None if the other end is gone."""
+        header = self._exactly(HEADER_SIZE)
+        if header is None:
+            return None
+        length, kind, token = unpack_header(header)
+        body = self._exactly(length)
+        return None if body is None else Message(kind, token, body)
+
+    def _exactly(self, count: int) -> bytes | None:
+        parts: list[bytes] = []
+        while count > 0:
+            part = self._end.recv(min(count, 1 << 20))
+            if not part:
+                return None
+            parts.append(part)
+            count -= len(part)
+        return b"".join(parts)

@@ -1,0 +1,166 @@
+"""InlineSlot: tasks in a thread of this process, for tests that want no processes.
+
+Nothing can be forced here: a task that does not heed a cancel or its deadline keeps its thread,
+and a crash of native code ends everything. What was asked for is answered in time all the same.
+"""
+
+import asyncio
+import json
+import threading
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
+
+from service.jobs.error_text import load_error
+from service.jobs.json_text import Encoded
+from service.jobs.outcome import Crashed, Outcome, Raised, Terminated, returned
+from service.jobs.task import TaskEnd, event_text, run_task
+from service.jobs.worker.process_worker import Assignment, EventSink
+from service.jobs.worker.protocol import MessageKind
+from service.jobs.worker.termination import Termination
+
+# Drake worlds are kept per process and OMPL's random numbers are global to it: one task at a time.
+_ONE_AT_A_TIME = threading.Lock()
+_GIVEN_UP = TaskEnd(MessageKind.CRASH, "it does not end")
+
+
+class _ThreadContext:
+    """A channel within the process."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, run: Assignment, stop: Termination) -> None:
+        self._loop = loop
+        self._sink: EventSink = run.sink
+        self._termination = stop
+        self.canceled = threading.Event()
+        # Replaced whole, so that the thread sees either all or nothing of what is asked.
+        self.controls_set: dict[str, Any] = dict(run.controls)
+
+    def emit(self, event_type: str, data: dict[str, Any]) -> None:
+        """Hand an event to the loop."""
+        self._put(event_type, data, is_update=False)
+
+    def update(self, event_type: str, data: dict[str, Any]) -> None:
+        """Hand an event that the next of its type may replace to the loop."""
+        self._put(event_type, data, is_update=True)
+
+    def watch(self, silence: float) -> None:
+        """Have this run given up if it says nothing for so long, from now on."""
+        self._loop.call_soon_threadsafe(self._termination.limit_silence, silence)
+
+    def controls(self) -> dict[str, Any]:
+        """Return all that was asked of this run."""
+        return self.controls_set
+
+    def allow(self, seconds: float) -> None:
+        """Have this run given up after so many seconds from now on, and not before."""
+        self._loop.call_soon_threadsafe(self._termination.set_deadline, seconds)
+
+    def is_canceled(self) -> bool:
+        """Return whether the end of this run was asked for."""
+        return self.canceled.is_set()
+
+    def _put(self, event_type: str, data: dict[str, Any], *, is_update: bool) -> None:
+        encoded = Encoded(event_text(data))
+
+        def take() -> None:
+            self._termination.heard()
+            self._sink.put(event_type, encoded, is_update=is_update)
+
+        self._loop.call_soon_threadsafe(take)
+
+
+class ThreadWorker:
+    """A slot that is a thread."""
+
+    def __init__(self, *, is_exclusive: bool) -> None:
+        """Prepare.
+
+        Args:
+            is_exclusive: Whether its tasks and those of other exclusive slots take turns.
+        """
+        self.generation = 0
+        self.fault: str | None = None
+        self._is_exclusive = is_exclusive
+        self._is_free = asyncio.Event()
+        self._is_free.set()
+        self._termination: Termination | None = None
+        self._context: _ThreadContext | None = None
+
+    async def open(self, warm_up: str | None) -> None:
+        """Do nothing: this process is as warm as it is."""
+
+    async def ready(self) -> None:
+        """Wait until a thread that was given up has ended."""
+        await self._is_free.wait()
+
+    async def run(self, run: Assignment) -> Outcome:
+        """Run a task to its end, or until it is given up."""
+        stop = self._termination = Termination(run.time_limit)
+        try:
+            await self._is_free.wait()
+            return Terminated() if stop.is_canceled else await self._watch(run, stop)
+        finally:
+            stop.disarm()
+            self._termination = self._context = None
+
+    def cancel(self, grace: float) -> None:
+        """Tell the task, and give it up if it has not ended in time."""
+        if self._termination is not None:
+            self._termination.cancel(grace)
+
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Tell the task; one that has not begun is told when it does."""
+        if self._context is not None:
+            self._context.controls_set = dict(controls)
+
+    async def close(self) -> None:
+        """Tell the present task to end; its thread does not keep this process alive."""
+        self.cancel(0.0)
+
+    async def _watch(self, run: Assignment, stop: Termination) -> Outcome:
+        loop = asyncio.get_running_loop()
+        channel = self._context = _ThreadContext(loop, run, stop)
+        done: asyncio.Future[TaskEnd] = loop.create_future()
+        stop.begin(channel.canceled.set, lambda: _settle(done, _GIVEN_UP))
+        self._is_free.clear()
+        work = (loop, run, channel, done)
+        threading.Thread(target=self._work, args=work, name="inline-slot", daemon=True).start()
+        try:
+            end = await done
+        except asyncio.CancelledError:
+            channel.canceled.set()
+            raise
+        match end.kind:
+            case MessageKind.RESULT:
+                return returned(end.summary, end.text)
+            case MessageKind.FAILURE:
+                return stop.classify(Raised(load_error(end.text)))
+            case _:
+                return stop.classify(Crashed(None, end.text))
+
+    def _work(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        run: Assignment,
+        channel: _ThreadContext,
+        done: asyncio.Future[TaskEnd],
+    ) -> None:
+        """Run the task, in the thread."""
+        payload = json.dumps(run.payload)
+        if self._is_exclusive:
+            with _ONE_AT_A_TIME:
+                end = run_task(run.task, payload, channel)
+        else:
+            end = run_task(run.task, payload, channel)
+
+        def finish() -> None:
+            self._is_free.set()
+            _settle(done, end)
+
+        with suppress(RuntimeError):  # the loop is closed: nobody waits
+            loop.call_soon_threadsafe(finish)
+
+
+def _settle(future: asyncio.Future[TaskEnd], end: TaskEnd) -> None:
+    if not future.done():
+        future.set_result(end)

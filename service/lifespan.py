@@ -1,0 +1,118 @@
+"""open_desk(): store, dispatcher and slots, for as long as the server runs."""
+
+import asyncio
+from collections.abc import AsyncGenerator, Callable, Coroutine
+from contextlib import asynccontextmanager
+from functools import partial
+from typing import Any
+
+from anyio import to_thread
+
+from service.executions.settlement import settled
+from service.jobs.database import keep_off_loops, open_engine
+from service.jobs.dispatcher import Dispatcher
+from service.jobs.leader import DispatcherLock
+from service.jobs.queue import JobQueue, Share
+from service.jobs.store import JobStore
+from service.jobs.worker.main import Terms
+from service.jobs.worker.process_worker import ProcessWorker, Worker
+from service.jobs.worker.thread_worker import ThreadWorker
+from service.jobs.worker_pool import WorkerPool
+from service.retention import Retention
+from service.scene_jobs import SceneJobs
+from service.scenes.file_cleanup import Sweeper
+from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
+from service.settings import Settings
+from service.versions import versions
+from service.workers import PRELOAD, WARM_UP, import_tasks
+
+# Slots for short questions only: they go on while scenes are loaded.
+_RESERVED = 1
+
+
+@asynccontextmanager
+async def open_services(
+    settings: Settings, on_taken: Callable[[], None]
+) -> AsyncGenerator[tuple[SceneJobs, SceneShelf]]:
+    """Run jobs from here on; what an earlier server left is taken up again.
+
+    Args:
+        settings: How the service runs.
+        on_taken: Called when another server has taken the database over.
+
+    Raises:
+        DatabaseInUse: Another server works on this database.
+    """
+    await to_thread.run_sync(partial(settings.data_dir.mkdir, parents=True, exist_ok=True))
+    engine = open_engine(settings.url)
+    keep_off_loops(engine)
+    store = JobStore(engine, versions())
+    dispatcher = Dispatcher(store, DispatcherLock(engine), _queues(settings), on_taken=on_taken)
+    if settings.engine == "inline":
+        await to_thread.run_sync(import_tasks)
+    scenes = SceneStore(engine, settings.data_dir / "scenes")
+    try:
+        await to_thread.run_sync(scenes.open)
+        await dispatcher.start(WARM_UP if settings.engine == "process" else None)
+        try:
+            shelf = SceneShelf(scenes)
+            desk = SceneJobs(settings, store, dispatcher, shelf)
+            shelf.settle = partial(settled, scenes=shelf, desk=desk)
+            sweeper = Sweeper(engine, settings.data_dir, settings.owner)
+            sweeper.ask()
+            shelf.forgotten = sweeper.ask
+            retention = Retention(store, settings.retention_days, sweeper.ask)
+            async with _meanwhile(sweeper.run(), retention.run()):
+                yield desk, shelf
+        finally:
+            await dispatcher.stop()
+    finally:
+        await to_thread.run_sync(engine.dispose)
+
+
+@asynccontextmanager
+async def _meanwhile(*work: Coroutine[Any, Any, None]) -> AsyncGenerator[None]:
+    """Have work done in the background, and cancel it at the end."""
+    tasks = [asyncio.get_running_loop().create_task(each) for each in work]
+    try:
+        yield
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+# How long a canceled job may take to end by itself [s]: a robot comes to rest on its path first.
+_CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
+
+
+def _queues(settings: Settings) -> dict[str, JobQueue]:
+    """Return the lanes: executions have slots of their own, all else shares a pool.
+
+    A scene that was loaded for one is warm for all of them. Lanes of a pool do not wait for each
+    other: it has as many slots as they may use together.
+    """
+    shares = {
+        "query": Share(settings.query_slots + _RESERVED, _RESERVED),
+        "plan": Share(settings.plan_slots),
+        "regions": Share(settings.regions_slots),
+    }
+    count = sum(share.max_running or 0 for share in shares.values())
+    terms = Terms(settings.niceness, settings.worker_memory)
+    pool = WorkerPool([_worker(settings, terms, is_exclusive=True) for _ in range(count)])
+    # Executions go on while something is planned; OMPL and Drake take turns.
+    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
+    own = [_worker(settings, terms, is_exclusive=False) for _ in range(settings.execution_slots)]
+    lanes = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
+    return {**lanes, "execution": _queue(settings, "execution", WorkerPool(own), None)}
+
+
+def _queue(settings: Settings, name: str, pool: WorkerPool, share: Share | None) -> JobQueue:
+    return JobQueue(name, pool, settings.max_queued, _CANCEL_GRACE[name], share=share)
+
+
+def _worker(settings: Settings, terms: Terms, *, is_exclusive: bool) -> Worker:
+    if settings.engine == "inline":
+        return ThreadWorker(is_exclusive=is_exclusive)
+    return ProcessWorker(PRELOAD, terms)

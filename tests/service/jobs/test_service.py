@@ -1,0 +1,97 @@
+"""The desk's readings of the jobs that there are."""
+
+import asyncio
+
+import pytest
+
+from planning.errors import Canceled
+from service.errors import RobotBusy
+from service.executions.position import require_at_rest
+from service.jobs.database import open_engine
+from service.jobs.service import JobService
+from service.jobs.store import JobStore
+from service.jobs.tables import JobSpec
+
+
+class CountingStore(JobStore):
+    """Counts the jobs that it has read from the database."""
+
+    num_read = 0
+    begins = ""  # a job that begins once something was read
+
+    def page(self, *args, **kwargs):
+        found = super().page(*args, **kwargs)
+        self.num_read += len(found)
+        if self.begins:
+            self.start(self.begins)
+            self.begins = ""
+        return found
+
+
+@pytest.fixture
+def store(tmp_path):
+    engine = open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
+    opened = CountingStore(engine)
+    opened.open()
+    yield opened
+    engine.dispose()
+
+
+@pytest.fixture
+def desk(store):
+    # what reads needs no dispatcher
+    return JobService(store, None, prefixes={}, queues=())  # pyright: ignore[reportArgumentType]
+
+
+async def taken(desk, count):
+    found = []
+    async for job in desk.newest("regions", world_digest="here"):
+        found.append(job.id)
+        if len(found) == count:
+            break
+    return found
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 7, 43])
+def test_the_newest_come_first_and_all_of_them(desk, store, count):
+    made = []
+    for _ in range(count):
+        made.append(store.insert(JobSpec("regions", "", {}, world_digest="here"))[0].id)
+        store.insert(JobSpec("regions", "", {}, world_digest="elsewhere"))
+    assert asyncio.run(taken(desk, -1)) == made[::-1]
+
+
+@pytest.mark.parametrize("wanted", [1, 2, 5])
+def test_no_more_are_read_than_were_looked_at_and_as_many_again(desk, store, wanted):
+    for _ in range(30):
+        store.insert(JobSpec("regions", "", {}, world_digest="here"))
+    assert len(asyncio.run(taken(desk, wanted))) == wanted
+    assert store.num_read < 2 * wanted
+
+
+@pytest.mark.parametrize("state", ["queued", "running"])
+def test_what_rests_is_not_read_to_find_what_moves(desk, store, state):
+    spec = JobSpec("execution", "", {"group": "arm"}, scene="here")
+
+    def ended():
+        store.cancel(store.insert(spec)[0].id, Canceled("over"))
+
+    for _ in range(30):
+        ended()
+    asyncio.run(require_at_rest(desk, "here"))
+    assert store.num_read == 0
+    moves = store.insert(spec)[0].id
+    if state == "running":
+        store.start(moves)
+    for _ in range(30):
+        ended()
+    with pytest.raises(RobotBusy, match=moves):
+        asyncio.run(require_at_rest(desk, "here"))
+    assert store.num_read == 1
+    asyncio.run(require_at_rest(desk, "elsewhere"))
+
+
+def test_what_begins_to_move_while_it_is_looked_for_is_found(desk, store):
+    store.begins = store.insert(JobSpec("execution", "", {"group": "arm"}, scene="here"))[0].id
+    with pytest.raises(RobotBusy, match=store.begins):
+        asyncio.run(require_at_rest(desk, "here"))
