@@ -22,10 +22,11 @@ class RegionsOutline(TaskModel):
     timings: dict[str, float] = Field(default_factory=dict)
 
 
-class RegionsOutcome(RegionsOutline):
+class RegionsOutcome(TaskModel):
     """Regions in full, and the seconds of each stage."""
 
     result: RegionsResult
+    timings: dict[str, float]
 
 
 GROW_REGIONS = Task(
