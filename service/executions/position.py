@@ -37,22 +37,24 @@ def require_at_start(group: Group, start: list[float]) -> None:
         raise StartMismatch(message, evidence)
 
 
-async def require_at_rest(desk: SceneJobs, scene: str) -> None:
-    """Go on only if nothing moves in a scene.
+async def require_at_rest(desk: SceneJobs, scene: str) -> int:
+    """Return the sequence of the last execution in a scene, 0 for none, if nothing moves there.
 
     A motion was proven against other robots where they stood, not against other motions.
 
     Raises:
         RobotBusy: An execution moves a robot of the scene.
     """
-    job = await desk.in_scene("execution", scene)
-    if job is not None:
+    async for job in desk.newest("execution", scene=scene):  # no older one can be open
+        if job.state.is_final:
+            return job.sequence
         group = ExecutionOutline.model_validate(job.payload).group
         message = (
             f"execution {job.id} moves {group}, and motions of one scene are not proven "
             "against each other while they run; wait for its end, or cancel it"
         )
         raise RobotBusy(message, {"execution": job.id, "group": group})
+    return 0
 
 
 async def last_status(desk: SceneJobs, job: JobSummary) -> ExecutionStatus | None:

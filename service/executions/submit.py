@@ -1,9 +1,13 @@
 """Queueing the execution of a plan, once it is known to hold."""
 
+from contextlib import suppress
+from dataclasses import replace
+
 from service.executions.models import ExecutionRequest
 from service.executions.position import require_at_rest, require_at_start
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
 from service.job_spec import spec_of
+from service.jobs.errors import Overtaken
 from service.jobs.key import IdempotencyKey
 from service.jobs.tables import Job, JobSpec
 from service.jobs.tasks import TaskModel
@@ -11,7 +15,6 @@ from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
 from service.plans.resource import polynomial_of
 from service.scene_jobs import SceneJobs
-from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
 from service.scenes.tasks import SceneWork, StoredScene
 from service.scenes.validation import require_group
@@ -55,19 +58,14 @@ async def submit_execution(
     trajectory = Polynomial.model_validate(polynomial_of(job))
     plan, outcome = _Plan.model_validate(job.payload), _PlanOutcome.model_validate(job.result)
     idempotency = IdempotencyKey(key, request.model_dump(mode="json"))
-    # Two requests at once must not both find the robot at rest.
-    async with desk.admitting_motion:
-        again = JobSpec(
-            EXECUTE.queue,
-            EXECUTE.name,
-            {},
-            key=idempotency.text,
-            request_digest=idempotency.digest,
-        )
+    asked = {"key": idempotency.text, "request_digest": idempotency.digest}
+    again = JobSpec(EXECUTE.queue, EXECUTE.name, {}, **asked)
+    while True:
         if (known := await desk.find_by_key(again)) is not None:
             return known
-        # Before the scene is read: what ends until then is in it.
-        await require_at_rest(desk, plan.request.scene)
+        # Before the scene is read: what ends until then is in it. Of what begins later the database
+        # knows, whichever server it was asked of; then all is looked at once more.
+        last = await require_at_rest(desk, plan.request.scene)
         record = await scenes.fresh(plan.request.scene)
         group = require_group(record, plan.request.group)
         require_at_start(group, outcome.result.start)
@@ -82,7 +80,11 @@ async def submit_execution(
             trajectory=trajectory,
             speed=request.speed,
         )
-        return await _submit(work, record, idempotency, scenes, desk)
+        payload = work.model_dump(mode="json")
+        spec = spec_of(EXECUTE.queue, EXECUTE.name, payload, scene=record, key=idempotency)
+        # The scene is looked up again until this has ended and the scene knows where.
+        with suppress(Overtaken), scenes.latest.changing(record.id):
+            return await desk.submit(replace(spec, follows=last))
 
 
 async def _check_proven(
@@ -103,17 +105,3 @@ async def _check_proven(
         trajectory=trajectory,
     )
     await desk.call(PROVE, work)
-
-
-async def _submit(
-    work: ExecutionWork,
-    record: SceneRecord,
-    key: IdempotencyKey,
-    scenes: SceneShelf,
-    desk: SceneJobs,
-) -> Job:
-    payload = work.model_dump(mode="json")
-    job = spec_of(EXECUTE.queue, EXECUTE.name, payload, scene=record, key=key)
-    # The scene is looked up again until this has ended and the scene knows where.
-    with scenes.latest.changing(record.id):
-        return await desk.submit(job)
