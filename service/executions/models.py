@@ -105,6 +105,11 @@ class Execution(ResponseModel):
     group: str = Field(description="What moves")
     status: ExecutionStatus | None = Field(description="The latest; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
+    timings: dict[str, float] = Field(
+        default={},
+        description="Seconds of the stages `load` and `execute`, once it has ended; of a failure "
+        "those of `failure` [s]",
+    )
     unrecorded: list[str] = Field(description=UNRECORDED)
 
 

@@ -3,7 +3,7 @@
 from service.api.problem import Failure
 from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
-from service.executions.tasks import ExecutionOutline
+from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.states import JobState
 from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
@@ -20,6 +20,9 @@ async def execution_resource(desk: SceneJobs, job: JobSummary) -> Execution:
     work = ExecutionOutline.model_validate(job.payload)
     status = await last_status(desk, job)
     state = state_of(job, status)
+    outcome = None if job.result is None else ExecutionOutcome.model_validate(job.result)
+    failure = None if job.failure is None else Failure.model_validate(job.failure)
+    ended = outcome or failure
     return Execution(
         id=job.id,
         state=state,
@@ -30,7 +33,8 @@ async def execution_resource(desk: SceneJobs, job: JobSummary) -> Execution:
         scene=work.scene_id,
         group=work.group,
         status=None if status is None else status.model_copy(update={"state": state}),
-        failure=None if job.failure is None else Failure.model_validate(job.failure),
+        failure=failure,
+        timings={} if ended is None else ended.timings,
         unrecorded=desk.unrecorded(job),
     )
 

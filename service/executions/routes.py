@@ -72,7 +72,7 @@ async def get_execution(job: ExecutionJob, desk: JobsDep) -> Execution:
 async def stream_execution_events(
     job: ExecutionJob, desk: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
-    """Stream what happens to an execution: queued, started, status, finished."""
+    """Stream what happens to an execution: queued, started, stage, status, finished."""
     async for event in server_sent(desk, job, last_event_id):
         yield event
 

@@ -1,5 +1,7 @@
 """Tasks about executions: to carry a plan out, and to prove it anew before."""
 
+from pydantic import Field
+
 from service.executions.models import ExecutionRequest, ExecutionStatus
 from service.jobs.outline import Outline
 from service.jobs.tasks import Task, TaskModel
@@ -24,9 +26,10 @@ class ExecutionWork(ExecutionOutline):
 
 
 class ExecutionOutcome(TaskModel):
-    """The last status of an execution that reached its end."""
+    """The last status of an execution that reached its end, and the seconds of each stage."""
 
     status: ExecutionStatus
+    timings: dict[str, float] = Field(default_factory=dict)
 
 
 class ExecutedMotion(SceneWork):

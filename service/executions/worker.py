@@ -3,8 +3,11 @@
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 
 from planning import Simulation, World
+from planning.domain.report.motion_plan import Progress
+from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import Canceled
 from planning.execute import status as domain
 from planning.execute.driver import SimulatedDriver
@@ -14,6 +17,7 @@ from planning.execute.states import ExecutionState
 from service.executions.models import Contact, ExecutionStatus
 from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
+from service.plans.progress import StageLog
 from service.scenes.world_cache import borrow_world
 
 # How long a tick takes, or works [s].
@@ -31,15 +35,25 @@ def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
         Canceled: The end was asked for; the robot came to rest on its path first.
         ExecutionFailure: The robot left its trajectory or touched something.
     """
-    with borrow_world(work) as world:
-        runner = _runner(world, work)
-        status = follow(runner, context, work.speed)
+    log = StageLog(context)
+    watch = Stopwatch(time.monotonic, lambda stage: log(Progress(stage, 0.0)))
+    with watch.timing_failures(), ExitStack() as stack:
+        with watch.stage("load"):
+            world = stack.enter_context(borrow_world(work))
+        with watch.stage("execute"):
+            status = _carried_out(_runner(world, work), context, work.speed)
+    return ExecutionOutcome(status=status, timings=watch.seconds_by_name)
+
+
+def _carried_out(runner: Runner, context: TaskContext, speed: float) -> ExecutionStatus:
+    """Return the last status of an execution that has reached its end; raises as `execute`."""
+    status = follow(runner, context, speed)
     if runner.execution.failure is not None:
         raise runner.execution.failure
     if runner.execution.state is ExecutionState.CANCELED:
         message = f"canceled {runner.status.time:.2f} s into the motion"
         raise Canceled(message, {"time": runner.status.time})
-    return ExecutionOutcome(status=status)
+    return status
 
 
 def _runner(world: World, work: ExecutionWork) -> Runner:

@@ -1,12 +1,16 @@
 """An execution looks at what is asked of it by the clock on the wall, whatever its speed."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 
+from planning.errors import TrackingLost
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
+from service.executions import worker
 from service.executions.worker import MAX_SILENCE, TICK, follow
 from tests.clocks import FakeClock
 from tests.execute.conftest import EchoDriver, limits, quintic
@@ -34,6 +38,9 @@ class TaskContext:
 
     def controls(self):
         return self.asked.pop(0) if self.asked else {}
+
+    def emit(self, _, data):
+        self.told.append((self.clock.now, data))
 
     def update(self, _, data):
         self.told.append((self.clock.now, data))
@@ -111,3 +118,22 @@ def test_it_says_how_late_it_was(delay):
     last = follow(runner, channel, 1.0, CLOCK, wait)
     assert delay - 1e-9 <= last.lateness <= delay + COST + 1e-9
     assert channel.told[0][1]["lateness"] == 0.0
+
+
+def test_one_that_fails_tells_its_stage_and_the_seconds_of_all(monkeypatch):
+    runner = Runner(Execution(quintic(2.0), limits()), EchoDriver())
+    monkeypatch.setattr(worker, "borrow_world", lambda work: nullcontext())
+    monkeypatch.setattr(worker, "_runner", lambda world, work: runner)
+
+    def follow_until_it_is_lost(*_):
+        runner.execution = runner.execution.fail(TrackingLost("the robot is elsewhere"))
+
+    monkeypatch.setattr(worker, "follow", follow_until_it_is_lost)
+    context = TaskContext(CLOCK)
+    with pytest.raises(TrackingLost) as failure:
+        worker.execute(SimpleNamespace(speed=1.0), context)
+    assert failure.value.stage == "execute"
+    assert set(failure.value.timings) == {"load", "execute", "total"}
+    stages = [data for _, data in context.told]
+    assert [data["stage"] for data in stages] == ["load", "execute"]
+    assert set(stages[-1]["timings"]) == {"load"}
