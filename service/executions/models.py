@@ -7,9 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field
 
 from planning.execute import status as domain
-from service.api.models import UNRECORDED, Identifier, RequestModel, ResponseModel
-from service.api.numbers import Real
-from service.api.problem import Failure
+from service.api.models import UNRECORDED, Failure, Identifier, Real, RequestModel, ResponseModel
 
 
 class ExecutionState(StrEnum):

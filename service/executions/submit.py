@@ -58,8 +58,9 @@ async def submit_execution(
     trajectory = Polynomial.model_validate(polynomial_of(job))
     plan, outcome = _Plan.model_validate(job.payload), _PlanOutcome.model_validate(job.result)
     idempotency = IdempotencyKey(key, request.model_dump(mode="json"))
-    asked = {"key": idempotency.text, "request_digest": idempotency.digest}
-    again = JobSpec(EXECUTE.queue, EXECUTE.name, {}, **asked)
+    again = JobSpec(
+        EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
+    )
     while True:
         if (known := await desk.find_by_key(again)) is not None:
             return known

@@ -5,8 +5,7 @@ from typing import Annotated
 from pydantic import Field, Strict
 
 from planning.domain.request import options as domain
-from service.api.models import Name, RequestModel
-from service.api.numbers import WHOLE, NonNegative, Real
+from service.api.models import WHOLE, Name, NonNegative, Real, RequestModel
 
 
 class PoseMetric(RequestModel):

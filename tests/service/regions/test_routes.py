@@ -57,7 +57,7 @@ def test_grown_regions_say_everything(client, square, grown):
     assert listed[0]["summary"] == summary
     assert "result" not in listed[0]
     with client.stream("GET", f"/v1/regions/{grown['id']}/events") as answer:
-        types = [event.type for event in decode_events(answer.iter_lines())]
+        types = [event.type for event in decode_events(answer)]
     assert types[0] == "queued"
     assert types[-1] == "finished"
 
@@ -161,7 +161,7 @@ def test_a_cancel_ends_the_growth_and_the_stages_until_then_are_timed(client, sq
     job = client.post(f"/v1/scenes/{square}/regions", json=ENDLESS).json()
     path = f"/v1/regions/{job['id']}"
     with client.stream("GET", f"{path}/events") as answer:
-        events = decode_events(answer.iter_lines())
+        events = decode_events(answer)
         next(event for event in events if event.data.get("stage") == "regions")
         assert client.post(f"{path}/cancel").status_code == 200
         list(events)
