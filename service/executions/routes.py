@@ -17,6 +17,7 @@ from service.dependencies import ExecutionJob, JobsDep, OpenExecution, ScenesDep
 from service.executions.commands import steer
 from service.executions.models import (
     Execution,
+    ExecutionEvent,
     ExecutionPage,
     ExecutionRequest,
     SpeedRequest,
@@ -71,7 +72,7 @@ async def get_execution(job: ExecutionJob, desk: JobsDep) -> Any:
     "/{execution}/events",
     operation_id="streamExecutionEvents",
     response_class=EventSourceResponse,
-    responses={200: EVENTS, **problems(404, 422)},
+    responses={200: {**EVENTS, "model": ExecutionEvent}, **problems(404, 422)},
 )
 async def stream_execution_events(
     job: ExecutionJob, desk: JobsDep, last_event_id: LastEventId = None
