@@ -31,7 +31,7 @@ CALLS: tuple[Call, ...] = (
 )
 _REPOSITORY = Path(__file__).parents[3]
 # They are the transport's.
-_UNTOLD = {"content-length", "date", "server"}
+_UNTOLD = {"content-length", "date", "server", "x-request-id"}
 _WORDS = re.compile(r">([^<>]*\S[^<>]*)</text>")
 
 
