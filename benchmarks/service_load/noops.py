@@ -6,8 +6,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-from service.jobs.worker.process_worker import ProcessWorker
-
 from benchmarks.service_load.measure import Measure
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
@@ -15,6 +13,7 @@ from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue
 from service.jobs.store import JobStore
 from service.jobs.tables import JobSpec
+from service.jobs.worker.process_worker import ProcessWorker
 
 _HERE = __name__
 _LONGEST = 300.0

@@ -12,7 +12,7 @@ from service.jobs.error_text import dump_error
 from service.jobs.errors import InternalError
 from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
 from service.jobs.outline import without
-from service.jobs.tasks import outline_of, task_named
+from service.jobs.tasks import is_declared, outline_of, task_named
 from service.jobs.worker.protocol import MessageKind
 
 # Events are for people; whatever is larger belongs into the result.
@@ -42,7 +42,7 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     interrupt, memory that ran out) is a crash.
     """
     try:
-        if ":" not in task:
+        if is_declared(task):
             done = task_named(task).run(payload, channel)
             return TaskEnd(MessageKind.RESULT, done.text, done.brief)
         found = load_task(task)(json.loads(payload), channel)

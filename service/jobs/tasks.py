@@ -34,7 +34,6 @@ _PLAN = Outline(
 _OUTLINES: Mapping[str, Outline] = {
     "service.plans.worker:plan_motion": _PLAN,
     "service.plans.reverse_worker:reverse_motion": _PLAN,
-    "service.regions.worker:grow": Outline(result=("result.regions", "result.portals")),
     "service.executions.worker:execute": Outline(payload=("trajectory",)),
 }
 _NOTHING_LARGE = Outline()
@@ -139,6 +138,11 @@ def task_named(name: str) -> Task[Any, Any]:
         message = f"there is no task {name!r}; tasks: {sorted(_tasks)}"
         raise UnknownTask(message)
     return found
+
+
+def is_declared(name: str) -> bool:
+    """Return whether a name is that of a task, whether or not there is one, and of no function."""
+    return ":" not in name or _FORMER_NAMES.get(name) in _tasks
 
 
 def outline_of(task: str) -> Outline:

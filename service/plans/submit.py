@@ -15,8 +15,8 @@ from service.jobs.tables import Job
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
 from service.plans.models.trajectory_conversion import require_one_sampling
-from service.regions.eligibility import asks_for_regions, own_cars, require_fit
-from service.regions.selection import chosen_regions, regions_file
+from service.regions.eligibility import check_eligible, own_cars, uses_gcs
+from service.regions.selection import SelectedRegions, regions_file, select_regions
 from service.scene_jobs import SceneJobs
 from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
@@ -70,7 +70,7 @@ async def submit_plan(
     require_planner(await desk.planners(), request.search)
     require_search_names(group, request.search)
     require_cars(group, request.search)
-    regions = await chosen_regions(request, record, desk)
+    regions = await select_regions(request, record, desk)
     payload = {
         **await desk.scene_payload(record),
         "request": _settled(request, record, regions),
@@ -89,7 +89,9 @@ async def submit_plan(
     )
 
 
-def _settled(request: PlanRequest, record: SceneRecord, regions: Job | None) -> dict[str, Any]:
+def _settled(
+    request: PlanRequest, record: SceneRecord, regions: SelectedRegions | None
+) -> dict[str, Any]:
     """Return the request with what time would decide: asked again, it gives the same bytes."""
     settled = request.model_dump(mode="json")
     settled["revision"] = record.revision
@@ -144,6 +146,6 @@ def require_cars(group: Group, search: Search) -> None:
     """
     planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
     cars = resolve_steering(own_cars(group), search.cars, planar)
-    if asks_for_regions(search):
-        require_fit(group, cars, "search.planner")
+    if uses_gcs(search):
+        check_eligible(group, cars, "search.planner")
     validate_forward_planners(search.planners, cars)

@@ -11,7 +11,7 @@ from service.scenes.validation import Group
 PLANNER = "GCS"
 
 
-def asks_for_regions(search: Search) -> bool:
+def uses_gcs(search: Search) -> bool:
     """Return whether the planner that plans inside regions is among those asked for."""
     return PLANNER in ([search.planner] if isinstance(search.planner, str) else search.planner)
 
@@ -23,8 +23,8 @@ def own_cars(group: Group) -> dict[str, Steering]:
     return {name: Steering(**how) for name, how in told.items() if how is not None}
 
 
-def require_fit(group: Group, cars: Mapping[str, Steering], field: str) -> None:
-    """Go on only if the group can have regions.
+def check_eligible(group: Group, cars: Mapping[str, Steering], field: str) -> None:
+    """Check that the group can have regions.
 
     Raises:
         ProblemInvalid: A joint floats, or is steered.

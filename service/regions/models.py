@@ -1,10 +1,11 @@
 """Regions: convex sets of free configurations, grown in the background."""
 
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, Strict
 
+from planning.domain.planner import regions as domain
 from service.api.models import (
     UNRECORDED,
     WHOLE,
@@ -66,6 +67,19 @@ class RegionsRequest(RequestModel):
         default=0, description="Of all randomness: the same seed gives the same regions"
     )
 
+    def to_domain(self) -> domain.RegionOptions:
+        """Return the options of the growth."""
+        return domain.RegionOptions(
+            num_regions=self.num_regions,
+            coverage=self.coverage,
+            along=self.along,
+            num_free=self.num_free,
+            iterations=self.iterations,
+            bounds={name: (low, high) for name, (low, high) in self.bounds.items()},
+            margin=self.margin,
+            padding=self.padding,
+        )
+
 
 class Region(ResponseModel):
     """A region: those configurations q with normals q <= offsets."""
@@ -113,6 +127,21 @@ class RegionsResult(RegionsSummary):
 
     regions: list[Region] = Field(description="In the order in which they were grown")
     portals: list[Portal] = Field(description="Where they overlap")
+
+    @classmethod
+    def from_domain(cls, regions: domain.Regions) -> Self:
+        """Return regions in full."""
+        return cls(
+            **regions.as_json,
+            num_regions=len(regions.regions),
+            num_portals=len(regions.portals),
+            digest=regions.digest,
+        )
+
+    def to_domain(self) -> domain.Regions:
+        """Return the regions, bit for bit as they were."""
+        derived = {"num_regions", "num_portals", "digest"}
+        return domain.Regions.from_json(self.model_dump(exclude=derived))
 
 
 class RegionsBrief(ResponseModel):

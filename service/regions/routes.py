@@ -3,22 +3,19 @@
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
 from collections.abc import AsyncIterator
-from typing import Any
 
 from fastapi import APIRouter, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.event_stream import EVENTS, server_sent
 from service.api.params import Cursor, LastEventId, Limit, SceneId
-from service.api.responses import accepted, problems, whole
+from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
-from service.jobs.tables import JobText
-from service.regions.models import RegionsBrief, RegionsJob, RegionsPage, RegionsRequest
-from service.regions.resource import regions_brief
+from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
+from service.regions.resource import regions_brief, regions_in_full
 from service.regions.submit import submit_regions
-from service.scene_jobs import SceneJobs
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
 
@@ -32,16 +29,17 @@ router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
 )
 async def grow_regions(
     scene: SceneId, request: RegionsRequest, asked: SubmissionDep, scenes: ScenesDep
-) -> Any:
+) -> Response:
     """Grow convex regions of free configurations, for plans with the planner GCS."""
     job = await submit_regions(scene, request, asked.key, scenes, asked.desk)
-    return await _whole(asked.desk, await asked.awaited(job, "/v1/regions"), asked.response)
+    return await regions_in_full(
+        asked.desk, await asked.awaited(job, "/v1/regions"), asked.response
+    )
 
 
 @router.get(
     "/scenes/{scene}/regions",
     operation_id="listRegions",
-    response_model=RegionsPage,
     responses=problems(404, 422),
 )
 async def list_regions(
@@ -50,11 +48,11 @@ async def list_regions(
     scenes: ScenesDep,
     limit: Limit = 50,
     cursor: Cursor = None,
-) -> Any:
+) -> RegionsPage:
     """List the regions that were asked for in a scene, newest first, without their faces."""
     record = await scenes.get(scene)
     page = await desk.page("regions", limit, cursor, scene=record.id)
-    return {"items": [regions_brief(desk, job) for job in page.jobs], "next": page.following}
+    return RegionsPage(items=[regions_brief(desk, job) for job in page.jobs], next=page.following)
 
 
 @router.get(
@@ -63,9 +61,9 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(found: RegionsText, desk: JobsDep) -> Any:
+async def get_regions(found: RegionsText, desk: JobsDep) -> Response:
     """Show regions: how far they are, and all of them once they have grown."""
-    return await _whole(desk, found)
+    return await regions_in_full(desk, found)
 
 
 @router.get(
@@ -88,12 +86,6 @@ async def stream_regions_events(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Any:
+async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Response:
     """End the growth, in whatever state it is; asking again changes nothing."""
-    return await _whole(desk, await desk.text_of(await desk.cancel(job)))
-
-
-async def _whole(desk: SceneJobs, found: JobText, told: Response | None = None) -> Response:
-    """Return regions in full."""
-    brief = RegionsBrief.model_validate(regions_brief(desk, found.summary))
-    return await whole(brief, found.result, told)
+    return await regions_in_full(desk, await desk.text_of(await desk.cancel(job)))

@@ -1,29 +1,49 @@
 """Which regions a plan is given."""
 
-import json
 import os
 from collections.abc import AsyncIterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from planning.errors import ProblemInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
 from service.errors import NoRegions
-from service.jobs.tables import Job, JobSummary
+from service.jobs.json_steps import member_of
+from service.jobs.json_text import Encoded
+from service.jobs.tables import JobSummary
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
-from service.regions.eligibility import PLANNER, asks_for_regions
+from service.regions.eligibility import PLANNER, uses_gcs
+from service.regions.models import RegionsSummary
+from service.regions.tasks import RegionsOutline, RegionsWork
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.validation import require_group
 
-_MOST_NAMED = 20
+_MAX_NAMED = 20
 # Some hundred files; many more than can be waited for at once.
-_MOST_BYTES = 2**29
+_MAX_BYTES = 2**29
 
 
-async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: SceneJobs) -> Job | None:
+@dataclass(frozen=True)
+class SelectedRegions:
+    """Regions that a plan is given.
+
+    Attributes:
+        id: Of their job.
+        digest: Of their content.
+        outcome: What the job gave, whole.
+    """
+
+    id: str
+    digest: str
+    outcome: Encoded
+
+
+async def select_regions(
+    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+) -> SelectedRegions | None:
     """Return the regions that a plan is given; None if its planners need none.
 
     The request names them, or they are the newest that were grown for the very content of the
@@ -35,18 +55,20 @@ async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: SceneJ
         UnknownResource: There are no regions of that id.
         NoRegions: There are none that fit.
     """
-    if not asks_for_regions(request.search):
-        _require_none(request.search)
+    if not uses_gcs(request.search):
+        _check_unnamed(request.search)
         return None
     group = require_group(record, request.group)["name"]
     margin = request.margin
     margin = float(record.document.get("margin") or 0.0) if margin is None else margin
-    seen: list[dict[str, Any]] = []
+    seen: list[dict[str, object]] = []
     async for job in _candidates(request, record, desk):
-        if _fits(job, record, group, margin):
-            return await desk.job("regions", job.id)
-        if len(seen) < _MOST_NAMED:
-            seen.append(_told(job))
+        grown = _grown(job)
+        if grown is not None and _fits(grown, record, group, margin):
+            outcome = (await desk.job_text("regions", job.id)).result
+            return SelectedRegions(job.id, grown.digest, outcome or Encoded("{}"))
+        if len(seen) < _MAX_NAMED:
+            seen.append(_describe(job, grown))
     raise NoRegions(
         f"the planner {PLANNER!r} needs regions of group {group!r} that keep {margin:g} m in this "
         f"revision of the scene; grow them by POST /v1/scenes/{record.id}/regions",
@@ -60,7 +82,7 @@ async def chosen_regions(request: PlanRequest, record: SceneRecord, desk: SceneJ
     )
 
 
-def _require_none(search: Search) -> None:
+def _check_unnamed(search: Search) -> None:
     if search.regions is not None:
         field = "search.regions"
         message = f"{field}: only the planner {PLANNER!r} plans inside regions, and nobody asked it"
@@ -71,49 +93,50 @@ async def _candidates(
     request: PlanRequest, record: SceneRecord, desk: SceneJobs
 ) -> AsyncIterator[JobSummary]:
     if request.search.regions is not None:
-        yield await desk.job("regions", request.search.regions)
+        yield (await desk.job_text("regions", request.search.regions)).summary
         return
     async for job in desk.newest("regions", world_digest=record.digest):
         yield job
 
 
-def _fits(job: JobSummary, record: SceneRecord, group: str, margin: float) -> bool:
-    grown = (job.result or {}).get("result")
-    return bool(
-        grown
-        and grown["scene"] == record.digest
-        and grown["group"] == group
-        and grown["margin"] >= margin
-        and grown["num_regions"]
+def _grown(job: JobSummary) -> RegionsSummary | None:
+    return None if job.result is None else RegionsOutline.model_validate(job.result).result
+
+
+def _fits(grown: RegionsSummary, record: SceneRecord, group: str, margin: float) -> bool:
+    return (
+        grown.scene == record.digest
+        and grown.group == group
+        and grown.margin >= margin
+        and grown.num_regions > 0
     )
 
 
-def _told(job: JobSummary) -> dict[str, Any]:
-    grown: dict[str, Any] = (job.result or {}).get("result", {})
-    named = {name: grown.get(name) for name in ("group", "margin", "scene", "num_regions")}
+def _describe(job: JobSummary, grown: RegionsSummary | None) -> dict[str, object]:
+    names = ("group", "margin", "scene", "num_regions")
     return {
         "id": job.id,
         "state": job.state,
-        "asked_group": job.payload["request"]["group"],
-    } | named
+        "asked_group": RegionsWork.model_validate(job.payload).request.group,
+        **{name: getattr(grown, name, None) for name in names},
+    }
 
 
-def regions_file(folder: Path, job: Job, most_bytes: int = _MOST_BYTES) -> str:
-    """Return the file from which slots read the regions, written if it is not there yet.
+def regions_file(folder: Path, regions: SelectedRegions, max_bytes: int = _MAX_BYTES) -> str:
+    """Return the file from which workers read the regions, written if it is not there yet.
 
     Files that no plan has asked for since many others were are removed: what plans wait for stays.
 
     Args:
         folder: Of all such files.
-        job: That grew the regions.
-        most_bytes: Of all files together.
+        regions: That are written.
+        max_bytes: Of all files together.
     """
-    grown: dict[str, Any] = (job.result or {})["result"]
-    path = folder / f"{grown['digest']}.json"
+    path = folder / f"{regions.digest}.json"
     try:
         os.utime(path)
     except FileNotFoundError:
-        write_atomically(path, json.dumps(grown))
+        write_atomically(path, member_of(regions.outcome.text, "result") or "null")
         with suppress(OSError):
-            evict_oldest(folder, most_bytes)
+            evict_oldest(folder, max_bytes)
     return str(path)

@@ -1,19 +1,18 @@
-"""Admission: what must be so before regions are grown."""
+"""Queueing the growth of regions."""
 
 from planning.domain.request.region_request import validate_one_turn
 from planning.errors import UnknownName
 from service.job_spec import spec_of
 from service.jobs.key import IdempotencyKey
 from service.jobs.tables import Job
-from service.regions.eligibility import own_cars, require_fit
+from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
+from service.regions.tasks import GROW_REGIONS, RegionsWork
 from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf
 from service.scenes.validation import joints_of, require_group
 
-TASK = "service.regions.worker:grow"
-
-# Growth minds its deadline by itself, between two regions; it is this much too late at most [s].
+# Growth looks at its deadline between two regions; it ends this much too late at most [s].
 _SLACK = 60.0
 
 
@@ -31,19 +30,23 @@ async def submit_regions(
     """
     record = await scenes.get(scene, request.revision)
     group = require_group(record, request.group)
-    require_fit(group, own_cars(group), "group")
+    check_eligible(group, own_cars(group), "group")
     for name in request.bounds:
         if name not in group["position_names"]:
             raise UnknownName.among("position", name, group["position_names"])
     validate_one_turn(joints_of(group), request.bounds)
-    asked = request.model_dump(mode="json")
-    payload = {
-        **await desk.scene_payload(record),
-        "request": asked,
-        "revision": record.revision,
-    }
-    allowed = request.allowed_time + _SLACK
-    named = IdempotencyKey(key, {"scene": record.id, **asked})
+    loaded = await desk.scene_work(record)
+    work = RegionsWork(
+        library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
+    )
+    payload = work.model_dump(mode="json")
     return await desk.submit(
-        spec_of("regions", TASK, payload, scene=record, key=named, allowed=allowed)
+        spec_of(
+            GROW_REGIONS.queue,
+            GROW_REGIONS.name,
+            payload,
+            scene=record,
+            key=IdempotencyKey(key, {"scene": record.id, **payload["request"]}),
+            allowed=request.allowed_time + _SLACK,
+        )
     )

@@ -1,13 +1,12 @@
-"""Bring your own: a path to time, or a trajectory to prove."""
+"""Requests and answers about motions of the client: timed, certified, stopped, spliced."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Self
 
-from pydantic import ConfigDict, Field, Strict
+from pydantic import ConfigDict, Field, Strict, model_validator
 
 from service.api.models import (
     WHOLE,
     Boolean,
-    Coordinate,
     Failure,
     Identifier,
     Name,
@@ -22,36 +21,39 @@ from service.plans.models.motion_limits import ScaledLimits
 from service.plans.models.reports import CertifyReport, RetimeReport
 from service.plans.models.request import Certify, Retime
 from service.plans.models.result import Certificate
+from service.plans.models.sampling import Sampling
 from service.plans.models.trajectory import Trajectory
-
-type Rows = Annotated[list[Positions], Field(min_length=2, max_length=20_000)]
-type Instants = Annotated[list[NonNegative], Field(min_length=2, max_length=20_001)]
-type Pieces = Annotated[list[Positions], Field(min_length=1, max_length=20_000)]
-type Powers = Annotated[list[Positions], Field(min_length=1, max_length=16)]
-
-# What samples may be taken for; no `type`, which would be a schema of its own in OpenAPI.
-AsAsked = Literal["quintic", "cubic", "cubic_spline", "linear"]
-Interpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"]
+from service.trajectories.input import Interpolation, OwnTrajectory
 
 _SCENE = {"scene": "scn_3f0c5b1e9a7d4c62", "group": "arm"}
-_PATH: dict[str, Any] = {
-    **_SCENE,
-    "waypoints": [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]],
-    "retime": {"method": "ruckig"},
-}
+_WAYPOINTS = [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]]
+_REST = [[0] * 6, [0] * 6]
+_PATH: dict[str, Any] = {**_SCENE, "waypoints": _WAYPOINTS, "retime": {"method": "ruckig"}}
 _MOTION: dict[str, Any] = {
     **_SCENE,
-    "trajectory": {
-        "times": [0, 1.5],
-        "positions": _PATH["waypoints"],
-        "velocities": [[0] * 6, [0] * 6],
-    },
+    "trajectory": {"times": [0, 1.5], "positions": _WAYPOINTS, "velocities": _REST},
+}
+_RUNNING: dict[str, Any] = {
+    "times": [0, 2],
+    "positions": _WAYPOINTS,
+    "velocities": _REST,
+    "accelerations": _REST,
+}
+_STOP: dict[str, Any] = {**_SCENE, "trajectory": _RUNNING, "time": 0.8}
+_ONTO: dict[str, Any] = {
+    **_RUNNING,
+    "positions": [[0.2, -1.5, 1.5, -1.57, -1.57, 0], [0.4, -1.2, 1.2, -1.57, -1.57, 0]],
 }
 
 
-class InScene(RequestModel):
-    """What all these questions have in common."""
+class MotionRequest(RequestModel):
+    """Fields of every request about a motion of the client."""
 
+    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
+        default=[],
+        description="What to keep on the way; what counts from the start counts from where the "
+        "given path or motion begins",
+    )
     scene: Identifier = Field(description="Id of a scene")
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
         default=None, description="Of the scene; null for its latest"
@@ -65,17 +67,7 @@ class InScene(RequestModel):
     )
 
 
-class KeptConstraints(RequestModel):
-    """What a motion keeps besides its limits."""
-
-    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
-        default=[],
-        description="What to keep on the way; what counts from the start counts from where the "
-        "given path or motion begins",
-    )
-
-
-class RetimeRequest(InScene, KeptConstraints):
+class RetimeRequest(MotionRequest):
     """Time a path of your own, and prove the motion."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_PATH]})
@@ -115,55 +107,7 @@ class RetimeResponse(ResponseModel):
     )
 
 
-class OwnPolynomial(RequestModel):
-    """The exact motion, as `Trajectory.polynomial` has it."""
-
-    breaks: Instants = Field(description="Instants between pieces, from 0, n + 1 of them [s]")
-    bases: Pieces = Field(description="Where each piece is anchored, n rows [rad or m]")
-    coefficients: Annotated[list[Powers], Field(min_length=1, max_length=20_000)] = Field(
-        description="n pieces, powers from 0 up, a column per velocity coordinate"
-    )
-    joint_names: list[Name] | None = Field(default=None, description="The group's joints in order")
-    joint_types: list[Name] | None = Field(default=None, description="Ignored: the scene knows")
-
-
-class OwnTrajectory(RequestModel):
-    """A timed motion as `Trajectory` has it: samples, or with `polynomial` exactly."""
-
-    times: Instants = Field(description="Instants of the samples, from 0 [s]")
-    positions: Rows = Field(description="One row per instant [rad or m]")
-    velocities: Rows | None = Field(
-        default=None, description="One row per instant [rad/s or m/s]; null if not known"
-    )
-    accelerations: Rows | None = Field(
-        default=None, description="One row per instant [rad/s^2 or m/s^2]; null if not known"
-    )
-    joint_names: list[Name] | None = Field(
-        default=None,
-        description="Whose the columns are, those of the rates too; null: the group's, in order",
-    )
-    velocity_names: list[Name] | None = Field(
-        default=None,
-        description="Whose the columns of the rates are; null: as those of the positions. Not "
-        "without `joint_names`, unless it is the group's order",
-    )
-    interpolation: AsAsked | None = Field(
-        default=None,
-        description="What the samples stand for: the polynomials of degree 5 (`quintic`) or 3 "
-        "(`cubic`) that meet what is given, the cubic spline with continuous acceleration that "
-        "rests at both ends (`cubic_spline`), or straight lines (`linear`); null for the first of "
-        "these that there are rates for",
-    )
-    interpolations: list[dict[str, Any]] | None = Field(
-        default=None, description="Ignored: what was proven of the samples where they come from"
-    )
-    duration: Coordinate | None = Field(default=None, description="Ignored: the times tell it [s]")
-    polynomial: OwnPolynomial | None = Field(
-        default=None, description="The exact motion; if it is given the samples are not looked at"
-    )
-
-
-class CertifyMotionRequest(InScene, KeptConstraints, ScaledLimits):
+class CertifyMotionRequest(MotionRequest, ScaledLimits):
     """Prove a trajectory of your own."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})
@@ -201,3 +145,73 @@ class CertifyMotionResponse(ResponseModel):
     )
     duration: float = Field(description="Of the motion [s]")
     stage: CertifyReport = Field(description="What it took")
+
+
+class _FromRunningMotion(MotionRequest, Sampling, ScaledLimits):
+    """A running motion, the instant at which it is left, and what to keep on the way."""
+
+    trajectory: OwnTrajectory = Field(
+        description="The running motion, read as `POST /trajectories/certify` reads one"
+    )
+    time: NonNegative = Field(description="When it is left, within its duration [s]")
+    polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
+
+
+class StopMotionRequest(_FromRunningMotion):
+    """Stop a running motion; only what is told here is kept."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [_STOP, {**_STOP, "along_path": True}]}
+    )
+
+    along_path: Boolean = Field(
+        default=False,
+        description="Stay on the path of the running motion, which is slowed down; else every "
+        "joint brakes by itself",
+    )
+    limit_jerk: Boolean = Field(
+        default=True,
+        description="Keep the limits on jerk, which the running motion must keep too; can only be "
+        "false along the path, where accelerations then may jump, at the first instant too",
+    )
+
+    @model_validator(mode="after")
+    def _limits_jerk_off_the_path(self) -> Self:
+        if not (self.limit_jerk or self.along_path):
+            message = "limit_jerk: only stops with `along_path` can do without"
+            raise ValueError(message)
+        return self
+
+
+class SpliceMotionRequest(_FromRunningMotion):
+    """Go over from a running motion to another one; only what is told here is kept."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{**_STOP, "onto": _ONTO}]})
+
+    onto: OwnTrajectory = Field(description="The other motion, which is followed to its end")
+
+
+class StopMotionResponse(ResponseModel):
+    """A certified motion from the instant on, or why there is none."""
+
+    trajectory: Trajectory | None = Field(
+        description="The motion, from the running motion's state at `time`, which is its 0; null "
+        "if there is none"
+    )
+    certificate: Certificate | None = Field(description="The proof; null if there is none")
+    stage: CertifyReport | None = Field(description="What it took; null if there is none")
+    interpolation: Interpolation = Field(
+        description="What the samples of the running motion were taken for"
+    )
+    failure: Failure | None = Field(
+        description="Why there is none: `retiming_failed`, `not_certified` with the failed checks, "
+        "`deadline_exceeded`; null if there is one"
+    )
+
+
+class SpliceMotionResponse(StopMotionResponse):
+    """A certified motion from the instant on to the end of the other one, or why there is none."""
+
+    onto_interpolation: Interpolation = Field(
+        description="What the samples of the other motion were taken for"
+    )

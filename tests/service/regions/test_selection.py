@@ -3,11 +3,11 @@
 import json
 import os
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
-from service.regions.selection import regions_file
+from service.jobs.json_text import Encoded
+from service.regions.selection import SelectedRegions, regions_file
 
 SIZE = 1_000
 
@@ -19,8 +19,9 @@ def file_of(tmp_path):
 
     def build(digest):
         grown = {"digest": digest, "regions": "x" * SIZE}
-        job = SimpleNamespace(result={"result": grown})
-        path = Path(regions_file(tmp_path, job, most_bytes=3 * (SIZE + 50)))
+        outcome = Encoded(json.dumps({"result": grown, "timings": {}}))
+        regions = SelectedRegions("reg", digest, outcome)
+        path = Path(regions_file(tmp_path, regions, max_bytes=3 * (SIZE + 50)))
         assert json.loads(path.read_text()) == grown
         # files may be younger than a clock tells apart
         os.utime(path, (0, next(clock)))
