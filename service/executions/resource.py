@@ -2,11 +2,23 @@
 
 from typing import Any
 
+from service.executions.models import ExecutionState
 from service.executions.position import last_status
+from service.jobs.states import JobState
 from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
 
 _FINAL = {"succeeded": "succeeded", "failed": "aborted", "canceled": "canceled"}
+# The state of the job of an execution; one that is canceled before it begins ends at once.
+JOB_STATES = {
+    ExecutionState.ACCEPTED: JobState.QUEUED,
+    ExecutionState.EXECUTING: JobState.RUNNING,
+    ExecutionState.PAUSED: JobState.RUNNING,
+    ExecutionState.CANCELING: JobState.RUNNING,
+    ExecutionState.SUCCEEDED: JobState.SUCCEEDED,
+    ExecutionState.CANCELED: JobState.CANCELED,
+    ExecutionState.ABORTED: JobState.FAILED,
+}
 
 
 async def execution_resource(desk: SceneJobs, job: JobSummary) -> dict[str, Any]:

@@ -98,21 +98,20 @@ class JobService:
         self,
         lane: str,
         limit: int,
-        cursor: str | None,
+        before: int | None,
         *,
         state: str | None = None,
         scene: str | None = None,
         world_digest: str | None = None,
     ) -> JobPage:
-        """Return jobs of a lane, newest first, from a cursor on."""
-        before = None if cursor is None else int(cursor)
+        """Return jobs of a lane, newest first, of those before a number of the list."""
 
         def read() -> list[JobSummary]:
             wanted = {"state": state, "scene": scene, "world_digest": world_digest}
             return self._store.page(lane, wanted, before=before, limit=limit + 1)
 
         found = await to_thread.run_sync(read)
-        following = str(found[limit - 1].sequence) if len(found) > limit else None
+        following = found[limit - 1].sequence if len(found) > limit else None
         return JobPage(found[:limit], following)
 
     async def newest(
