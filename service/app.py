@@ -11,6 +11,7 @@ from service.api.body_limit import BodyLimit
 from service.api.client_disconnect import DisconnectWatch
 from service.api.graceful_shutdown import GracefulShutdown
 from service.api.host_check import HostCheck
+from service.api.metrics import MeasureRequests, Metrics
 from service.api.params import require_known_query
 from service.api.request_id import RequestId
 from service.catalog import routes as catalog
@@ -61,12 +62,14 @@ def create_app(
     """
     chosen = settings or Settings()
 
+    metrics = Metrics()
+
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken) as (desk, shelf):
+            async with open_services(chosen, on_taken, metrics.note_end) as (desk, shelf):
                 app.state.desk, app.state.scenes = desk, shelf
                 has_started = True
                 yield
@@ -86,6 +89,7 @@ def create_app(
         redirect_slashes=False,
     )
     app.state.settings = chosen
+    app.state.metrics = metrics
     app.add_middleware(DisconnectWatch)
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
@@ -93,6 +97,7 @@ def create_app(
     app.add_middleware(HostCheck, settings=chosen)
     app.state.is_stopping = False
     app.add_middleware(GracefulShutdown, is_stopping=lambda: app.state.is_stopping)
+    app.add_middleware(MeasureRequests, metrics=metrics)
     app.add_middleware(RequestId)
     problems.install(app)
     openapi.install(app)

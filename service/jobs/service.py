@@ -9,6 +9,7 @@ from anyio import to_thread
 from service.errors import NotReady, UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
+from service.jobs.scheduler import QueueLoad
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.tables import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
@@ -195,6 +196,10 @@ class JobService:
         if faults:
             named = "; ".join(f"{lane}: {fault}" for lane, fault in faults.items())
             raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
+
+    def loads(self) -> dict[str, QueueLoad]:
+        """Return what waits and what works, by queue."""
+        return self._dispatcher.loads()
 
     async def counts(self) -> dict[str, dict[str, int]]:
         """Return how many jobs there are, by state and lane."""
