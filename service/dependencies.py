@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from service.jobs.tables import Job, JobSummary, JobText
+from service.jobs.job import Job, JobSummary, JobText
 from service.routes.answers import ExecutionId, PlanId, RegionsId
 from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf

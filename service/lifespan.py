@@ -14,8 +14,9 @@ from service.jobs.dispatcher import Dispatcher
 from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue, Share
 from service.jobs.store import JobStore
+from service.jobs.worker.assignment import Worker
 from service.jobs.worker.main import Terms
-from service.jobs.worker.process_worker import ProcessWorker, Worker
+from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
 from service.plans.versions import versions

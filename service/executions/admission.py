@@ -4,8 +4,7 @@ from typing import Any
 
 from service.executions.whereabouts import require_at_rest, require_at_start
 from service.job_spec import spec_of
-from service.jobs.key import IdempotencyKey
-from service.jobs.tables import Job, JobSpec
+from service.jobs.job import IdempotencyKey, Job, JobSpec
 from service.plans.wire import polynomial_of
 from service.scene_jobs import SceneJobs
 from service.scenes.preflight import require_group

@@ -2,8 +2,8 @@
 
 from planning.errors import IllegalTransition
 from service.executions.controls import IS_PAUSED, SPEED
+from service.jobs.job import Job, JobSummary
 from service.jobs.service import JobService
-from service.jobs.tables import Job, JobSummary
 
 
 async def steer(

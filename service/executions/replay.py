@@ -4,8 +4,8 @@ from typing import Any
 
 from service.errors import NotFinished
 from service.executions.whereabouts import last_status
+from service.jobs.job import JobSummary
 from service.jobs.service import JobService
-from service.jobs.tables import JobSummary
 
 
 async def executed_motions(desk: JobService, scene: str, most: int) -> list[dict[str, Any]]:

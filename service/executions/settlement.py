@@ -7,7 +7,7 @@ the execution ended, so that nothing is lost if the server ends before.
 
 from service.errors import RevisionConflict
 from service.executions.whereabouts import last_status
-from service.jobs.tables import JobSummary
+from service.jobs.job import JobSummary
 from service.scene_jobs import SceneJobs
 from service.scenes.preflight import Group, require_group
 from service.scenes.records import SceneRecord

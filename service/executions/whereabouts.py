@@ -5,8 +5,8 @@ from typing import Any
 
 from planning.domain.robot.joints import Joint, JointType
 from service.errors import RobotBusy, StartMismatch
+from service.jobs.job import JobSummary
 from service.jobs.service import JobService
-from service.jobs.tables import JobSummary
 from service.scenes.preflight import Group
 
 # An execution ends within 0.005 of where it should [rad or m].

@@ -3,8 +3,8 @@
 from typing import Any
 
 from service.executions.whereabouts import last_status
+from service.jobs.job import JobSummary
 from service.jobs.service import JobService
-from service.jobs.tables import JobSummary
 
 _FINAL = {"succeeded": "succeeded", "failed": "aborted", "canceled": "canceled"}
 

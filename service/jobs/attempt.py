@@ -12,6 +12,7 @@ from typing import Any
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
 from service.jobs.event_buffer import EventBuffer, PendingEvent
+from service.jobs.job import Job, JobText
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,
@@ -28,9 +29,8 @@ from service.jobs.outcome import (
 from service.jobs.recorder import JobRecorder
 from service.jobs.scheduler import Scheduler
 from service.jobs.states import JobState
-from service.jobs.tables import Job, JobText
 from service.jobs.transitions import Transition, ended_job
-from service.jobs.worker.process_worker import Assignment, Worker
+from service.jobs.worker.assignment import Assignment, Worker
 
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0

@@ -6,14 +6,14 @@ from functools import partial
 from typing import Any
 
 from planning.errors import DeadlineExceeded
-from service.jobs.durations import CallKind
 from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode
 from service.jobs.json_text import Encoded, decode_parts
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
+from service.jobs.queue import CallKind
 from service.jobs.scheduler import Scheduler
-from service.jobs.worker.process_worker import Assignment, Worker
+from service.jobs.worker.assignment import Assignment, Worker
 
 _ATTEMPTS = 2
 

@@ -10,18 +10,16 @@ from typing import Any
 from service.jobs.attempt import Attempt
 from service.jobs.calls import Answer, Calls, Question
 from service.jobs.event_bus import EventBatch, EventBus
-from service.jobs.intake import Intake
-from service.jobs.leader import DispatcherLock
-from service.jobs.ownership_watch import DatabaseTimeouts, LockWatch
+from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.leader import DatabaseTimeouts, DispatcherLock, LockWatch
 from service.jobs.queue import JobQueue
 from service.jobs.recorder import JobRecorder
 from service.jobs.recovery import Recovery
+from service.jobs.requests import Intake, JobControl
 from service.jobs.scheduler import Scheduler
-from service.jobs.steering import JobControl
 from service.jobs.store import JobStore
-from service.jobs.tables import Job, JobSpec, JobSummary, JobText, LoggedEvent
-from service.jobs.waiting import END_OF_STREAM, JobWaits
-from service.jobs.worker.process_worker import Worker
+from service.jobs.waits import END_OF_STREAM, JobWaits
+from service.jobs.worker.assignment import Worker
 
 # To record the ends of what ran when the server stops [s].
 _WRITING = 5.0

@@ -14,8 +14,8 @@ from service.jobs.errors import DatabaseTaken
 from service.jobs.event_buffer import PendingEvent
 from service.jobs.event_bus import EventBus
 from service.jobs.group_commit import GroupCommit
+from service.jobs.job import LoggedEvent
 from service.jobs.store import JobStore
-from service.jobs.tables import LoggedEvent
 from service.jobs.transitions import Transition
 
 # Before what the database refused is written again [s].

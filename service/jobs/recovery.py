@@ -8,11 +8,11 @@ from typing import Any
 from planning.errors import Canceled
 from service.jobs.attempt import CONTROLS
 from service.jobs.errors import InternalError, ServerRestarted
+from service.jobs.job import Job
 from service.jobs.leader import DispatcherLock
 from service.jobs.recorder import JobRecorder
 from service.jobs.scheduler import Scheduler
 from service.jobs.states import JobState
-from service.jobs.tables import Job
 from service.jobs.transitions import Transition
 
 

@@ -5,10 +5,9 @@ import logging
 from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
-from service.jobs.durations import CallKind
 from service.jobs.errors import QueueFull
-from service.jobs.queue import JobQueue, QueueEntry
-from service.jobs.worker.process_worker import Worker
+from service.jobs.queue import CallKind, JobQueue, QueueEntry
+from service.jobs.worker.assignment import Worker
 from service.jobs.worker_pool import WorkerPool
 
 _log = logging.getLogger(__name__)

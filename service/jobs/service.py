@@ -9,9 +9,9 @@ from anyio import to_thread
 from service.errors import NotReady, UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
+from service.jobs.job import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.jobs.tables import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 
 _CHUNK = 20
 

@@ -11,30 +11,25 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
 
 from planning.errors import Canceled, WayproofError
-from service.jobs import reading
 from service.jobs.briefs import fill_summaries
-from service.jobs.database import set_durability, sync_log
-from service.jobs.enrolling import Draft, draft, find_by_idempotency_key, insert_job
+from service.jobs.database import Prepared, set_durability, sync_log
 from service.jobs.errors import DatabaseTaken
+from service.jobs.job import Job, JobSpec, LoggedEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import outline_of, without
-from service.jobs.prepared import Prepared
-from service.jobs.queries import JobQueries
-from service.jobs.reading import now
+from service.jobs.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.states import JobEvent, JobState
-from service.jobs.tables import (
-    Job,
-    JobSpec,
-    LoggedEvent,
-    bodies,
-    jobs,
-    makers,
-    metadata,
-    owner,
-    summaries,
+from service.jobs.tables import bodies, jobs, makers, metadata, owner, summaries
+from service.jobs.transitions import (
+    Draft,
+    Transition,
+    append_events,
+    apply_event,
+    draft,
+    insert_job,
+    reserve_events,
 )
-from service.jobs.transitions import Transition, append_events, apply_event, reserve_events
 
 _OPEN = [state.value for state in JobState if not state.is_final]
 _WHOSE = bindparam("whose")
@@ -190,7 +185,7 @@ class JobStore(JobQueries):
         """
         with self.transaction(is_durable=True) as connection:
             connection.execute(_CANCEL, {"whose": identifier})
-            return reading.job(connection, identifier)
+            return read_job(connection, identifier)
 
     def append_events(
         self, identifier: str, told: Sequence[tuple[str, Encoded]], *, may_wait: bool = False

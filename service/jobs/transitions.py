@@ -1,19 +1,23 @@
-"""Moving a job from state to state, and the event that tells of it, in one transaction."""
+"""How a job enters the tables, and changes its state: each with the event that tells of it."""
 
 import json
+import secrets
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 
+from service.jobs.database import Prepared
+from service.jobs.job import FINISHED, Job, JobSpec, JobText, LoggedEvent
 from service.jobs.json_text import Encoded, encode
-from service.jobs.prepared import Prepared
-from service.jobs.reading import brief_of, columns_of, decoded, now, progress_in
+from service.jobs.outline import outline_of, without
+from service.jobs.queries import columns_of, decoded, job_of, now, summary_of
 from service.jobs.states import JobEvent, JobState, advance, sources
-from service.jobs.tables import FINISHED, JobText, LoggedEvent, events, jobs
+from service.jobs.tables import COLUMNS, bodies, events, jobs, summaries
 
+_MAX_STAGE = 40
 _EVENT_NAMES = {
     JobEvent.START: "started",
     JobEvent.REQUEUE: "requeued",
@@ -21,7 +25,80 @@ _EVENT_NAMES = {
     JobEvent.FAIL: FINISHED,
     JobEvent.CANCEL: FINISHED,
 }
+_COPIED = (
+    "queue",
+    "task",
+    "scene",
+    "world_digest",
+    "priority",
+    "time_limit",
+    "max_attempts",
+    "key",
+    "request_digest",
+)
+_NOT_YET = ("started_at", "finished_at", "result", "failure", "made_by")
+_COUNTED = ("serial", *_NOT_YET)
+_ADD_JOB = Prepared(
+    insert(jobs).returning(jobs.c.serial),
+    *(column.name for column in jobs.c if column.name not in _COUNTED),
+)
+_ADD_BODY = Prepared(insert(bodies), "job", "payload")
+_ADD_BRIEF = Prepared(insert(summaries), "job", "payload")
 _ADD_EVENT = Prepared(insert(events), "job", "number", "type", "data", "at")
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A job that is not in the tables yet.
+
+    Attributes:
+        job: As it will be read, but for its serial, which is 0.
+        row: Its columns.
+        payload: As JSON.
+    """
+
+    job: Job
+    row: Mapping[str, Any]
+    payload: str
+
+
+def draft(spec: JobSpec) -> Draft:
+    """Return a new queued job with an identifier of its own.
+
+    Raises:
+        TypeError: The payload is not JSON-compatible.
+    """
+    row, payload = _queued_row(spec), encode(spec.payload)
+    later = dict.fromkeys(_NOT_YET)
+    job = job_of({**row, "serial": 0, "payload": json.loads(payload), **later})
+    return Draft(job, row, payload)
+
+
+def insert_job(connection: Connection, drafted: Draft) -> Job:
+    """Write a job as it was drafted, and return it as it would be read."""
+    job, payload = drafted.job, drafted.payload
+    short = without(job.payload, outline_of(job.task).payload)
+    brief = payload if short is job.payload else encode(short)
+    serial = _ADD_JOB(connection, **drafted.row).scalar_one()
+    _ADD_BODY(connection, job=job.id, payload=payload)
+    _ADD_BRIEF(connection, job=job.id, payload=brief)
+    append_events(connection, job.id, 1, [("queued", Encoded("{}"))])
+    return replace(job, sequence=serial)
+
+
+def _queued_row(spec: JobSpec) -> dict[str, Any]:
+    """Return the columns of a new job, with an identifier of its own."""
+    return {
+        **{COLUMNS.get(name, name): getattr(spec, name) for name in _COPIED},
+        "id": f"{spec.prefix}_{secrets.token_hex(10)}",
+        "attempts": 0,
+        "state": JobState.QUEUED.value,
+        "stage": "",
+        "progress": 0.0,
+        "is_cancel_requested": False,
+        "num_events": 1,
+        "created_at": now(),
+    }
 
 
 @dataclass(frozen=True)
@@ -93,7 +170,7 @@ def ended_job(
     """
     failure = json.loads(encode(moved.event.data.get("failure")))
     content = {"payload": payload, "result": brief, "failure": failure, "made_by": made_by}
-    return JobText(brief_of({**moved.columns, **content}), result)
+    return JobText(summary_of({**moved.columns, **content}), result)
 
 
 def reserve_events(
@@ -113,7 +190,7 @@ def reserve_events(
     """
     changes: dict[str, Any] = {}
     for _, data in told:
-        changes |= progress_in(decoded(data))
+        changes |= _progress_in(decoded(data))
     given = {f"new_{name}": content for name, content in changes.items()}
     statement = _reservation(tuple(given), may_wait=may_wait)
     row = statement(connection, whose=identifier, more=len(told), **given).first()
@@ -173,3 +250,14 @@ def _reservation(given: tuple[str, ...], *, may_wait: bool) -> Prepared:
 def _update_in(states: Sequence[JobState]) -> Update:
     is_in = or_(*(jobs.c.state == state.value for state in states))
     return update(jobs).where(jobs.c.id == bindparam("whose"), is_in)
+
+
+def _progress_in(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the columns of a job that an event changes: `stage` and `progress` in its data."""
+    changes: dict[str, Any] = {}
+    stage, progress = data.get("stage"), data.get("progress")
+    if isinstance(stage, str):
+        changes["stage"] = stage[:_MAX_STAGE]
+    if isinstance(progress, int | float):
+        changes["progress"] = min(1.0, max(0.0, float(progress)))
+    return changes

@@ -3,7 +3,7 @@
 from collections import OrderedDict
 from collections.abc import Sequence
 
-from service.jobs.worker.process_worker import Worker
+from service.jobs.worker.assignment import Worker
 
 # Workers keep about as many scenes loaded.
 _KEYS_PER_SLOT = 8

@@ -10,8 +10,7 @@ from planning.errors import UnknownName
 from service.convert.goals import steering_value
 from service.convert.trajectories import require_one_sampling
 from service.job_spec import spec_of
-from service.jobs.key import IdempotencyKey
-from service.jobs.tables import Job
+from service.jobs.job import IdempotencyKey, Job
 from service.regions.choice import chosen_regions, regions_file
 from service.regions.fitness import asks_for_regions, own_cars, require_fit
 from service.scene_jobs import SceneJobs

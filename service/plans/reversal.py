@@ -3,8 +3,7 @@
 from typing import Any
 
 from service.job_spec import spec_of
-from service.jobs.key import IdempotencyKey
-from service.jobs.tables import Job
+from service.jobs.job import IdempotencyKey, Job
 from service.plans.admission import SLACK
 from service.plans.wire import polynomial_of
 from service.scene_jobs import SceneJobs

@@ -4,9 +4,9 @@ from typing import Any
 
 from service.convert.trajectories import IN_QUERY, require_one_sampling
 from service.errors import NotFinished
+from service.jobs.job import Job, JobSummary
 from service.jobs.outline import outline_of, without
 from service.jobs.service import JobService
-from service.jobs.tables import Job, JobSummary
 from service.schemas.sampling import DEFAULT_PERIOD
 
 

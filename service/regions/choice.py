@@ -10,8 +10,8 @@ from typing import Any
 from planning.errors import ProblemInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
 from service.errors import NoRegions
+from service.jobs.job import Job, JobSummary
 from service.jobs.service import JobService
-from service.jobs.tables import Job, JobSummary
 from service.regions.fitness import PLANNER, asks_for_regions
 from service.scenes.preflight import require_group
 from service.scenes.records import SceneRecord

@@ -2,9 +2,9 @@
 
 from typing import Any
 
+from service.jobs.job import JobSummary
 from service.jobs.outline import outline_of, without
 from service.jobs.service import JobService
-from service.jobs.tables import JobSummary
 
 
 def regions_brief(desk: JobService, job: JobSummary) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
-from service.jobs.tables import JobText
+from service.jobs.job import JobText
 from service.plans.admission import submit_plan
 from service.plans.reversal import submit_reversal
 from service.plans.wire import graph_of, job_brief

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
-from service.jobs.tables import JobText
+from service.jobs.job import JobText
 from service.regions.admission import submit_regions
 from service.regions.wire import regions_brief
 from service.routes.answers import Cursor, LastEventId, Limit, SceneId, problems

@@ -5,8 +5,8 @@ from typing import Any
 
 from fastapi.sse import ServerSentEvent
 
+from service.jobs.job import JobSummary
 from service.jobs.service import JobService
-from service.jobs.tables import JobSummary
 
 # What an event is made of FastAPI declares itself (`itemSchema`).
 EVENTS: dict[str, Any] = {

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from fastapi import Depends, Response
 
 from service.dependencies import JobsDep, SettingsDep
-from service.jobs.tables import Job, JobText
+from service.jobs.job import Job, JobText
 from service.routes.answers import problems
 from service.routes.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
 from service.scene_jobs import SceneJobs

@@ -4,10 +4,8 @@ import asyncio
 import json
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
-from service.jobs.error_text import load_error
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,
@@ -18,84 +16,15 @@ from service.jobs.outcome import (
     Terminated,
     returned,
 )
+from service.jobs.worker.assignment import Assignment, EventSink
 from service.jobs.worker.main import Terms
 from service.jobs.worker.memory import MemoryWatch, resident
 from service.jobs.worker.process import WorkerProcess, forkserver
-from service.jobs.worker.protocol import Message, MessageKind, two_parts
+from service.jobs.worker.protocol import Message, MessageKind, load_error, two_parts
 from service.jobs.worker.termination import Termination
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.05, 5.0
 _log = logging.getLogger(__name__)
-
-
-class EventSink(Protocol):
-    """Where the events of a run go."""
-
-    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
-        """Take an event; an update may replace the one of its type before it."""
-        ...
-
-    async def wait_for_space(self) -> None:
-        """Wait while too many events have been taken and not been dealt with."""
-        ...
-
-
-@dataclass(frozen=True)
-class Assignment:
-    """One run of a task.
-
-    Attributes:
-        task: `module:function`.
-        payload: What it is called with.
-        sink: Told of each of its events, in the event loop's thread.
-        time_limit: Seconds after which it is told to end, and a little later made to; or None. A task
-            that knows better may change them while it runs.
-        controls: What is asked of it when it begins; `Slot.control` tells what is asked later.
-    """
-
-    task: str
-    payload: dict[str, Any]
-    sink: EventSink
-    time_limit: float | None = None
-    controls: Mapping[str, Any] = field(default_factory=dict)
-
-
-class Worker(Protocol):
-    """Where tasks run, one at a time."""
-
-    @property
-    def generation(self) -> int:
-        """A number that changes with the process: another one has no scene loaded."""
-        ...
-
-    @property
-    def fault(self) -> str | None:
-        """Why no run would begin at once, or would not end well; None if all is well."""
-        ...
-
-    async def open(self, warm_up: str | None) -> None:
-        """Begin to get ready; every process of the slot runs the task `warm_up` first."""
-        ...
-
-    async def ready(self) -> None:
-        """Wait until a run would begin at once."""
-        ...
-
-    async def run(self, run: Assignment) -> Outcome:
-        """Run a task to its end, whatever that is."""
-        ...
-
-    def cancel(self, grace: float) -> None:
-        """Ask the present run to end; end it by force after `grace` seconds."""
-        ...
-
-    def control(self, controls: Mapping[str, Any]) -> None:
-        """Tell the present run all that is asked of it by now."""
-        ...
-
-    async def close(self) -> None:
-        """End the slot and what runs in it."""
-        ...
 
 
 class ProcessWorker:

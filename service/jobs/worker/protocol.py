@@ -4,11 +4,17 @@ Both ends speak JSON texts, never pickles: a process whose memory native code ha
 make the server run anything.
 """
 
+import json
 import select
 import socket
 import struct
+import sys
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
+
+from planning.errors import PlanningFailure, WayproofError
+from service.jobs.json_text import encode_leniently
 
 _HEADER = struct.Struct(">IBQ")
 HEADER_SIZE = _HEADER.size
@@ -116,3 +122,42 @@ class MessagePipe:
             parts.append(part)
             count -= len(part)
         return b"".join(parts)
+
+
+class RemoteFailure(PlanningFailure):
+    """An error whose class the server does not know; it keeps its code, stage and timings."""
+
+    def __init__(self, code: str, stage: str, detail: str, evidence: dict[str, Any]) -> None:
+        super().__init__(detail, evidence)
+        self.code = code  # pyright: ignore[reportAttributeAccessIssue]
+        self.stage = stage
+
+
+def dump_error(error: WayproofError) -> str:
+    """Return the text of an error."""
+    kind = type(error)
+    known = {
+        "module": kind.__module__,
+        "name": kind.__qualname__,
+        "code": error.code,
+        "stage": str(getattr(error, "stage", "")),
+        "timings": dict(getattr(error, "timings", {})),
+        "detail": error.detail,
+    }
+    evidence = encode_leniently(error.evidence)
+    return f'{encode_leniently(known)[:-1]},"evidence":{evidence}}}'
+
+
+def load_error(text: str) -> WayproofError:
+    """Return the error in a text, of its own class if the server has loaded it."""
+    told = json.loads(text)
+    evidence = dict(told["evidence"])
+    kind = getattr(sys.modules.get(told["module"]), told["name"], None)
+    error: WayproofError
+    if isinstance(kind, type) and issubclass(kind, WayproofError) and kind.code == told["code"]:
+        error = kind(told["detail"], evidence)
+    else:
+        error = RemoteFailure(told["code"], told["stage"], told["detail"], evidence)
+    if isinstance(error, PlanningFailure):
+        error.in_stage(told["stage"]).timings = dict(told["timings"])
+    return error

@@ -11,12 +11,11 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from service.jobs.error_text import load_error
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, Outcome, Raised, Terminated, returned
 from service.jobs.task import TaskEnd, event_text, run_task
-from service.jobs.worker.process_worker import Assignment, EventSink
-from service.jobs.worker.protocol import MessageKind
+from service.jobs.worker.assignment import Assignment, EventSink
+from service.jobs.worker.protocol import MessageKind, load_error
 from service.jobs.worker.termination import Termination
 
 # Drake worlds are kept per process and OMPL's random numbers are global to it: one task at a time.

@@ -6,11 +6,12 @@ from pathlib import Path
 
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
+from service.jobs.job import JobSpec
 from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue, Share
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec
-from service.jobs.worker.process_worker import ProcessWorker, Worker
+from service.jobs.worker.assignment import Worker
+from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
 from tests.service.jobs.databases import FullDisk

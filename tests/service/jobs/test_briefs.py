@@ -11,11 +11,12 @@ from sqlalchemy import event, insert, select, update
 
 from planning.errors import Canceled, NoPathFound
 from service.jobs.database import open_engine
+from service.jobs.job import JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import outline_of, without
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec, JobSummary, bodies, jobs, metadata, summaries
+from service.jobs.tables import bodies, jobs, metadata, summaries
 
 PLAN = "service.tasks.plan:plan_motion"
 REVERSE = "service.tasks.reverse:reverse_motion"

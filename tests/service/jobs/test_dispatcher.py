@@ -13,8 +13,8 @@ import pytest
 from planning.errors import DeadlineExceeded, GoalUnreachable
 from service.jobs.calls import Question
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull, UnknownJob
+from service.jobs.job import Job
 from service.jobs.states import JobState
-from service.jobs.tables import Job
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
 
 

@@ -10,8 +10,7 @@ from planning.errors import Canceled
 from service.jobs.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseUnavailable
-from service.jobs.leader import DispatcherLock
-from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.leader import DatabaseTimeouts, DispatcherLock
 from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
 from service.jobs.store import JobStore

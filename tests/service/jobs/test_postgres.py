@@ -11,8 +11,7 @@ from service.cli.server import TAKEN
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
-from service.jobs.leader import DispatcherLock
-from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.leader import DatabaseTimeouts, DispatcherLock
 from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
 from service.jobs.store import JobStore

@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.jobs.durations import SHORT, CallKind
-from service.jobs.queue import JobQueue, QueueEntry, Share
+from service.jobs.queue import SHORT, CallKind, JobQueue, QueueEntry, Share
 from service.jobs.worker_pool import WorkerPool
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from service.jobs import json_steps
 from service.jobs.database import is_in_loop
+from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
-from service.jobs.tables import JobSpec
 from service.routes import whole as whole_module
 from service.routes.whole import passed_on, whole
 from service.schemas.job import Job

@@ -12,8 +12,9 @@ import pytest
 from planning.errors import Canceled, GoalUnreachable
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, MemoryExceeded, Raised, Returned, Terminated, TimedOut
+from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
-from service.jobs.worker.process_worker import Assignment, ProcessWorker
+from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS
 from tests.service.servers import until
 

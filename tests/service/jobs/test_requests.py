@@ -11,8 +11,8 @@ import pytest
 
 from service.jobs.database import open_engine
 from service.jobs.errors import DatabaseUnavailable, IdempotencyConflict
-from service.jobs.intake import Intake
-from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.leader import DatabaseTimeouts
+from service.jobs.requests import Intake
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from tests.service.jobs.conftest import GUARD, spec

@@ -1,4 +1,9 @@
-"""Steering: what is asked of jobs while they wait or run. The run is told first."""
+"""What clients want of jobs: that one runs, ends, or goes on in another way.
+
+To write a job takes a few milliseconds of the disk's, and many a job takes no more. One that may
+run twice does no harm if it ran for nothing, so it begins at once. Nothing of it is recorded before
+the job itself, and what the table refuses leaves no trace.
+"""
 
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping, MutableMapping
@@ -8,12 +13,67 @@ from typing import Any
 from planning.errors import Canceled, IllegalTransition
 from service.jobs.attempt import CONTROLS, Attempt
 from service.jobs.errors import DatabaseTaken
+from service.jobs.job import Job, JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
 from service.jobs.recorder import JobRecorder
 from service.jobs.scheduler import Scheduler
 from service.jobs.states import JobState
-from service.jobs.tables import Job, JobSummary
-from service.jobs.transitions import Transition
+from service.jobs.transitions import Draft, Transition, draft
+
+
+class Intake:
+    """Takes jobs in, from the event loop of a dispatcher."""
+
+    def __init__(
+        self,
+        recording: JobRecorder,
+        seat: Callable[[Job, Mapping[str, Any]], Attempt],
+        unseat: Callable[[Attempt], None],
+        within: float,
+    ) -> None:
+        """Write through `recording`.
+
+        Args:
+            recording: Of jobs.
+            seat: Has a job run as soon as there is a slot.
+            unseat: Takes that back.
+            within: How long a job may take to be written; what takes longer is refused [s].
+        """
+        self._recording = recording
+        self._seat = seat
+        self._unseat = unseat
+        self._within = within
+
+    async def submit(self, spec: JobSpec) -> Job:
+        """Queue a job, or return the one that its key names; it is durable when this returns.
+
+        Raises:
+            IdempotencyConflict: Its key was used for another request.
+            DatabaseUnavailable: The database does not take it in time; it is not queued.
+            DBAPIError: The database refuses it.
+            TypeError: Its payload is not JSON-compatible.
+        """
+        drafted = draft(spec)
+        # In time for what may run twice; a run of what may not waits for its start to be written.
+        run = self._seat(drafted.job, {})
+        try:
+            # It is sent to its slot before the thread that writes takes part of the interpreter.
+            await asyncio.sleep(0)
+            job, is_new = await self._write(drafted)
+        except BaseException:
+            self._unseat(run)
+            raise
+        if is_new:
+            run.confirm(job)
+        else:
+            self._unseat(run)
+        return job
+
+    async def _write(self, drafted: Draft) -> tuple[Job, bool]:
+        # Not in this thread: while a locked database is waited for, others are to be stopped.
+        enter = partial(self._recording.store.insert_draft, drafted)
+        return await self._recording.write(enter, within=self._within)
+
 
 # How long an answer waits for the database [s]; what is not written by then is written later.
 _PROMPT = 0.5
