@@ -1,4 +1,4 @@
-"""open_desk(): store, dispatcher and slots, for as long as the server runs."""
+"""open_desk(): store, dispatcher and workers, for as long as the server runs."""
 
 import asyncio
 from collections.abc import AsyncGenerator, Callable, Coroutine
@@ -28,7 +28,7 @@ from service.scenes.sweeping import Sweeper
 from service.settings import Settings
 from service.workers import PRELOAD, WARM_UP
 
-# Slots for short questions only: they go on while scenes are loaded.
+# Workers for short questions only: they go on while scenes are loaded.
 _RESERVED = 1
 
 
@@ -87,10 +87,10 @@ _CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
 
 
 def _queues(settings: Settings) -> dict[str, JobQueue]:
-    """Return the lanes: executions have slots of their own, all else shares a pool.
+    """Return the queues: executions have workers of their own, all else shares a pool.
 
-    A scene that was loaded for one is warm for all of them. Lanes of a pool do not wait for each
-    other: it has as many slots as they may use together.
+    A scene that was loaded for one is warm for all of them. Queues of a pool do not wait for each
+    other: it has as many workers as they may use together.
     """
     shares = {
         "query": Share(settings.query_slots + _RESERVED, _RESERVED),
@@ -103,8 +103,8 @@ def _queues(settings: Settings) -> dict[str, JobQueue]:
     # Executions go on while something is planned; OMPL and Drake take turns.
     terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
     own = [_worker(settings, terms, is_exclusive=False) for _ in range(settings.execution_slots)]
-    lanes = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
-    return {**lanes, "execution": _queue(settings, "execution", WorkerPool(own), None)}
+    queues = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
+    return {**queues, "execution": _queue(settings, "execution", WorkerPool(own), None)}
 
 
 def _queue(settings: Settings, name: str, pool: WorkerPool, share: Share | None) -> JobQueue:

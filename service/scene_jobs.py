@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from service.client_watch import note_question, unless_client_leaves
 from service.job_spec import PREFIXES
-from service.jobs.calls import Question
+from service.jobs.calls import Call
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.json_text import Encoded
 from service.jobs.service import JobService
@@ -54,7 +54,7 @@ class SceneJobs(JobService):
         return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
 
     async def ask(self, task: str, payload: dict[str, Any], size: int = 0) -> Any:
-        """Run a short task in the query lane and return its answer; it ends if the client leaves.
+        """Run a short task in the query queue and return its answer; it ends if the client leaves.
 
         Args:
             task: To run.
@@ -79,10 +79,10 @@ class SceneJobs(JobService):
         return LoadedScene(**await self._ask(task, payload, size=size, **more))
 
     async def _ask(self, task: str, payload: dict[str, Any], **more: Any) -> Any:
-        allowed, patience = self._settings.query_timeout, self._settings.query_patience
-        key = payload["scene"]["digest"] if "scene" in payload else None
-        question = Question(task, payload, "query", allowed, patience, key, **more)
-        answer = await unless_client_leaves(self._dispatcher.call(question))
+        time_limit, worker_timeout = self._settings.query_timeout, self._settings.query_patience
+        digest = payload["scene"]["digest"] if "scene" in payload else None
+        call = Call(task, payload, "query", time_limit, worker_timeout, digest, **more)
+        answer = await unless_client_leaves(self._dispatcher.call(call))
         note_question(answer.waited, answer.worked)
         return answer.content
 
@@ -113,7 +113,7 @@ class SceneJobs(JobService):
 
     @property
     def regions_folder(self) -> Path:
-        """Where slots read regions; the files are a copy of what the database has."""
+        """Where workers read regions; the files are a copy of what the database has."""
         return self._folder / "regions"
 
     @property

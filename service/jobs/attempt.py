@@ -46,13 +46,13 @@ class Attempt:
     Attributes:
         job: As it was queued.
         controls: What is asked of it, to be passed to the task.
-        has_begun: Whether it was given a slot.
+        has_begun: Whether it was given a worker.
         concluded: Set once its end is in the table, or another server has the job.
         ended: The job as the table has it, once it has ended in this run.
     """
 
     def __init__(
-        self, job: Job, recording: JobRecorder, floor: Scheduler, controls: Mapping[str, Any]
+        self, job: Job, recording: JobRecorder, scheduler: Scheduler, controls: Mapping[str, Any]
     ) -> None:
         """Prepare to run a queued job."""
         self.job = job
@@ -61,7 +61,7 @@ class Attempt:
         self.concluded = asyncio.Event()
         self.ended: JobText | None = None
         self._recorder = recording
-        self._scheduler = floor
+        self._scheduler = scheduler
         self._events = EventBuffer(self._log)
         self._worker: Worker | None = None
         self._is_confirmed = asyncio.Event()
@@ -139,15 +139,15 @@ class Attempt:
         attempts = self._started.attempts
         return replace(job, state=JobState.RUNNING, started_at=started_at, attempts=attempts)
 
-    async def run(self, slot: Worker) -> bool:
-        """Run the job in a slot, which is given back; return whether it is queued again."""
+    async def run(self, worker: Worker) -> bool:
+        """Run the job in a worker, which is given back; return whether it is queued again."""
         start = asyncio.get_running_loop().create_task(self._write_start())
         start.add_done_callback(self._on_start)
         try:
             # What may run but once does not begin before that is written; the others save the time.
             if self.job.max_attempts == 1:
                 await self._start_is_decided.wait()
-            outcome = await self._run_task(slot)
+            outcome = await self._run_task(worker)
             await self._start_is_decided.wait()
             self._started = await start
         except DatabaseTaken:
@@ -200,24 +200,24 @@ class Attempt:
         if self._worker is not None:
             self._worker.cancel(self.grace)
 
-    async def _run_task(self, slot: Worker) -> Outcome:
-        """Run the task and give the slot back before the end is written: others wait for it."""
+    async def _run_task(self, worker: Worker) -> Outcome:
+        """Run the task and give the worker back before the end is written: others wait for it."""
         loop = asyncio.get_running_loop()
         began = loop.time()
         outcome: Outcome = Terminated(Canceled("canceled before it began"))
         job = self.job
         try:
             if self._may_begin:
-                self._worker = slot
+                self._worker = worker
                 run = Assignment(job.task, job.payload, self._events, job.time_limit, self.controls)
-                outcome = await slot.run(run)
+                outcome = await worker.run(run)
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
-            _log.exception("the slot failed under %s", job.id)
-            outcome = Raised(InternalError(f"the slot failed: {type(fault).__name__}"))
+            _log.exception("the worker failed under %s", job.id)
+            outcome = Raised(InternalError(f"the worker failed: {type(fault).__name__}"))
         finally:
             self._worker = None
             self._seconds = loop.time() - began
-            self._scheduler.release(job.queue, slot, self._seconds)
+            self._scheduler.release(job.queue, worker, self._seconds)
         return outcome
 
     async def _conclude(self, outcome: Outcome, attempts: int) -> bool:

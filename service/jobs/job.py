@@ -19,7 +19,7 @@ class IdempotencyKey:
 
     Attributes:
         text: As the client chose it, or None.
-        fingerprint: Whatever tells this request from another one of its lane, JSON-compatible: the
+        fingerprint: Whatever tells this request from another one of its queue, JSON-compatible: the
             body as it was sent, and what its address named.
     """
 
@@ -37,16 +37,16 @@ class JobSpec:
     """What a job shall do.
 
     Attributes:
-        queue: Which slots may run it.
+        queue: Which workers may run it.
         task: Importable function, `module:function`, called with the payload and a channel.
-        payload: JSON-compatible; `cancel_grace` in it stands for the lane's [s].
+        payload: JSON-compatible; `cancel_grace` in it stands for the queue's [s].
         prefix: Of the job's id.
         scene: Id of the scene it is about, for listing.
         world_digest: Workers that ran this key lately are preferred.
         priority: Larger comes first.
         time_limit: Seconds after which it is told to end, and soon after made to; None for ever.
         max_attempts: How often it may be run if its process dies.
-        key: Idempotency key within the lane, or None.
+        key: Idempotency key within the queue, or None.
         request_digest: What a second request with the same key must match.
     """
 
@@ -129,7 +129,7 @@ class LoggedEvent:
 
 @dataclass(frozen=True)
 class JobPage:
-    """Some jobs of a lane, newest first, and the cursor of those that follow."""
+    """Some jobs of a queue, newest first, and the cursor of those that follow."""
 
     jobs: list[JobSummary]
     following: str | None

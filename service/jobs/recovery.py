@@ -23,7 +23,7 @@ class Recovery:
         self,
         recording: JobRecorder,
         ownership: DispatcherLock,
-        floor: Scheduler,
+        scheduler: Scheduler,
         enqueue: Callable[[Job, Mapping[str, Any]], None],
     ) -> None:
         """Prepare.
@@ -31,12 +31,12 @@ class Recovery:
         Args:
             recording: Of jobs.
             ownership: Of the database, just taken.
-            floor: Where jobs run.
+            scheduler: Where jobs run.
             enqueue: Queues a job with what was asked of it.
         """
         self._store = recording.store
         self._recording = recording
-        self._floor = floor
+        self._floor = scheduler
         self._enqueue = enqueue
         self._may_run_still = ownership.may_be_lost and ownership.was_left
 
@@ -74,7 +74,7 @@ class Recovery:
         if job.is_cancel_requested:
             return self._store.cancel(job.id, Canceled("canceled on request"))
         if job.queue not in self._floor:
-            message = f"this server has no lane {job.queue!r}"
+            message = f"this server has no queue {job.queue!r}"
             return self._store.fail(job.id, InternalError(message))
         if job.state is JobState.QUEUED:
             return None

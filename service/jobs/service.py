@@ -47,7 +47,7 @@ class JobService:
         """Queue a job; it is durable when this returns.
 
         Raises:
-            QueueFull: Its lane has as many waiting jobs as it may.
+            QueueFull: Its queue has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
         """
         return await self._dispatcher.submit(spec)
@@ -63,40 +63,40 @@ class JobService:
         asked = (spec.queue, spec.key, spec.request_digest)
         return await to_thread.run_sync(self._store.find_by_key, *asked)
 
-    async def open_job(self, lane: str, identifier: str) -> JobSummary:
+    async def open_job(self, queue: str, identifier: str) -> JobSummary:
         """Return a job that waits or runs here as memory has it, any other one as lists have it.
 
         Raises:
-            UnknownResource: The lane has none of that id.
+            UnknownResource: The queue has none of that id.
         """
         run = self._dispatcher.attempt_of(identifier)
-        if run is not None and run.job.queue == lane:
+        if run is not None and run.job.queue == queue:
             return run.snapshot()
-        return await self._read(lane, identifier, self._store.summary)
+        return await self._read(queue, identifier, self._store.summary)
 
-    async def job(self, lane: str, identifier: str) -> Job:
+    async def job(self, queue: str, identifier: str) -> Job:
         """Return a job.
 
         Raises:
-            UnknownResource: The lane has none of that id.
+            UnknownResource: The queue has none of that id.
         """
-        return await self._read(lane, identifier, self._store.get)
+        return await self._read(queue, identifier, self._store.get)
 
-    async def job_text(self, lane: str, identifier: str) -> JobText:
+    async def job_text(self, queue: str, identifier: str) -> JobText:
         """Return a job whose result is passed on as it is; raises as `job`."""
-        return await self._read(lane, identifier, self._store.text)
+        return await self._read(queue, identifier, self._store.text)
 
-    async def _read[T](self, lane: str, identifier: str, read: Callable[[str], T]) -> T:
-        if not identifier.startswith(f"{self._prefixes[lane]}_"):
-            raise UnknownResource.of(lane, identifier)
+    async def _read[T](self, queue: str, identifier: str, read: Callable[[str], T]) -> T:
+        if not identifier.startswith(f"{self._prefixes[queue]}_"):
+            raise UnknownResource.of(queue, identifier)
         try:
             return await to_thread.run_sync(read, identifier)
         except UnknownJob as fault:
-            raise UnknownResource.of(lane, identifier) from fault
+            raise UnknownResource.of(queue, identifier) from fault
 
     async def page(
         self,
-        lane: str,
+        queue: str,
         limit: int,
         cursor: str | None,
         *,
@@ -104,27 +104,27 @@ class JobService:
         scene: str | None = None,
         world_digest: str | None = None,
     ) -> JobPage:
-        """Return jobs of a lane, newest first, from a cursor on."""
+        """Return jobs of a queue, newest first, from a cursor on."""
         before = None if cursor is None else int(cursor)
 
         def read() -> list[JobSummary]:
             wanted = {"state": state, "scene": scene, "world_digest": world_digest}
-            return self._store.page(lane, wanted, before=before, limit=limit + 1)
+            return self._store.page(queue, wanted, before=before, limit=limit + 1)
 
         found = await to_thread.run_sync(read)
         following = str(found[limit - 1].sequence) if len(found) > limit else None
         return JobPage(found[:limit], following)
 
     async def newest(
-        self, lane: str, *, scene: str | None = None, world_digest: str | None = None
+        self, queue: str, *, scene: str | None = None, world_digest: str | None = None
     ) -> AsyncIterator[JobSummary]:
-        """Yield the jobs of a lane in a scene, or with a scene's content, newest first."""
+        """Yield the jobs of a queue in a scene, or with a scene's content, newest first."""
         wanted = {"scene": scene, "world_digest": world_digest}
         before: int | None = None
         limit = 1
         # Mostly the first one is what somebody looks for.
         while True:
-            read = partial(self._store.page, lane, wanted, before=before, limit=limit)
+            read = partial(self._store.page, queue, wanted, before=before, limit=limit)
             found = await to_thread.run_sync(read)
             for job in found:
                 yield job
@@ -132,11 +132,11 @@ class JobService:
                 return
             before, limit = found[-1].sequence, min(2 * limit, _CHUNK)
 
-    async def in_scene(self, lane: str, scene: str) -> JobSummary | None:
-        """Return a job of a lane that waits or runs in a scene, if there is one."""
+    async def in_scene(self, queue: str, scene: str) -> JobSummary | None:
+        """Return a job of a queue that waits or runs in a scene, if there is one."""
         # In the order of its life: one that begins between the two looks is seen by the second.
         for state in ("queued", "running"):
-            page = await self.page(lane, 1, None, state=state, scene=scene)
+            page = await self.page(queue, 1, None, state=state, scene=scene)
             if page.jobs:
                 return page.jobs[0]
         return None
@@ -187,23 +187,23 @@ class JobService:
         return None if event is None else event.data
 
     def check_ready(self) -> None:
-        """Go on only if workers of every lane are warm.
+        """Go on only if workers of every queue are warm.
 
         Raises:
             NotReady: They are not, yet or any more.
         """
         faults = self._dispatcher.faults()
         if faults:
-            named = "; ".join(f"{lane}: {fault}" for lane, fault in faults.items())
+            named = "; ".join(f"{queue}: {fault}" for queue, fault in faults.items())
             raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
 
     async def counts(self) -> dict[str, dict[str, int]]:
-        """Return how many jobs there are, by state and lane."""
+        """Return how many jobs there are, by state and queue."""
         found = await to_thread.run_sync(self._store.counts)
         counts: dict[str, dict[str, int]] = {
             state: dict.fromkeys(self._queues, 0)
             for state in ("queued", "running", "succeeded", "failed", "canceled")
         }
-        for (lane, state), number in found.items():
-            counts[state][lane] = number
+        for (queue, state), number in found.items():
+            counts[state][queue] = number
         return counts

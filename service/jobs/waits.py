@@ -10,9 +10,12 @@ from service.jobs.job import Job, JobText, LoggedEvent
 from service.jobs.json_steps import STEP, decode
 from service.jobs.queries import JobQueries
 
+# No stream is longer; it also fits into every database's integers.
+END_OF_STREAM = 2**31 - 1
+
 
 class WaitLimits:
-    """Who waits through it is never cut off without an answer by the end of the server."""
+    """Time limits of waits; the end of the server ends them all, so that each gets an answer."""
 
     def __init__(self) -> None:
         """Begin with none."""
@@ -21,7 +24,7 @@ class WaitLimits:
 
     @asynccontextmanager
     async def limit(self, seconds: float) -> AsyncGenerator[None]:
-        """End what is awaited within after so many seconds, or when the server begins to end."""
+        """End what is awaited within after some seconds, or when the server begins to end."""
         try:
             async with asyncio.timeout(0.0 if self._is_over else seconds) as limit:
                 self._limits.add(limit)
@@ -41,58 +44,54 @@ class WaitLimits:
                 limit.reschedule(now)
 
 
-# No stream is longer; it also fits into every database's integers.
-END_OF_STREAM = 2**31 - 1
-
-
 class JobWaits:
-    """Waits for the jobs of a dispatcher, from its event loop."""
+    """Waits for the jobs of a dispatcher, from its event loop.
+
+    What runs here is waited for in memory; the log knows the rest.
+    """
 
     def __init__(
-        self, runs: Mapping[str, Attempt], bus: EventBus[LoggedEvent], store: JobQueries
+        self, attempts: Mapping[str, Attempt], bus: EventBus[LoggedEvent], store: JobQueries
     ) -> None:
-        """Wait for the runs that there are, by the ids of their jobs, and for what `store` has."""
-        self._attempts = runs
+        """Wait for the attempts that there are, by the ids of their jobs, and what `store` has."""
+        self._attempts = attempts
         self._bus = bus
         self._store = store
         self._limits = WaitLimits()
 
     async def whole(self, identifier: str, seconds: float) -> Job:
-        """Return a job when it has ended, or as it is after so many seconds.
+        """Return a job when it has ended, or as it is after some seconds, or when the server ends.
 
         Raises:
             UnknownJob: There is none.
         """
-        run = await self._until_ended(identifier, seconds)
-        if run is not None and run.ended is not None:
-            return await _whole(run.ended)
+        attempt = await self._until_ended(identifier, seconds)
+        if attempt is not None and attempt.ended is not None:
+            return await _whole(attempt.ended)
         return await asyncio.to_thread(self._store.get, identifier)
 
     async def text(self, identifier: str, seconds: float) -> JobText:
-        """Return a job as `whole` does, but for its result, which stays text.
-
-        Raises:
-            UnknownJob: There is none.
-        """
-        run = await self._until_ended(identifier, seconds)
-        if run is not None and run.ended is not None:
-            return run.ended
+        """Return a job as `whole` does, but for its result, which stays text; raises as `whole`."""
+        attempt = await self._until_ended(identifier, seconds)
+        if attempt is not None and attempt.ended is not None:
+            return attempt.ended
         return await asyncio.to_thread(self._store.text, identifier)
 
     def end(self) -> None:
-        """Answer who waits at once with the job as it is, and who comes later as well."""
+        """Answer all waits at once with the job as it is, those to come as well."""
         self._limits.end()
 
     async def _until_ended(self, identifier: str, seconds: float) -> Attempt | None:
-        """Wait until a job has ended, at most so long; return its last run, if it was here."""
-        run = self._attempts.get(identifier)
-        if run is not None and run.ended is not None:
-            return run
+        """Wait until a job has ended, at most so long; return its last attempt, if one was here."""
+        attempt = self._attempts.get(identifier)
+        if attempt is not None and attempt.ended is not None:
+            return attempt
         # One that is not here has ended, or is being taken up again: the log knows.
-        wait = self._drained(identifier) if run is None else self._bus.until_over(identifier)
+        is_here = attempt is not None
+        wait = self._bus.until_over(identifier) if is_here else self._drained(identifier)
         async with self._limits.limit(seconds):
             await wait
-        return self._attempts.get(identifier, run)
+        return self._attempts.get(identifier, attempt)
 
     async def _drained(self, identifier: str) -> None:
         async with aclosing(self._bus.follow(identifier, END_OF_STREAM)) as nothing:

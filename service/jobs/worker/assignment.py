@@ -27,10 +27,10 @@ class Assignment:
     Attributes:
         task: `module:function`.
         payload: What it is called with.
-        sink: Told of each of its events, in the event loop's thread.
-        time_limit: Seconds after which it is told to end, and a little later made to; or None. A task
-            that knows better may change them while it runs.
-        controls: What is asked of it when it begins; `Slot.control` tells what is asked later.
+        sink: Gets each of its events, in the event loop's thread.
+        time_limit: Seconds after which it is told to end, and a little later killed; or None. A
+            task that knows better may change it while it runs.
+        controls: What is set when it begins; `Worker.control` tells what is set later.
     """
 
     task: str
@@ -41,11 +41,11 @@ class Assignment:
 
 
 class Worker(Protocol):
-    """Where tasks run, one at a time."""
+    """Where tasks run, one at a time, each of which can be ended."""
 
     @property
     def generation(self) -> int:
-        """A number that changes with the process: another one has no scene loaded."""
+        """A number that changes with the process: another one has no world loaded."""
         ...
 
     @property
@@ -54,7 +54,7 @@ class Worker(Protocol):
         ...
 
     async def open(self, warm_up: str | None) -> None:
-        """Begin to get ready; every process of the slot runs the task `warm_up` first."""
+        """Begin to get ready; every process of the worker runs the task `warm_up` first."""
         ...
 
     async def ready(self) -> None:
@@ -66,13 +66,13 @@ class Worker(Protocol):
         ...
 
     def cancel(self, grace: float) -> None:
-        """Ask the present run to end; end it by force after `grace` seconds."""
+        """Tell the present run to end; end it by force after `grace` seconds."""
         ...
 
     def control(self, controls: Mapping[str, Any]) -> None:
-        """Tell the present run all that is asked of it by now."""
+        """Tell the present run all controls that are set by now."""
         ...
 
     async def close(self) -> None:
-        """End the slot and what runs in it."""
+        """End the worker and what runs in it."""
         ...

@@ -1,4 +1,4 @@
-"""What runs in a slot's process. Light: the forkserver imports it before any task."""
+"""What runs in a worker's process. Light: the forkserver imports it before any task."""
 
 import gc
 import os
@@ -17,7 +17,7 @@ _CRASH_CODE = 70
 
 @dataclass(frozen=True)
 class Terms:
-    """On what terms a process works.
+    """Limits within which a process works.
 
     Attributes:
         niceness: How far it lets others go before (nice(2)), 0 to 19.
@@ -34,7 +34,7 @@ def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Te
     """Run tasks one after the other until the other end is gone.
 
     Args:
-        end: To the slot.
+        end: To the worker.
         parent: When its other end closes, this process ends at once.
         warm_up: A task to run first, with an empty payload.
         terms: Of the work.
@@ -45,24 +45,24 @@ def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Te
     os.nice(terms.niceness)
     if terms.memory is not None:
         limit_own(terms.memory)
-    link = MessagePipe(end)
+    pipe = MessagePipe(end)
     fault = b""
     if warm_up is not None:
-        warmed = run_task(warm_up, "{}", WarmUpContext())
-        if warmed.kind is not MessageKind.RESULT:
-            fault = warmed.text.encode()
-    link.send(Message(MessageKind.READY, 0, fault))
-    while (frame := link.receive()) is not None:
-        if frame.kind is MessageKind.TASK:
-            task, payload = frame.parts
-            done = run_task(task, payload, PipeContext(link, frame.token))
-            _tell(link, frame.token, done)
+        warm_up_end = run_task(warm_up, "{}", WarmUpContext())
+        if warm_up_end.kind is not MessageKind.RESULT:
+            fault = warm_up_end.text.encode()
+    pipe.send(Message(MessageKind.READY, 0, fault))
+    while (message := pipe.receive()) is not None:
+        if message.kind is MessageKind.TASK:
+            task, payload = message.parts
+            ended = run_task(task, payload, PipeContext(pipe, message.token))
+            _report(pipe, message.token, ended)
 
 
-def _tell(link: MessagePipe, token: int, done: TaskEnd) -> None:
+def _report(pipe: MessagePipe, token: int, ended: TaskEnd) -> None:
     """Say how a task ended; after a crash this process is not to be trusted any more."""
-    is_result = done.kind is MessageKind.RESULT
-    body = two_parts(done.summary, done.text) if is_result else done.text.encode()
-    link.send(Message(done.kind, token, body))
-    if done.kind is MessageKind.CRASH:
+    is_result = ended.kind is MessageKind.RESULT
+    body = two_parts(ended.summary, ended.text) if is_result else ended.text.encode()
+    pipe.send(Message(ended.kind, token, body))
+    if ended.kind is MessageKind.CRASH:
         os._exit(_CRASH_CODE)

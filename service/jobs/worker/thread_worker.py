@@ -1,7 +1,7 @@
-"""InlineSlot: tasks in a thread of this process, for tests that want no processes.
+"""ThreadWorker: tasks in a thread of this process, for tests that want no processes.
 
 Nothing can be forced here: a task that does not heed a cancel or its deadline keeps its thread,
-and a crash of native code ends everything. What was asked for is answered in time all the same.
+and a crash of native code ends everything. A run is given up in time all the same.
 """
 
 import asyncio
@@ -24,14 +24,16 @@ _GIVEN_UP = TaskEnd(MessageKind.CRASH, "it does not end")
 
 
 class _ThreadContext:
-    """A channel within the process."""
+    """A task's events, limits and controls within the process."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, run: Assignment, stop: Termination) -> None:
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, run: Assignment, termination: Termination
+    ) -> None:
         self._loop = loop
         self._sink: EventSink = run.sink
-        self._termination = stop
+        self._termination = termination
         self.canceled = threading.Event()
-        # Replaced whole, so that the thread sees either all or nothing of what is asked.
+        # Replaced whole, so that the thread sees either all or none of the controls.
         self.controls_set: dict[str, Any] = dict(run.controls)
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
@@ -47,7 +49,7 @@ class _ThreadContext:
         self._loop.call_soon_threadsafe(self._termination.limit_silence, silence)
 
     def controls(self) -> dict[str, Any]:
-        """Return all that was asked of this run."""
+        """Return all controls that were set for this run."""
         return self.controls_set
 
     def allow(self, seconds: float) -> None:
@@ -69,13 +71,13 @@ class _ThreadContext:
 
 
 class ThreadWorker:
-    """A slot that is a thread."""
+    """A worker that is a thread."""
 
     def __init__(self, *, is_exclusive: bool) -> None:
         """Prepare.
 
         Args:
-            is_exclusive: Whether its tasks and those of other exclusive slots take turns.
+            is_exclusive: Whether its tasks and those of other exclusive workers take turns.
         """
         self.generation = 0
         self.fault: str | None = None
@@ -94,12 +96,12 @@ class ThreadWorker:
 
     async def run(self, run: Assignment) -> Outcome:
         """Run a task to its end, or until it is given up."""
-        stop = self._termination = Termination(run.time_limit)
+        termination = self._termination = Termination(run.time_limit)
         try:
             await self._is_free.wait()
-            return Terminated() if stop.is_canceled else await self._watch(run, stop)
+            return Terminated() if termination.is_canceled else await self._run(run, termination)
         finally:
-            stop.disarm()
+            termination.disarm()
             self._termination = self._context = None
 
     def cancel(self, grace: float) -> None:
@@ -116,47 +118,47 @@ class ThreadWorker:
         """Tell the present task to end; its thread does not keep this process alive."""
         self.cancel(0.0)
 
-    async def _watch(self, run: Assignment, stop: Termination) -> Outcome:
+    async def _run(self, run: Assignment, termination: Termination) -> Outcome:
         loop = asyncio.get_running_loop()
-        channel = self._context = _ThreadContext(loop, run, stop)
+        context = self._context = _ThreadContext(loop, run, termination)
         done: asyncio.Future[TaskEnd] = loop.create_future()
-        stop.begin(channel.canceled.set, lambda: _settle(done, _GIVEN_UP))
+        termination.begin(context.canceled.set, lambda: _settle(done, _GIVEN_UP))
         self._is_free.clear()
-        work = (loop, run, channel, done)
-        threading.Thread(target=self._work, args=work, name="inline-slot", daemon=True).start()
+        work = (loop, run, context, done)
+        threading.Thread(target=self._work, args=work, name="thread-worker", daemon=True).start()
         try:
             end = await done
         except asyncio.CancelledError:
-            channel.canceled.set()
+            context.canceled.set()
             raise
         match end.kind:
             case MessageKind.RESULT:
                 return returned(end.summary, end.text)
             case MessageKind.FAILURE:
-                return stop.classify(Raised(load_error(end.text)))
+                return termination.classify(Raised(load_error(end.text)))
             case _:
-                return stop.classify(Crashed(None, end.text))
+                return termination.classify(Crashed(None, end.text))
 
     def _work(
         self,
         loop: asyncio.AbstractEventLoop,
         run: Assignment,
-        channel: _ThreadContext,
+        context: _ThreadContext,
         done: asyncio.Future[TaskEnd],
     ) -> None:
         """Run the task, in the thread."""
         payload = json.dumps(run.payload)
         if self._is_exclusive:
             with _ONE_AT_A_TIME:
-                end = run_task(run.task, payload, channel)
+                end = run_task(run.task, payload, context)
         else:
-            end = run_task(run.task, payload, channel)
+            end = run_task(run.task, payload, context)
 
         def finish() -> None:
             self._is_free.set()
             _settle(done, end)
 
-        with suppress(RuntimeError):  # the loop is closed: nobody waits
+        with suppress(RuntimeError):  # the loop is closed
             loop.call_soon_threadsafe(finish)
 
 

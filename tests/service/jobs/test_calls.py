@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from service.jobs.calls import Question
+from service.jobs.calls import Call
 from service.jobs.errors import InternalError, QueueFull, QueueTimeout, WorkerCrashed
 from service.jobs.queue import Share
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
@@ -17,7 +17,7 @@ async def call(dispatcher, task, payload=None, **given):
 
 
 def answer(dispatcher, task, payload=None, allowed=GUARD, patience=GUARD, **about):
-    question = Question(f"{TASKS}:{task}", payload or {}, "plan", allowed, patience, **about)
+    question = Call(f"{TASKS}:{task}", payload or {}, "plan", allowed, patience, **about)
     return dispatcher.call(question)
 
 

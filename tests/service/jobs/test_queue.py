@@ -80,7 +80,7 @@ def test_a_busy_warm_slot_is_waited_for_but_not_long():
     free(lane, next(slot for slot in lane.pool.workers if slot is not warm))
     decided = lane.assign(1.05)
     assert names(decided) == []
-    assert decided.look_again == pytest.approx(1.1)
+    assert decided.decide_again == pytest.approx(1.1)
     assert names(lane.assign(1.11)) == ["b"]
 
 

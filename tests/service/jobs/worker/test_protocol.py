@@ -39,7 +39,7 @@ def test_frames_arrive_as_they_were_sent(frames, piece):
         received = [link.receive() for _ in frames]
         thread.join()
         assert received == frames
-        assert link.has_news  # the end is news too
+        assert link.has_message  # the end is news too
         assert link.receive() is None
 
 
