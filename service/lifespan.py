@@ -1,4 +1,4 @@
-"""open_desk(): store, dispatcher and workers, for as long as the server runs."""
+"""open_services(): store, dispatcher and workers, for as long as the server runs."""
 
 import asyncio
 from collections.abc import AsyncGenerator, Callable, Coroutine

@@ -1,4 +1,4 @@
-"""SceneJobs: jobs and questions about scenes, and what tasks are told of scenes and settings."""
+"""SceneJobs: jobs and calls about scenes, and what tasks are given of scenes and settings."""
 
 import asyncio
 from pathlib import Path
@@ -33,13 +33,13 @@ class SceneJobs(JobService):
         self._scenes = scenes
         self._planners: list[dict[str, Any]] = []
         self.admitting_motion = asyncio.Lock()
-        # Where links lead is asked of the disk once, not for each task.
+        # The disk resolves links once, not for each task.
         self._folder = settings.data_dir.resolve()
         self._model_roots = [str(root.resolve()) for root in settings.model_roots]
 
     @property
     def common(self) -> dict[str, Any]:
-        """What every task is told: which robots may be loaded, and where copies of files are."""
+        """What every task is given: which robots may be loaded, and where copies of files are."""
         return {
             "library": {
                 "model_roots": list(self._model_roots),
@@ -49,7 +49,7 @@ class SceneJobs(JobService):
         }
 
     async def scene_payload(self, record: SceneRecord) -> dict[str, Any]:
-        """Return what a task is told of a scene."""
+        """Return the payload of a task about a scene."""
         file = await self._scenes.file(record)
         return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
 
@@ -59,7 +59,7 @@ class SceneJobs(JobService):
         Args:
             task: To run.
             payload: With `scene` where it is about one.
-            size: How much is asked: what is twice as much takes longer.
+            size: How much is requested: what is twice as much takes longer.
 
         Raises:
             WayproofError: What the task raised, or that it took too long, or that it crashed, or
@@ -95,13 +95,13 @@ class SceneJobs(JobService):
         return await self.load(_REVISE, *await self._about(record, request))
 
     async def _about(self, record: SceneRecord, request: BaseModel) -> tuple[dict[str, Any], int]:
-        """Return the payload of a question to a scene, and how much it asks."""
-        asked = request.model_dump(mode="json")
-        payload = {**await self.scene_payload(record), "request": asked}
-        return payload, sum(len(field) for field in asked.values() if isinstance(field, list))
+        """Return the payload of a call about a scene, and how much it requests."""
+        fields = request.model_dump(mode="json")
+        payload = {**await self.scene_payload(record), "request": fields}
+        return payload, sum(len(field) for field in fields.values() if isinstance(field, list))
 
     async def planners(self) -> list[dict[str, Any]]:
-        """Return all planners; they are asked for once, because they never change."""
+        """Return all planners; once, because they never change."""
         if not self._planners:
             self._planners = (await self.ask("service.tasks.planners:name_planners", {}))["items"]
         return self._planners

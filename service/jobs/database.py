@@ -126,7 +126,7 @@ def set_durability(connection: Connection, *, is_durable: bool) -> None:
     match connection.dialect.name:
         case "sqlite":
             level = "FULL" if is_durable else "NORMAL"
-            # What a connection of the driver was told last is kept beside it.
+            # The level of a driver's connection is kept beside it.
             if connection.info.get(_LEVEL) != level:
                 connection.exec_driver_sql(f"PRAGMA synchronous={level}")
                 connection.info[_LEVEL] = level

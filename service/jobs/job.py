@@ -1,4 +1,4 @@
-"""A job as a value: what it shall do, what became of it, and its events."""
+"""A job as a value: what it does, what became of it, and its events."""
 
 import hashlib
 import json
@@ -19,7 +19,7 @@ class IdempotencyKey:
 
     Attributes:
         text: As the client chose it, or None.
-        fingerprint: Whatever tells this request from another one of its queue, JSON-compatible: the
+        fingerprint: All that tells this request from another one of its queue, JSON-compatible: the
             body as it was sent, and what its address named.
     """
 
@@ -34,7 +34,7 @@ class IdempotencyKey:
 
 @dataclass(frozen=True)
 class JobSpec:
-    """What a job shall do.
+    """What a job does.
 
     Attributes:
         queue: Which workers may run it.
@@ -44,7 +44,7 @@ class JobSpec:
         scene: Id of the scene it is about, for listing.
         world_digest: Workers that ran this key lately are preferred.
         priority: Larger comes first.
-        time_limit: Seconds after which it is told to end, and soon after made to; None for ever.
+        time_limit: Seconds after which it is told to end, and soon after killed; None without one.
         max_attempts: How often it may be run if its process dies.
         key: Idempotency key within the queue, or None.
         request_digest: What a second request with the same key must match.

@@ -2,7 +2,7 @@
 
 A lock that a database holds for us is lost with its connection, and nothing tells us. So every
 owner counts the epoch up, and every write of a job asks in its own transaction whether the epoch is
-still the writer's: one who has lost the database cannot write, whether or not he knows.
+still the writer's: a server that has lost the database cannot write, whether or not it knows.
 """
 
 import asyncio
@@ -63,7 +63,7 @@ class DispatcherLock:
             raise
 
     def release(self) -> None:
-        """Give it back; what a database that is gone cannot be told is left untold."""
+        """Give it back; a database that is gone is not told."""
         given_back = update(owner).where(owner.c.epoch == self.epoch).values(is_released=True)
         try:
             with self._engine.begin() as connection:
@@ -192,7 +192,7 @@ class DatabaseTimeouts:
 
 
 class LockListener(Protocol):
-    """Who has to know; all are called in the event loop's thread."""
+    """What has to know; all methods are called in the event loop's thread."""
 
     def suspend(self) -> None:
         """Begin nothing, and end what runs: the database may be another's by now."""
@@ -208,23 +208,23 @@ class LockListener(Protocol):
 
 
 class LockWatch:
-    """Watches one ownership from one event loop."""
+    """Notices that the lock on the database was lost, and takes it again if it may."""
 
     def __init__(
         self, lock: DispatcherLock, listener: LockListener, timeouts: DatabaseTimeouts
     ) -> None:
-        """Tell `told` what becomes of `ownership`; `run` begins."""
+        """Tell `listener` what becomes of `lock`; `run` begins."""
         self._lock = lock
         self._listener = listener
         self._timeouts = timeouts
-        self._threads = ThreadPoolExecutor(1, "ownership")
+        self._threads = ThreadPoolExecutor(1, "dispatcher-lock")
 
     async def run(self) -> None:
         """Watch until the database is another's, or this is canceled."""
         try:
             await self._watch()
         finally:
-            # A question that is still asked could take the lock after it was released.
+            # A query that still runs could take the lock after it was released.
             await asyncio.to_thread(self._threads.shutdown)
 
     async def _watch(self) -> None:
@@ -262,5 +262,5 @@ class LockWatch:
         except TimeoutError:
             # That thread waits for a connection that is dead; the next question must not.
             self._threads.shutdown(wait=False)
-            self._threads = ThreadPoolExecutor(1, "ownership")
+            self._threads = ThreadPoolExecutor(1, "dispatcher-lock")
             return False

@@ -1,4 +1,4 @@
-"""JobQueries: what is asked of the record of jobs. No method of it waits for who writes."""
+"""JobQueries: reads the record of jobs; no query waits for what writes."""
 
 import json
 from collections.abc import Mapping
@@ -37,7 +37,7 @@ def _jobs_with(content: Table) -> Select[Any]:
 
 
 _WHOLE, _SUMMARY = _jobs_with(bodies), _jobs_with(summaries)
-# What is asked again and again is built once: that takes longer than to ask it.
+# Queries are built once: that takes longer than to carry them out.
 _OF_ID = jobs.c.id == bindparam("job_id")
 _ONE_WHOLE, _ONE_SUMMARY = _WHOLE.where(_OF_ID), _SUMMARY.where(_OF_ID)
 _ONE_TEXT = _ONE_SUMMARY.add_columns(type_coerce(bodies.c.result, Text).label("text")).join(

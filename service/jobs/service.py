@@ -19,7 +19,7 @@ _CHUNK = 20
 class JobService:
     """Submits, reads, follows, controls and cancels jobs.
 
-    An id has the prefix of its queue, so that a wrong kind of id is told apart without a look.
+    An id has the prefix of its queue, so that an id of another queue is unknown without a look.
     """
 
     def __init__(
@@ -60,8 +60,8 @@ class JobService:
         """
         if spec.key is None:
             return None
-        asked = (spec.queue, spec.key, spec.request_digest)
-        return await to_thread.run_sync(self._store.find_by_key, *asked)
+        request = (spec.queue, spec.key, spec.request_digest)
+        return await to_thread.run_sync(self._store.find_by_key, *request)
 
     async def open_job(self, queue: str, identifier: str) -> JobSummary:
         """Return a job that waits or runs here as memory has it, any other one as lists have it.
@@ -122,7 +122,7 @@ class JobService:
         wanted = {"scene": scene, "world_digest": world_digest}
         before: int | None = None
         limit = 1
-        # Mostly the first one is what somebody looks for.
+        # Mostly the first one is enough.
         while True:
             read = partial(self._store.page, queue, wanted, before=before, limit=limit)
             found = await to_thread.run_sync(read)
@@ -142,7 +142,7 @@ class JobService:
         return None
 
     async def wait(self, job: Job, seconds: float) -> JobText:
-        """Return a job when it has ended, or as it is after so many seconds."""
+        """Return a job when it has ended, or as it is after some seconds."""
         if seconds > 0:
             return await self._dispatcher.wait_text(job.id, seconds)
         return await self.text_of(job)
@@ -153,16 +153,16 @@ class JobService:
         return await self.job_text(job.queue, job.id) if has_one else JobText(job, None)
 
     async def cancel(self, job: JobSummary) -> JobSummary:
-        """Ask for the end of a job, whatever its state; no database is waited for."""
+        """End a job, whatever its state; no database is waited for."""
         return await self._dispatcher.cancel(job.id)
 
-    async def control(self, job: JobSummary, asked: dict[str, Any]) -> Job:
-        """Ask something of a job that waits or runs; no database is waited for.
+    async def control(self, job: JobSummary, controls: dict[str, Any]) -> Job:
+        """Set controls of a job that waits or runs; no database is waited for.
 
         Raises:
             IllegalTransition: It has ended, or is to end.
         """
-        return await self._dispatcher.control(job.id, asked)
+        return await self._dispatcher.control(job.id, controls)
 
     def unrecorded(self, job: JobSummary) -> list[str]:
         """Return what has happened to a job and is not in the database yet."""

@@ -51,7 +51,7 @@ jobs = Table(
     Column("finished_at", String(40), nullable=True),
     UniqueConstraint("lane", "key"),
     Index("jobs_by_state", "lane", "state", "serial"),
-    # One for each way in which lists are asked for: a page reads its own rows and no others.
+    # One for each filter of lists: a page reads its own rows and no others.
     Index("jobs_of_lane", "lane", "serial"),
     Index("jobs_of_scene", "lane", "scene", "serial"),
     Index("jobs_of_scene_by_state", "lane", "scene", "state", "serial"),

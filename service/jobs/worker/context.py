@@ -26,7 +26,7 @@ class PipeContext:
         self._send(MessageKind.UPDATE, two_parts(event_type, event_text(data)))
 
     def allow(self, seconds: float) -> None:
-        """Have this run ended after so many seconds from now on, and not before."""
+        """Have this run ended after some seconds from now on, and not before."""
         self._send(MessageKind.DEADLINE, repr(seconds).encode())
 
     def watch(self, silence: float) -> None:
@@ -39,7 +39,7 @@ class PipeContext:
         return self._controls
 
     def is_canceled(self) -> bool:
-        """Return whether the end of this run was asked for."""
+        """Return whether the end of this run was requested."""
         self._receive()
         return self._is_canceled
 

@@ -136,7 +136,7 @@ class RemoteFailure(PlanningFailure):
 def dump_error(error: WayproofError) -> str:
     """Return the text of an error."""
     kind = type(error)
-    known = {
+    fields = {
         "module": kind.__module__,
         "name": kind.__qualname__,
         "code": error.code,
@@ -145,19 +145,19 @@ def dump_error(error: WayproofError) -> str:
         "detail": error.detail,
     }
     evidence = encode_leniently(error.evidence)
-    return f'{encode_leniently(known)[:-1]},"evidence":{evidence}}}'
+    return f'{encode_leniently(fields)[:-1]},"evidence":{evidence}}}'
 
 
 def load_error(text: str) -> WayproofError:
     """Return the error in a text, of its own class if the server has loaded it."""
-    told = json.loads(text)
-    evidence = dict(told["evidence"])
-    kind = getattr(sys.modules.get(told["module"]), told["name"], None)
+    fields = json.loads(text)
+    evidence = dict(fields["evidence"])
+    kind = getattr(sys.modules.get(fields["module"]), fields["name"], None)
     error: WayproofError
-    if isinstance(kind, type) and issubclass(kind, WayproofError) and kind.code == told["code"]:
-        error = kind(told["detail"], evidence)
+    if isinstance(kind, type) and issubclass(kind, WayproofError) and kind.code == fields["code"]:
+        error = kind(fields["detail"], evidence)
     else:
-        error = RemoteFailure(told["code"], told["stage"], told["detail"], evidence)
+        error = RemoteFailure(fields["code"], fields["stage"], fields["detail"], evidence)
     if isinstance(error, PlanningFailure):
-        error.in_stage(told["stage"]).timings = dict(told["timings"])
+        error.in_stage(fields["stage"]).timings = dict(fields["timings"])
     return error

@@ -90,7 +90,7 @@ class Termination:
             return outcome
         if isinstance(outcome, Raised):
             return Terminated(outcome.error)
-        # What moves a robot has not ended as it was asked to if it died on the way to rest.
+        # What moves a robot has not ended as it should if it died on the way to rest.
         return Terminated() if self._silence is None else outcome
 
     def _on_deadline(self) -> None:

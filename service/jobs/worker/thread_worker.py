@@ -53,11 +53,11 @@ class _ThreadContext:
         return self.controls_set
 
     def allow(self, seconds: float) -> None:
-        """Have this run given up after so many seconds from now on, and not before."""
+        """Have this run given up after some seconds from now on, and not before."""
         self._loop.call_soon_threadsafe(self._termination.set_deadline, seconds)
 
     def is_canceled(self) -> bool:
-        """Return whether the end of this run was asked for."""
+        """Return whether the end of this run was requested."""
         return self.canceled.is_set()
 
     def _put(self, event_type: str, data: dict[str, Any], *, is_update: bool) -> None:
