@@ -30,7 +30,7 @@ class Moving:
         payload = {"request": {"scene": "s", "group": "arm"}, "scene": {"digest": "d"}}
         return SimpleNamespace(payload=payload, result={"result": {"start": [0.0]}})
 
-    async def known(self, spec):
+    async def find_by_key(self, spec):
         return None
 
     async def in_scene(self, lane, scene):

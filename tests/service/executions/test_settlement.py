@@ -24,7 +24,7 @@ class Desk:
         for job in self.executions:
             yield job
 
-    async def last_told(self, job, event_type):
+    async def latest_event(self, job, event_type):
         return None
 
 
