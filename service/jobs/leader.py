@@ -1,4 +1,4 @@
-"""One dispatcher per database: a lock keeps others out, and an epoch fences off who has lost it.
+"""One dispatcher per database: a lock keeps others out, and an epoch fences off a former owner.
 
 A lock that a database holds for us is lost with its connection, and nothing tells us. So every
 owner counts the epoch up, and every write of a job asks in its own transaction whether the epoch is
@@ -24,6 +24,7 @@ from service.jobs.tables import owner
 # Any number will do, as long as every dispatcher uses the same.
 _ADVISORY_KEY = 0x57_61_79_70
 _ADVISORY_TRIES, _ADVISORY_PAUSE = 20, 0.1
+_log = logging.getLogger(__name__)
 
 
 class DispatcherLock:
@@ -162,9 +163,6 @@ class DispatcherLock:
         database = self._engine.url.render_as_string(hide_password=True)
         message = f"another server works on {database}; stop it, or choose another data folder"
         return DatabaseInUse(message, {"database": database})
-
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ def spec(task: str, /, **options: object) -> JobSpec:
 async def running(  # noqa: PLR0913  (what a test may vary)
     folder: Path,
     *,
-    slots: int = 1,
+    workers: int = 1,
     inline: bool = False,
     max_waiting: int = 100,
     cancel_grace: float = 0.25,
@@ -43,12 +43,12 @@ async def running(  # noqa: PLR0913  (what a test may vary)
         disks.append(FullDisk(engine))
     store = JobStore(engine, {"tests": version})
 
-    def slot() -> Worker:
+    def worker() -> Worker:
         return ThreadWorker(is_exclusive=False) if inline else ProcessWorker([TASKS])
 
-    pool = WorkerPool([slot() for _ in range(slots)])
-    lanes = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
-    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes)
+    pool = WorkerPool([worker() for _ in range(workers)])
+    queues = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), queues)
     await dispatcher.start(f"{TASKS}:warm")
     try:
         yield dispatcher, store

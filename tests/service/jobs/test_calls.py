@@ -1,4 +1,4 @@
-"""Short calls share slots with jobs, and leave nothing behind."""
+"""Short calls share workers with jobs, and leave nothing behind."""
 
 import asyncio
 import signal
@@ -65,7 +65,7 @@ def test_large_scenes_do_not_keep_short_questions_waiting(tmp_path):
     """While one scene is loaded and others wait to be, two workers answer what is short."""
 
     async def story():
-        async with running(tmp_path, slots=2, share=Share(2, reserved=1)) as (dispatcher, _):
+        async with running(tmp_path, workers=2, share=Share(2, reserved=1)) as (dispatcher, _):
             file, begun = tmp_path / "go", tmp_path / "begun"
             payload = {"file": str(file), "begun": str(begun)}
             loads = [

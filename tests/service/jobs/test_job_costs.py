@@ -28,8 +28,8 @@ async def serving(folder, told=None, timeouts=None):
     if told is not None:
         event.listen(engine, "before_cursor_execute", lambda *said: told.append(said[2]))
     store = JobStore(engine)
-    lanes = {"plan": JobQueue("plan", [ThreadWorker(is_exclusive=False)], 100)}
-    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes, timeouts=timeouts)
+    queues = {"plan": JobQueue("plan", [ThreadWorker(is_exclusive=False)], 100)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), queues, timeouts=timeouts)
     await dispatcher.start()
     try:
         yield dispatcher, store

@@ -177,7 +177,7 @@ def test_a_flush_has_the_disk_take_the_log(tmp_path, monkeypatch):
     JobStore(open_engine("sqlite://")).flush()
 
 
-def test_a_job_is_on_its_way_to_a_slot_before_the_writer_is_asked():
+def test_a_job_is_on_its_way_to_a_worker_before_the_writer_is_asked():
     """They share an interpreter: what is sent first does not wait for the other's turn."""
 
     async def story():
