@@ -11,8 +11,8 @@ from typing import Any
 
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken, InternalError
-from service.jobs.event_buffer import EventBuffer, PendingEvent
-from service.jobs.job import Job, JobText
+from service.jobs.event_buffer import EventBuffer
+from service.jobs.job import Job, JobText, PendingEvent
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseTaken
+from service.jobs.job import PendingEvent
 from service.jobs.json_text import Encoded
 
 _MAX_BACKLOG = 256
@@ -16,8 +17,6 @@ _GATHERING = 0.01
 # Before a database that took nothing is asked again [s].
 _PAUSE = 1.0
 _log = logging.getLogger(__name__)
-
-type PendingEvent = tuple[str, Encoded]
 
 
 @dataclass(frozen=True)

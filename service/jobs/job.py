@@ -12,6 +12,9 @@ from service.jobs.states import JobState
 
 FINISHED = "finished"
 
+# Type and data of an event that is not recorded yet.
+type PendingEvent = tuple[str, Encoded]
+
 
 @dataclass(frozen=True)
 class IdempotencyKey:

@@ -89,7 +89,7 @@ class DispatcherLock:
             DatabaseTaken: There was another owner meanwhile.
         """
         try:
-            self._drop()
+            self._unlock()
             self._lock = self._lock_advisory(1)
         except (DBAPIError, DatabaseInUse):
             held = False
@@ -152,12 +152,6 @@ class DispatcherLock:
             # Its end is the end of the lock, and needs no answer.
             held.invalidate()
         held.close()
-
-    def _drop(self) -> None:
-        held, self._lock = self._lock, None
-        if held is not None:
-            held.invalidate()
-            held.close()
 
     def _in_use(self) -> DatabaseInUse:
         database = self._engine.url.render_as_string(hide_password=True)

@@ -11,10 +11,9 @@ from functools import partial
 
 from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseTaken
-from service.jobs.event_buffer import PendingEvent
 from service.jobs.event_bus import EventBus
 from service.jobs.group_commit import GroupCommit
-from service.jobs.job import LoggedEvent
+from service.jobs.job import LoggedEvent, PendingEvent
 from service.jobs.store import JobStore
 from service.jobs.transitions import Transition
 

@@ -14,7 +14,7 @@ from planning.errors import Canceled, WayproofError
 from service.jobs.briefs import fill_summaries
 from service.jobs.database import Prepared, set_durability, sync_log
 from service.jobs.errors import DatabaseTaken
-from service.jobs.job import Job, JobSpec, LoggedEvent
+from service.jobs.job import Job, JobSpec, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import outline_of, without
@@ -190,7 +190,7 @@ class JobStore(JobQueries):
             return read_job(connection, identifier)
 
     def append_events(
-        self, identifier: str, new_events: Sequence[tuple[str, Encoded]], *, may_wait: bool = False
+        self, identifier: str, new_events: Sequence[PendingEvent], *, may_wait: bool = False
     ) -> list[LoggedEvent]:
         """Append events of a running job, and return them; none if the job has ended meanwhile.
 

@@ -3,14 +3,14 @@
 import json
 import secrets
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
 
 from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 
 from service.jobs.database import Prepared
-from service.jobs.job import FINISHED, Job, JobSpec, JobText, LoggedEvent
+from service.jobs.job import FINISHED, Job, JobSpec, JobText, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import outline_of, without
 from service.jobs.queries import columns_of, decoded, job_of, now, summary_of
@@ -25,17 +25,8 @@ _EVENT_NAMES = {
     JobEvent.FAIL: FINISHED,
     JobEvent.CANCEL: FINISHED,
 }
-_COPIED = (
-    "queue",
-    "task",
-    "scene",
-    "world_digest",
-    "priority",
-    "time_limit",
-    "max_attempts",
-    "key",
-    "request_digest",
-)
+# Fields of a spec that are columns.
+_COPIED = [field.name for field in fields(JobSpec) if field.name not in {"payload", "prefix"}]
 _NOT_YET = ("started_at", "finished_at", "result", "failure", "made_by")
 _COUNTED = ("serial", *_NOT_YET)
 _ADD_JOB = Prepared(
@@ -176,7 +167,7 @@ def ended_job(
 def reserve_events(
     connection: Connection,
     identifier: str,
-    new_events: Sequence[tuple[str, Encoded]],
+    new_events: Sequence[PendingEvent],
     *,
     may_wait: bool,
 ) -> int | None:
