@@ -5,27 +5,24 @@ from contextlib import asynccontextmanager
 
 from fastapi import Depends, FastAPI
 
-from service import openapi, problems
-from service.body_limit import BodyLimit
-from service.client_watch import ClientWatch
-from service.farewell import Farewell
-from service.gate import Gate
+from service.api import error_responses as problems
+from service.api import openapi, operations
+from service.api.body_limit import BodyLimit
+from service.api.client_disconnect import DisconnectWatch
+from service.api.graceful_shutdown import GracefulShutdown
+from service.api.host_check import HostCheck
+from service.api.params import require_known_query
+from service.catalog import routes as catalog
+from service.executions import routes as executions
 from service.lifespan import open_services
-from service.plans.versions import versions
-from service.routes import (
-    executions,
-    models,
-    operations,
-    own_motion,
-    planners,
-    plans,
-    queries,
-    regions,
-    scenes,
-    trajectories,
-)
-from service.routes.known_query import require_known_query
+from service.plans import output_routes
+from service.plans import routes as plans
+from service.queries import routes as queries
+from service.regions import routes as regions
+from service.scenes import routes as scenes
 from service.settings import Settings
+from service.trajectories import routes as trajectories
+from service.versions import versions
 
 _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
@@ -33,15 +30,15 @@ _DESCRIPTION = (
     "are `application/json`, of at most 4 MiB; scenes may have 32 MiB, or be YAML of 2 MB. Errors "
     "are `application/problem+json` (RFC 9457)."
 )
-_ROUTES = (
+# What has routes of its own, in the order of the OpenAPI document.
+PARTS = (
     scenes,
     queries,
     regions,
-    models,
-    planners,
+    catalog,
     plans,
+    output_routes,
     trajectories,
-    own_motion,
     executions,
     operations,
 )
@@ -87,15 +84,15 @@ def create_app(
         redirect_slashes=False,
     )
     app.state.settings = chosen
-    app.add_middleware(ClientWatch)
+    app.add_middleware(DisconnectWatch)
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )
-    app.add_middleware(Gate, settings=chosen)
+    app.add_middleware(HostCheck, settings=chosen)
     app.state.is_stopping = False
-    app.add_middleware(Farewell, is_stopping=lambda: app.state.is_stopping)
+    app.add_middleware(GracefulShutdown, is_stopping=lambda: app.state.is_stopping)
     problems.install(app)
     openapi.install(app)
-    for part in _ROUTES:
+    for part in PARTS:
         app.include_router(part.router, dependencies=[Depends(require_known_query)])
     return app

@@ -12,7 +12,7 @@ from service.workers import PRELOAD
 _MORE = (
     "service.cli.server",
     "service.cli.app",
-    "service.tasks.plots",
+    "service.plans.plot_worker",
     "trimesh",
     "trimesh.exchange.obj",
 )

@@ -7,8 +7,8 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from service.api.params import ExecutionId, PlanId, RegionsId
 from service.jobs.job import Job, JobSummary, JobText
-from service.routes.answers import ExecutionId, PlanId, RegionsId
 from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf
 from service.settings import Settings

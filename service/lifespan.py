@@ -19,14 +19,14 @@ from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
-from service.plans.versions import versions
 from service.retention import Retention
 from service.scene_jobs import SceneJobs
+from service.scenes.file_cleanup import Sweeper
 from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
-from service.scenes.sweeping import Sweeper
 from service.settings import Settings
-from service.workers import PRELOAD, WARM_UP
+from service.versions import versions
+from service.workers import PRELOAD, WARM_UP, import_tasks
 
 # Workers for short questions only: they go on while scenes are loaded.
 _RESERVED = 1
@@ -50,6 +50,8 @@ async def open_services(
     keep_off_loops(engine)
     store = JobStore(engine, versions())
     dispatcher = Dispatcher(store, DispatcherLock(engine), _queues(settings), on_taken=on_taken)
+    if settings.engine == "inline":
+        await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
         await to_thread.run_sync(scenes.open)

@@ -1,4 +1,4 @@
-"""SceneJobs: jobs and calls about scenes, and what tasks are given of scenes and settings."""
+"""SceneJobs: jobs and questions about scenes, and what tasks are told of scenes and settings."""
 
 import asyncio
 from pathlib import Path
@@ -6,19 +6,23 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from service.client_watch import note_question, unless_client_leaves
+from service.api.client_disconnect import note_question, unless_client_leaves
+from service.catalog.models import Planner
+from service.catalog.tasks import LIST_PLANNERS, NoWork
 from service.job_spec import PREFIXES
 from service.jobs.calls import Call
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.json_text import Encoded
 from service.jobs.service import JobService
 from service.jobs.store import JobStore
+from service.jobs.tasks import Task
 from service.scenes.records import LoadedScene, SceneRecord
 from service.scenes.shelf import SceneShelf
+from service.scenes.tasks import LibraryWork, SceneWork
 from service.settings import Settings
 
 QUEUES = ("plan", "query", "execution", "regions")
-_REVISE = "service.tasks.scenes:revise_scene"
+_REVISE = "service.scenes.worker:revise_scene"
 
 
 class SceneJobs(JobService):
@@ -31,15 +35,15 @@ class SceneJobs(JobService):
         super().__init__(store, dispatcher, prefixes=PREFIXES, queues=QUEUES)
         self._settings = settings
         self._scenes = scenes
-        self._planners: list[dict[str, Any]] = []
+        self._planners: list[Planner] = []
         self.admitting_motion = asyncio.Lock()
-        # The disk resolves links once, not for each task.
+        # Where links lead is asked of the disk once, not for each task.
         self._folder = settings.data_dir.resolve()
         self._model_roots = [str(root.resolve()) for root in settings.model_roots]
 
     @property
     def common(self) -> dict[str, Any]:
-        """What every task is given: which robots may be loaded, and where copies of files are."""
+        """What every task is told: which robots may be loaded, and where copies of files are."""
         return {
             "library": {
                 "model_roots": list(self._model_roots),
@@ -49,9 +53,39 @@ class SceneJobs(JobService):
         }
 
     async def scene_payload(self, record: SceneRecord) -> dict[str, Any]:
-        """Return the payload of a task about a scene."""
+        """Return what a task is told of a scene."""
         file = await self._scenes.file(record)
         return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
+
+    @property
+    def library(self) -> LibraryWork:
+        """What a task that loads robots is given."""
+        return LibraryWork.model_validate(self.common)
+
+    async def scene_work(self, record: SceneRecord) -> SceneWork:
+        """Return what a task about a scene is given."""
+        return SceneWork.model_validate(await self.scene_payload(record))
+
+    async def call[In: BaseModel, Out: BaseModel](
+        self, task: Task[In, Out], work: In, size: int = 0
+    ) -> Out:
+        """Have a worker carry out a short task and return its answer; raises as `ask`.
+
+        Args:
+            task: Of the queue of questions.
+            work: What it is given.
+            size: How much is asked: what is twice as much takes longer.
+        """
+        content = await self._ask(task.name, work.model_dump(mode="json"), size=size)
+        return task.result.model_validate(content)
+
+    async def call_text[In: BaseModel, Out: BaseModel](
+        self, task: Task[In, Out], work: In, size: int = 0
+    ) -> Encoded:
+        """Call as `call` does, for an answer that is passed on as it is."""
+        payload = work.model_dump(mode="json")
+        found: Encoded = await self._ask(task.name, payload, size=size, is_raw=True)
+        return found
 
     async def ask(self, task: str, payload: dict[str, Any], size: int = 0) -> Any:
         """Run a short task in the query queue and return its answer; it ends if the client leaves.
@@ -59,7 +93,7 @@ class SceneJobs(JobService):
         Args:
             task: To run.
             payload: With `scene` where it is about one.
-            size: How much is requested: what is twice as much takes longer.
+            size: How much is asked: what is twice as much takes longer.
 
         Raises:
             WayproofError: What the task raised, or that it took too long, or that it crashed, or
@@ -95,15 +129,15 @@ class SceneJobs(JobService):
         return await self.load(_REVISE, *await self._about(record, request))
 
     async def _about(self, record: SceneRecord, request: BaseModel) -> tuple[dict[str, Any], int]:
-        """Return the payload of a call about a scene, and how much it requests."""
+        """Return the payload of a question to a scene, and how much it asks."""
         fields = request.model_dump(mode="json")
         payload = {**await self.scene_payload(record), "request": fields}
         return payload, sum(len(field) for field in fields.values() if isinstance(field, list))
 
-    async def planners(self) -> list[dict[str, Any]]:
-        """Return all planners; once, because they never change."""
+    async def planners(self) -> list[Planner]:
+        """Return all planners; they are asked for once, because they never change."""
         if not self._planners:
-            self._planners = (await self.ask("service.tasks.planners:name_planners", {}))["items"]
+            self._planners = (await self.call(LIST_PLANNERS, NoWork())).items
         return self._planners
 
     @property
@@ -113,7 +147,7 @@ class SceneJobs(JobService):
 
     @property
     def regions_folder(self) -> Path:
-        """Where workers read regions; the files are a copy of what the database has."""
+        """Where slots read regions; the files are a copy of what the database has."""
         return self._folder / "regions"
 
     @property

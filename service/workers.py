@@ -1,5 +1,6 @@
 """Workers: what their processes import before they run anything. Light: no web, no Drake."""
 
+import importlib
 import multiprocessing.forkserver
 
 from service.jobs.worker.process import forkserver
@@ -8,22 +9,27 @@ from service.jobs.worker.process import forkserver
 # What draws is left out: matplotlib takes a second, and few ask for a plot.
 PRELOAD = (
     "planning.kernel._native",
-    "service.tasks.execute",
-    "service.tasks.leaving",
-    "service.tasks.lines",
-    "service.tasks.models",
-    "service.tasks.own_motion",
-    "service.tasks.plan",
-    "service.tasks.planners",
-    "service.tasks.proof",
-    "service.tasks.queries",
-    "service.tasks.regions",
-    "service.tasks.reverse",
-    "service.tasks.scenes",
-    "service.tasks.trajectories",
-    "service.tasks.warm",
+    "service.executions.worker",
+    "service.queries.line_worker",
+    "service.catalog.worker",
+    "service.trajectories.worker",
+    "service.plans.worker",
+    "service.executions.proof",
+    "service.queries.worker",
+    "service.regions.worker",
+    "service.plans.reverse_worker",
+    "service.scenes.worker",
+    "service.plans.output_worker",
+    "service.plans.warm_up",
 )
-WARM_UP = "service.tasks.warm:warm_up"
+WARM_UP = "service.plans.warm_up:warm_up"
+
+
+def import_tasks() -> None:
+    """Have this process carry tasks out itself."""
+    for name in PRELOAD:
+        if name.startswith("service."):
+            importlib.import_module(name)
 
 
 def start_to_import() -> None:

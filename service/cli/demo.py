@@ -8,12 +8,12 @@ import typer
 from rich.table import Table
 
 from service.cli.options import MAX_SEED, above_zero
+from service.cli.output import console, follow, show_failure
 from service.cli.plan import finished
-from service.cli.screen import console, follow, show_failure
 from service.cli.session import scene_text, session
 from service.client.client import Client
-from service.schemas.execution import Execution, ExecutionState
-from service.schemas.job import Job
+from service.executions.models import Execution, ExecutionState
+from service.plans.models.job import Job
 
 _SCENE = "ur5e_pickup"
 _ARM, _GRIPPER = "arm", "arm::gripper"

@@ -4,12 +4,12 @@ from typing import Any
 
 import typer
 
-from service.cli.screen import complaints
-from service.schemas.scene import Scene
-from service.schemas.summary import GroupWire
+from service.cli.output import error_console
+from service.scenes.models import Scene
+from service.scenes.summary_models import Group
 
 
-def group_of(scene: Scene, name: str | None) -> GroupWire:
+def group_of(scene: Scene, name: str | None) -> Group:
     """Return a group of the scene, by default its first.
 
     Raises:
@@ -19,11 +19,11 @@ def group_of(scene: Scene, name: str | None) -> GroupWire:
         if name in {None, group.name, *group.aliases}:
             return group
     known = ", ".join(group.name for group in scene.groups)
-    complaints.print(f"group {name!r} does not exist; groups: {known}", markup=False)
+    error_console.print(f"group {name!r} does not exist; groups: {known}", markup=False)
     raise typer.Exit(1)
 
 
-def goal_of(scene: Scene, group: GroupWire, target: str) -> dict[str, Any]:
+def goal_of(scene: Scene, group: Group, target: str) -> dict[str, Any]:
     """Return the goal that a name means: a frame, else a configuration.
 
     Raises:
@@ -33,7 +33,7 @@ def goal_of(scene: Scene, group: GroupWire, target: str) -> dict[str, Any]:
         return {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": target}]}
     if target in group.configurations:
         return {"type": "configuration", "name": target}
-    complaints.print(
+    error_console.print(
         f"{target!r} is neither a frame nor a configuration; "
         f"frames: {', '.join(scene.frames)}; configurations: {', '.join(group.configurations)}",
         markup=False,
@@ -41,7 +41,7 @@ def goal_of(scene: Scene, group: GroupWire, target: str) -> dict[str, Any]:
     raise typer.Exit(1)
 
 
-def start_of(group: GroupWire, name: str | None) -> list[float] | None:
+def start_of(group: Group, name: str | None) -> list[float] | None:
     """Return the configuration to start from, None for the scene's current state.
 
     Raises:
@@ -51,7 +51,7 @@ def start_of(group: GroupWire, name: str | None) -> list[float] | None:
         return None
     if name not in group.configurations:
         known = ", ".join(group.configurations)
-        complaints.print(
+        error_console.print(
             f"configuration {name!r} does not exist; configurations: {known}", markup=False
         )
         raise typer.Exit(1)

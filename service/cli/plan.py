@@ -7,10 +7,10 @@ import typer
 
 from service.cli.goal import goal_of, group_of, start_of
 from service.cli.options import MAX_SEED, above_zero
-from service.cli.screen import console, follow, show_failure, show_plans, unit_of
+from service.cli.output import console, follow, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
 from service.client.client import Client
-from service.schemas.job import Job
+from service.plans.models.job import Job
 
 
 def plan(  # noqa: PLR0913  (one parameter per option)

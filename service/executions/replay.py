@@ -3,12 +3,12 @@
 from typing import Any
 
 from service.errors import NotFinished
-from service.executions.whereabouts import last_status
+from service.executions.position import last_status
 from service.jobs.job import JobSummary
-from service.jobs.service import JobService
+from service.scene_jobs import SceneJobs
 
 
-async def executed_motions(desk: JobService, scene: str, most: int) -> list[dict[str, Any]]:
+async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[dict[str, Any]]:
     """Return what tasks need to replay the last motions of a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
@@ -29,7 +29,7 @@ async def executed_motions(desk: JobService, scene: str, most: int) -> list[dict
     return found[::-1]
 
 
-async def _motion(desk: JobService, brief: JobSummary, status: dict[str, Any]) -> dict[str, Any]:
+async def _motion(desk: SceneJobs, brief: JobSummary, status: dict[str, Any]) -> dict[str, Any]:
     job = await desk.job("execution", brief.id)  # briefs have no trajectory
     payload = {part: job.payload[part] for part in ("library", "scene", "group", "trajectory")}
     is_whole = job.state == "succeeded"

@@ -6,13 +6,13 @@ the execution ended, so that nothing is lost if the server ends before.
 """
 
 from service.errors import RevisionConflict
-from service.executions.whereabouts import last_status
+from service.executions.position import last_status
 from service.jobs.job import JobSummary
 from service.scene_jobs import SceneJobs
-from service.scenes.preflight import Group, require_group
+from service.scenes.edit_models import SceneEdit, SetPositionsOperation
 from service.scenes.records import SceneRecord
 from service.scenes.shelf import SceneShelf
-from service.schemas.scene_edit import SceneEdit, SetPositionsOperationWire
+from service.scenes.validation import Group, require_group
 
 
 async def settled(
@@ -61,7 +61,7 @@ async def _pending(record: SceneRecord, job: JobSummary, desk: SceneJobs) -> Sce
     group = require_group(record, job.payload["group"])
     robot = group["name"].partition("::")[0]
     positions = _by_joint(group, robot, status["positions"])
-    operation = SetPositionsOperationWire(op="set_positions", robot=robot, positions=positions)
+    operation = SetPositionsOperation(op="set_positions", robot=robot, positions=positions)
     return SceneEdit(operations=[operation])
 
 

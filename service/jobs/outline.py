@@ -5,7 +5,6 @@ read them. An outline is the content without its large members, everything else 
 reads the one can read the other.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,25 +22,6 @@ class Outline:
     payload: tuple[str, ...] = ()
     result: tuple[str, ...] = ()
     failure: tuple[str, ...] = ()
-
-
-_PLAN = Outline(
-    payload=("motion",),
-    result=("result", "polynomial", "graph"),
-    failure=("evidence.graph",),
-)
-_OUTLINES: Mapping[str, Outline] = {
-    "service.tasks.plan:plan_motion": _PLAN,
-    "service.tasks.reverse:reverse_motion": _PLAN,
-    "service.tasks.regions:grow": Outline(result=("result.regions", "result.portals")),
-    "service.tasks.execute:execute": Outline(payload=("trajectory",)),
-}
-_NOTHING_LARGE = Outline()
-
-
-def outline_of(task: str) -> Outline:
-    """Return the outline of what a task, `module:function`, is given and gives."""
-    return _OUTLINES.get(task, _NOTHING_LARGE)
 
 
 def without(content: Any, members: tuple[str, ...]) -> Any:

@@ -17,10 +17,11 @@ from service.jobs.errors import DatabaseTaken
 from service.jobs.job import Job, JobSpec, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.states import JobEvent, JobState
 from service.jobs.tables import bodies, jobs, makers, metadata, owner, summaries
+from service.jobs.tasks import outline_of
 from service.jobs.transitions import (
     Draft,
     Transition,

@@ -10,7 +10,8 @@ from typing import Any
 from planning.errors import WayproofError
 from service.jobs.errors import InternalError
 from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
+from service.jobs.tasks import is_declared, outline_of, task_named
 from service.jobs.worker.protocol import MessageKind, dump_error
 
 # Events are for people; whatever is larger belongs into the result.
@@ -40,6 +41,9 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     interrupt, memory that ran out) is a crash.
     """
     try:
+        if is_declared(task):
+            done = task_named(task).run(payload, channel)
+            return TaskEnd(MessageKind.RESULT, done.text, done.brief)
         found = load_task(task)(json.loads(payload), channel)
         large = outline_of(task).result
         brief = encode_result(without(found, large)) if large else ""

@@ -12,10 +12,11 @@ from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 from service.jobs.database import Prepared
 from service.jobs.job import FINISHED, Job, JobSpec, JobText, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.queries import columns_of, decoded, job_of, now, summary_of
 from service.jobs.states import JobEvent, JobState, advance, sources
 from service.jobs.tables import COLUMNS, bodies, events, jobs, summaries
+from service.jobs.tasks import outline_of
 
 _MAX_STAGE = 40
 _EVENT_NAMES = {

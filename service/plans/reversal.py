@@ -4,13 +4,13 @@ from typing import Any
 
 from service.job_spec import spec_of
 from service.jobs.job import IdempotencyKey, Job
-from service.plans.admission import SLACK
-from service.plans.wire import polynomial_of
+from service.plans.models.request import PlanRequest
+from service.plans.resource import polynomial_of
+from service.plans.submit import SLACK
 from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf
-from service.schemas.plan import PlanRequest
 
-TASK = "service.tasks.reverse:reverse_motion"
+TASK = "service.plans.reverse_worker:reverse_motion"
 
 
 async def submit_reversal(plan: Job, key: str | None, scenes: SceneShelf, desk: SceneJobs) -> Job:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from service.tasks.worlds import MAX_WORLDS
+from service.scenes.world_cache import MAX_WORLDS
 from tests.adversary.cases import Document, Outcome, Setting
 from tests.adversary.kinematics import pose_matrix
 from tests.adversary.plans import straight

@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter
 
-from service.schemas.goal import GoalWire
-from service.schemas.kinematics import IkRequest
-from service.schemas.plan import PlanRequest
-from service.schemas.search import SearchWire
+from service.plans.models.goals import Goal
+from service.plans.models.request import PlanRequest
+from service.plans.models.search import Search
+from service.queries.models.kinematics import IkRequest
 from tests.conventions.guide import PAGES, ROOT, Call, calls, members, values
 from tests.service.api_routes import api_routes
 
@@ -26,7 +26,7 @@ def shown(what: Any) -> list[Any]:
 
 def type_of(value: dict[str, Any]) -> Any:
     if "type" in value:
-        return GoalWire
+        return Goal
     return PlanRequest if "scene" in value else IkRequest
 
 
@@ -63,4 +63,4 @@ def test_members_are_accepted(member: dict[str, Any]) -> None:
 def test_the_table_of_the_search_names_every_field() -> None:
     page = (ROOT / "docs" / "search.md").read_text()
     named = {line.split("`")[1] for line in page.splitlines() if line.startswith("| `")}
-    assert set(SearchWire.model_fields) <= named
+    assert set(Search.model_fields) <= named

@@ -1,14 +1,11 @@
 """The routes of the service without an application around them: listed in no time."""
 
 from functools import cache
-from importlib import import_module
-from pkgutil import iter_modules
 
-from fastapi import APIRouter
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import APIRoute
 
-import service.routes
+from service.app import PARTS
 
 
 @cache
@@ -16,8 +13,8 @@ def api_routes() -> tuple[APIRoute, ...]:
     """Return every route that the OpenAPI document describes."""
     return tuple(
         route
-        for module in iter_modules(service.routes.__path__, "service.routes.")
-        for route in getattr(import_module(module.name), "router", APIRouter()).routes
+        for part in PARTS
+        for route in part.router.routes
         if isinstance(route, APIRoute) and route.include_in_schema
     )
 

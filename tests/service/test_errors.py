@@ -5,8 +5,8 @@ import pytest
 from planning import errors as planning_errors
 from planning.errors import AssetNotFound, SceneInvalid, UnknownName, WayproofError
 from service import errors
+from service.api.responses import problems
 from service.errors import Refusal, UnknownResource, problem_of, status_of
-from service.routes.answers import problems
 
 
 def classes_below(base):

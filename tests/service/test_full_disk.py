@@ -6,7 +6,7 @@ import pytest
 from fastapi import FastAPI
 from starlette.requests import Request
 
-from service import problems
+from service.api import error_responses as problems
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from service.schemas.job import Job
-from service.schemas.scene import Scene
-from tests.service.routes.test_regions import ENDLESS, REQUEST, SCENE
+from service.plans.models.job import Job
+from service.scenes.models import Scene
+from tests.service.regions.test_routes import ENDLESS, REQUEST, SCENE
 from tests.service.servers import ARM, endless, helpers_of, living, request_of, server, until
 from tests.service.successor import successor
 

@@ -13,7 +13,7 @@ LATER, BEFORE = CREATED + timedelta(seconds=1), CREATED - timedelta(seconds=1)
 RECORD = SimpleNamespace(id="scn", created_at=CREATED)
 
 
-class Desk:
+class SceneJobs:
     """Knows one execution at most."""
 
     def __init__(self, *executions):
@@ -35,11 +35,11 @@ def execution(finished_at):
 @pytest.mark.parametrize(
     ("desk", "is_at_rest"),
     [
-        (Desk(), True),
-        (Desk(execution(BEFORE)), True),
-        (Desk(execution(LATER)), True),  # it never moved
-        (Desk(execution(None)), False),
-        (Desk(execution(None), execution(BEFORE)), False),
+        (SceneJobs(), True),
+        (SceneJobs(execution(BEFORE)), True),
+        (SceneJobs(execution(LATER)), True),  # it never moved
+        (SceneJobs(execution(None)), False),
+        (SceneJobs(execution(None), execution(BEFORE)), False),
     ],
 )
 def test_a_revision_is_the_latest_for_good_once_nothing_moves(desk, is_at_rest):

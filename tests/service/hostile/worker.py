@@ -12,7 +12,7 @@ def main():
     library = {"model_roots": [], "allow_paths": True, "copies": sys.argv[1]}
     for line in sys.stdin:
         payload = {"text": line, "media": "json", "library": library}
-        end = run_task("service.tasks.scenes:load_scene", json.dumps(payload), None)
+        end = run_task("service.scenes.worker:load_scene", json.dumps(payload), None)
         answer = {"status": 201, "text": ""}
         if end.kind is MessageKind.FAILURE:
             error = load_error(end.text)

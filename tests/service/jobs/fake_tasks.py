@@ -11,50 +11,50 @@ from pathlib import Path
 from typing import Any
 
 from planning.errors import Canceled, GoalUnreachable
-from service.tasks.channel import Channel
+from service.jobs.context import TaskContext
 
 
-def echo(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def echo(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     channel.emit("stage", {"stage": "echo", "progress": 0.5})
     return {"echo": payload, "pid": os.getpid()}
 
 
-def warm(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def warm(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {}
 
 
-def garbage(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def garbage(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     """Tell whether this process looks for garbage, and how often it, or what it is of, has."""
     looks = sum(generation["collections"] for generation in gc.get_stats())
     return {"looks": gc.isenabled(), "spared": gc.get_freeze_count() > 1000, "has_looked": looks}
 
 
-def repeat(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def repeat(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Give the same whenever it is asked, unless a clock had a part in it."""
     return {"cut_short": payload.get("cut_short", [])}
 
 
-def refuse(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def refuse(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise GoalUnreachable("too far", {"metres": 2.0})
 
 
-def blunder(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def blunder(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {"x": {}["missing"]}
 
 
-def leave(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def leave(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise SystemExit(3)
 
 
-def interrupt(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def interrupt(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise KeyboardInterrupt
 
 
-def secret(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def secret(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {"not JSON": {1, 2}}
 
 
-def spin(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def spin(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Run until canceled, in Python."""
     channel.emit("stage", {"stage": "spin", "progress": 0.1, "pid": os.getpid()})
     while not channel.is_canceled():
@@ -62,7 +62,7 @@ def spin(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
     raise Canceled("noticed")
 
 
-def hang(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def hang(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Sleep in C with the interpreter's lock held: no signal handler, no thread can run."""
     told = {"stage": "hang", "progress": 0.1, "pid": os.getpid(), "timings": {"load": 0.125}}
     channel.emit("stage", told)
@@ -70,7 +70,7 @@ def hang(_: dict[str, Any], channel: Channel) -> dict[str, Any]:
     return {}
 
 
-def reckon(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def reckon(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Say how long it may take, some seconds each time, and then work for some."""
     for allowed, works in payload["terms"]:
         channel.allow(allowed)
@@ -78,12 +78,12 @@ def reckon(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     return {"pid": os.getpid()}
 
 
-def segfault(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def segfault(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     os.kill(os.getpid(), signal.SIGSEGV)
     return {}
 
 
-def die_once(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def die_once(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """End the process at the first attempt, return at the second."""
     marker = Path(payload["marker"])
     if not marker.exists():
@@ -92,28 +92,28 @@ def die_once(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
     return {"attempt": 2}
 
 
-def chatter(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def chatter(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     for i in range(payload["count"]):
         channel.emit("note", {"i": i, "text": "x" * payload["size"]})
     return {}
 
 
-def leave_quietly(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def leave_quietly(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     os._exit(0)
 
 
-def exhaust(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def exhaust(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise MemoryError
 
 
-def close_everything(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def close_everything(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     """Close the socket to the server, and stay."""
     os.closerange(3, 100)
     ctypes.PyDLL(None).sleep(30)
     return {}
 
 
-def babble(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def babble(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     """Write noise into every descriptor, as damaged native code might."""
     for descriptor in range(3, 30):
         with contextlib.suppress(OSError):
@@ -121,14 +121,14 @@ def babble(_: dict[str, Any], __: Channel) -> dict[str, Any]:
     return {}
 
 
-def touch(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def touch(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Count runs in a file."""
     with Path(payload["file"]).open("a") as file:
         file.write(f"{os.getpid()}\n")
     return {}
 
 
-def stubborn(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def stubborn(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return its result although it was canceled."""
     channel.emit("stage", {"stage": "stubborn", "pid": os.getpid()})
     while not channel.is_canceled():
@@ -136,7 +136,7 @@ def stubborn(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     return {"kept": payload}
 
 
-def wait_for_file(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def wait_for_file(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return once a file is there; make another one first if it is named."""
     channel.emit("stage", {"stage": "wait", "pid": os.getpid()})
     if "begun" in payload:
@@ -147,11 +147,11 @@ def wait_for_file(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     return {"pid": os.getpid(), **filling}
 
 
-def vast(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def vast(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     return {"numbers": [0.1 * i for i in range(payload["count"])], "none": float("inf")}
 
 
-def move(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def move(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Say how it goes until canceled, then come to rest in some steps; obey `goal`."""
     channel.watch(payload.get("silence", 60.0))
     place = 0
@@ -167,7 +167,7 @@ def move(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     raise Canceled(message, {"place": place})
 
 
-def spin_until_told(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def spin_until_told(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Run until canceled, and leave a sign of each."""
     Path(payload["begun"]).touch()
     while not channel.is_canceled():
@@ -176,14 +176,14 @@ def spin_until_told(payload: dict[str, Any], channel: Channel) -> dict[str, Any]
     raise Canceled("noticed")
 
 
-def hang_quietly(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def hang_quietly(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Leave a sign, and sleep in C with the interpreter's lock held."""
     Path(payload["begun"]).touch()
     ctypes.PyDLL(None).sleep(30)
     return {}
 
 
-def grow(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
+def grow(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Take memory, `chunk` bytes at a time, up to `most`; come to rest when told to."""
     taken: list[bytes] = []
     most = payload.get("most", float("inf"))
@@ -195,7 +195,7 @@ def grow(payload: dict[str, Any], channel: Channel) -> dict[str, Any]:
     raise Canceled("at rest")
 
 
-def keep(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
+def keep(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Take memory, and keep it."""
     _kept.append(b"x" * payload["count"])
     return {}
@@ -204,5 +204,5 @@ def keep(payload: dict[str, Any], _: Channel) -> dict[str, Any]:
 _kept: list[bytes] = []
 
 
-def niceness(_: dict[str, Any], __: Channel) -> dict[str, Any]:
+def niceness(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {"niceness": os.nice(0)}

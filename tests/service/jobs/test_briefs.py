@@ -13,15 +13,17 @@ from planning.errors import Canceled, NoPathFound
 from service.jobs.database import open_engine
 from service.jobs.job import JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
-from service.jobs.outline import outline_of, without
+from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.tables import bodies, jobs, metadata, summaries
+from service.jobs.tasks import outline_of
+from service.regions.tasks import GROW_REGIONS
 
-PLAN = "service.tasks.plan:plan_motion"
-REVERSE = "service.tasks.reverse:reverse_motion"
-REGIONS = "service.tasks.regions:grow"
-EXECUTE = "service.tasks.execute:execute"
+PLAN = "service.plans.worker:plan_motion"
+REVERSE = "service.plans.reverse_worker:reverse_motion"
+REGIONS = GROW_REGIONS.name
+EXECUTE = "service.executions.worker:execute"
 LARGE = [[0.1] * 7] * 50
 PAYLOAD = {"request": {"seed": 1}, "revision": 2, "motion": LARGE, "trajectory": LARGE}
 RESULTS = {

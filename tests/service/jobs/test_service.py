@@ -6,7 +6,7 @@ import pytest
 
 from planning.errors import Canceled
 from service.errors import RobotBusy
-from service.executions.whereabouts import require_at_rest
+from service.executions.position import require_at_rest
 from service.jobs.database import open_engine
 from service.jobs.job import JobSpec
 from service.jobs.service import JobService

@@ -16,8 +16,8 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.store import JobStore
 from service.scenes.recent import RecentScenes
 from service.scenes.records import LoadedScene, scenes
+from service.scenes.resource import scene_text
 from service.scenes.store import SceneStore
-from service.scenes.wire import scene_text
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
 UNCHECKED = Encoded(encode([{"bodies": ["a", "b"], "reason": "welded", "evidence": "w"}]))

@@ -1,0 +1,72 @@
+"""The OpenAPI document: FastAPI's, with what FastAPI cannot know."""
+
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from planning.world.documents.scene_document import SceneDocument
+from service.api.models import Problem
+
+_REF = "#/components/schemas/{model}"
+_TAGS = [
+    {"name": "models", "description": "Robots there are"},
+    {"name": "scenes", "description": "What the robots stand in"},
+    {"name": "queries", "description": "Questions to a scene, answered at once"},
+    {"name": "planners", "description": "OMPL's planners"},
+    {"name": "plans", "description": "Certified motions, made by durable jobs"},
+    {"name": "trajectories", "description": "Paths and motions of your own, timed and proven"},
+    {"name": "executions", "description": "Motions that are being carried out"},
+    {"name": "operations", "description": "The server itself"},
+]
+
+
+def install(app: FastAPI) -> None:
+    """Make `app` serve the full document."""
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = _document(app)
+        return app.openapi_schema
+
+    app.openapi = openapi
+
+
+def _document(app: FastAPI) -> dict[str, Any]:
+    document = get_openapi(
+        title=app.title,
+        version=app.version,
+        description=app.description,
+        routes=app.routes,
+        tags=_TAGS,
+        separate_input_output_schemas=False,
+    )
+    schemas: dict[str, Any] = document["components"]["schemas"]
+    for model in (Problem, SceneDocument):
+        schema = model.model_json_schema(ref_template=_REF)
+        for name, part in schema.pop("$defs", {}).items():
+            schemas.setdefault(name, part)
+        schemas[model.__name__] = schema
+    inlined: dict[str, Any] = _inlined(document, schemas)
+    return inlined
+
+
+def _inlined(part: Any, schemas: dict[str, Any]) -> Any:
+    """Return the document with names for types only: bounded numbers and lists are spelled out."""
+    if isinstance(part, list):
+        return [_inlined(child, schemas) for child in part]
+    if not isinstance(part, dict):
+        return part
+    name = str(part.get("$ref", "")).split("/")[-1]
+    if name in schemas and not _is_type(schemas[name]):
+        rest = {key: child for key, child in part.items() if key != "$ref"}
+        return _inlined({**schemas[name], **rest}, schemas)
+    return {
+        key: _inlined(child, schemas)
+        for key, child in part.items()
+        if not (child in schemas.values() and key in schemas and not _is_type(child))
+    }
+
+
+def _is_type(schema: dict[str, Any]) -> bool:
+    return bool({"properties", "enum", "oneOf"} & set(schema)) or schema.get("type") == "object"

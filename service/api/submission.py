@@ -1,0 +1,92 @@
+"""Submission: what a request for a job says besides its body, and how it is answered.
+
+`?wait=S` or `Prefer: wait=S` (RFC 7240) say how long the client waits for the end of the job.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends, Header, Query, Response
+
+from service.dependencies import JobsDep, SettingsDep
+from service.jobs.job import Job, JobText
+from service.scene_jobs import SceneJobs
+
+_PREFERENCE = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6}(?:\.\d{1,6})?)")
+
+type Wait = Annotated[
+    float | None,
+    Query(
+        ge=0,
+        le=3600,
+        allow_inf_nan=False,
+        description="Answer 200 with the finished job if it ends within so long [s]",
+    ),
+]
+type Prefer = Annotated[
+    str | None,
+    Header(max_length=200, description="`wait=S` does what `?wait=S` does (RFC 7240)"),
+]
+type IdempotencyKey = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=200,
+        description="The same key and request give the same job, however often they are sent",
+    ),
+]
+
+
+@dataclass(frozen=True)
+class Submission:
+    """How a client asks for a job.
+
+    Attributes:
+        desk: Where jobs are asked for.
+        key: The idempotency key, or None.
+        response: Status and headers of the answer.
+    """
+
+    desk: SceneJobs
+    key: str | None
+    response: Response
+    _seconds: float
+
+    async def awaited(self, job: Job, path: str) -> JobText:
+        """Return a job when it has ended, or as it is after the time that the client waits.
+
+        Args:
+            job: As it was taken in.
+            path: Of the resources of its kind; the answer says where to poll.
+        """
+        found = await self.desk.wait(job, self._seconds)
+        self.response.headers["Location"] = f"{path}/{job.id}"
+        if found.summary.state.is_final:
+            self.response.status_code = 200
+        return found
+
+
+async def _submission(
+    response: Response,
+    desk: JobsDep,
+    settings: SettingsDep,
+    *,
+    wait: Wait = None,
+    prefer: Prefer = None,
+    idempotency_key: IdempotencyKey = None,
+) -> Submission:
+    seconds = seconds_to_wait(wait, prefer, settings.max_wait)
+    return Submission(desk, idempotency_key, response, seconds)
+
+
+type SubmissionDep = Annotated[Submission, Depends(_submission)]
+
+
+def seconds_to_wait(wait: float | None, prefer: str | None, longest: float) -> float:
+    """Return how long to wait [s]: the parameter, else the preference, else not at all."""
+    if wait is not None:
+        return min(wait, longest)
+    found = _PREFERENCE.search(prefer or "")
+    return min(float(found[1]), longest) if found else 0.0

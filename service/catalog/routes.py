@@ -1,0 +1,57 @@
+"""/v1/models and /v1/planners: what there is to choose from."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Response
+
+from planning.errors import UnknownName
+from service.api.responses import passed_on, problems
+from service.api.strict_route import StrictRoute
+from service.catalog.models import ModelList, PlannerList
+from service.catalog.tasks import LIST_MODELS, SHOW_MODEL, ModelWork
+from service.dependencies import JobsDep
+from service.errors import UnknownResource
+from service.scenes.summary_models import Model
+
+router = APIRouter(route_class=StrictRoute, prefix="/v1")
+
+
+@router.get(
+    "/models",
+    operation_id="listModels",
+    response_model=ModelList,
+    responses=problems(422, 429, 503),
+    tags=["models"],
+)
+async def list_models(desk: JobsDep) -> Response:
+    """List the robots that scenes may name."""
+    return passed_on(await desk.call_text(LIST_MODELS, desk.library))
+
+
+@router.get(
+    "/models/{name}",
+    operation_id="getModel",
+    response_model=Model,
+    responses=problems(404, 422, 429, 503),
+    tags=["models"],
+)
+async def get_model(
+    desk: JobsDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
+) -> Response:
+    """Show a robot: its groups, joints, limits, tool frames and configurations."""
+    try:
+        work = ModelWork(library=desk.library.library, name=name)
+        return passed_on(await desk.call_text(SHOW_MODEL, work))
+    except UnknownName as fault:
+        raise UnknownResource(fault.detail, fault.evidence) from fault
+
+
+@router.get(
+    "/planners",
+    operation_id="listPlanners",
+    responses=problems(422, 429, 503),
+    tags=["planners"],
+)
+async def list_planners(desk: JobsDep) -> PlannerList:
+    """List the planners that a plan may name, with their parameters."""
+    return PlannerList(items=await desk.planners())

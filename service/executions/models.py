@@ -1,0 +1,102 @@
+"""Executions: motions that are being carried out."""
+
+from datetime import datetime
+from enum import StrEnum
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
+
+from service.api.models import UNRECORDED, Failure, Identifier, Real, RequestModel, ResponseModel
+
+
+class ExecutionState(StrEnum):
+    """States of an execution: those of ROS 2 actions, and paused; the last three are final."""
+
+    ACCEPTED = "accepted"
+    EXECUTING = "executing"
+    PAUSED = "paused"
+    CANCELING = "canceling"
+    SUCCEEDED = "succeeded"
+    CANCELED = "canceled"
+    ABORTED = "aborted"
+
+
+class ExecutionRequest(RequestModel):
+    """Carry out a plan."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"plan": "pln_5b1e9a7d4c623f0c", "driver": "simulated", "speed": 1.0}]
+        }
+    )
+
+    plan: Identifier = Field(description="Id of a plan that succeeded")
+    driver: Literal["simulated"] = Field(
+        default="simulated", description="What moves: Drake's simulation under a joint controller"
+    )
+    speed: Annotated[Real, Field(gt=0, le=100)] = Field(
+        default=1.0, description="Factor on the pace at which the simulation runs; 1 is real time"
+    )
+    title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
+        default=None, description="What it is, for people who watch the replay of the scene"
+    )
+
+
+class Contact(ResponseModel):
+    """Two bodies that touched during the motion."""
+
+    bodies: tuple[str, str] = Field(description="Full names")
+    depth: float = Field(description="Of penetration [m]")
+    time: float = Field(description="When, along the motion [s]")
+
+
+class ExecutionStatus(ResponseModel):
+    """How far an execution is; also the data of its events."""
+
+    state: ExecutionState = Field(description="Where it stands")
+    progress: float = Field(description="Along the motion, 0 to 1", ge=0, le=1)
+    time: float = Field(description="Along the motion [s]")
+    positions: list[float] = Field(description="Measured [rad or m]")
+    tracking_error: float = Field(
+        description="Largest distance of a joint from where it should be, now [rad or m]"
+    )
+    max_tracking_error: float = Field(description="The largest so far [rad or m]")
+    lateness: float | None = Field(
+        default=None,
+        description="The longest so far that the controller was late to look at the clock [s]: "
+        "what else runs on the machine makes the motion fall behind; null if not recorded",
+    )
+    contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
+
+
+class Execution(ResponseModel):
+    """An execution of a plan; poll it until its state is final."""
+
+    id: str = Field(description="Of the execution")
+    state: ExecutionState = Field(description="succeeded, canceled and aborted are final")
+    created_at: datetime = Field(description="When it was asked for (UTC)")
+    started_at: datetime | None = Field(description="When it began to move (UTC)")
+    finished_at: datetime | None = Field(description="When it ended (UTC)")
+    request: ExecutionRequest = Field(description="What was asked for")
+    scene: str = Field(description="Id of the scene it moves in")
+    group: str = Field(description="What moves")
+    status: ExecutionStatus | None = Field(description="The latest; null before it began")
+    failure: Failure | None = Field(description="Why it was aborted or canceled")
+    unrecorded: list[str] = Field(description=UNRECORDED)
+
+
+class ExecutionPage(ResponseModel):
+    """Executions, newest first."""
+
+    items: list[Execution] = Field(description="On this page")
+    next: str | None = Field(description="Cursor of the next page; null on the last one")
+
+
+class SpeedRequest(RequestModel):
+    """Change how fast a motion is carried out."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"speed": 0.5}]})
+
+    speed: Annotated[Real, Field(gt=0, le=100)] = Field(
+        description="Seconds of the motion per second; above 1 only a simulation can do"
+    )

@@ -1,0 +1,93 @@
+"""Where a robot is: where the latest revision of its scene has it, once nothing moves."""
+
+import math
+from typing import Any
+
+from planning.domain.robot.joints import Joint, JointType
+from service.errors import RobotBusy, StartMismatch
+from service.jobs.job import JobSummary
+from service.scene_jobs import SceneJobs
+from service.scenes.validation import Group
+
+# An execution ends within 0.005 of where it should [rad or m].
+TOLERANCE = 0.02
+
+
+def require_at_start(group: Group, start: list[float]) -> None:
+    """Go on only if the group is at the start of a motion.
+
+    Raises:
+        StartMismatch: It is elsewhere.
+    """
+    positions: list[float] = group["positions"]
+    distance = separation(group, start, positions)
+    if distance > TOLERANCE:
+        message = (
+            f"the plan starts {distance:.4g} rad or m from where {group['name']} is; "
+            "plan from `positions` instead"
+        )
+        evidence = {
+            "start": start,
+            "positions": positions,
+            "distance": distance,
+            "bound": TOLERANCE,
+            "names": group["position_names"],
+        }
+        raise StartMismatch(message, evidence)
+
+
+async def require_at_rest(desk: SceneJobs, scene: str) -> None:
+    """Go on only if nothing moves in a scene.
+
+    A motion was proven against other robots where they stood, not against other motions.
+
+    Raises:
+        RobotBusy: An execution moves a robot of the scene.
+    """
+    job = await desk.in_scene("execution", scene)
+    if job is not None:
+        group = job.payload["group"]
+        message = (
+            f"execution {job.id} moves {group}, and motions of one scene are not proven "
+            "against each other while they run; wait for its end, or cancel it"
+        )
+        raise RobotBusy(message, {"execution": job.id, "group": group})
+
+
+async def last_status(desk: SceneJobs, job: JobSummary) -> dict[str, Any] | None:
+    """Return the last status that an execution told, None if it never moved."""
+    if job.result is not None:
+        told: dict[str, Any] = job.result["status"]
+        return told
+    return await desk.latest_event(job, "status")
+
+
+def separation(group: Group, a: list[float], b: list[float]) -> float:
+    """Return the largest coordinate of the difference [rad or m], whole turns aside."""
+    largest = 0.0
+    at = 0
+    for joint in group["joints"]:
+        kind = Joint(joint["name"], JointType(joint["type"]))
+        count = len(kind.position_names)
+        largest = max(largest, _separation(kind.type, a[at : at + count], b[at : at + count]))
+        at += count
+    return largest
+
+
+def _separation(kind: JointType, a: list[float], b: list[float]) -> float:
+    gaps = [abs(x - y) for x, y in zip(a, b, strict=True)]
+    match kind:
+        case JointType.CONTINUOUS:
+            return _turn(gaps[0])
+        case JointType.PLANAR:
+            return max(*gaps[:2], _turn(gaps[2]))
+        case JointType.FLOATING:
+            cosine = abs(sum(x * y for x, y in zip(a[:4], b[:4], strict=True)))
+            return max(2 * math.acos(min(1.0, cosine)), *gaps[4:])
+        case _:
+            return max(gaps)
+
+
+def _turn(gap: float) -> float:
+    """Return an angle's distance from the nearest whole turn."""
+    return abs(math.remainder(gap, 2 * math.pi))

@@ -1,0 +1,31 @@
+"""TaskContext: how a task speaks to the server while it runs."""
+
+from typing import Any, Protocol
+
+
+class TaskContext(Protocol):
+    """The task's end of its worker."""
+
+    def emit(self, event_type: str, data: dict[str, Any]) -> None:
+        """Append an event to the job's log."""
+        ...
+
+    def update(self, event_type: str, data: dict[str, Any]) -> None:
+        """Append an event that the next of its type may replace; the task never waits for it."""
+        ...
+
+    def allow(self, seconds: float) -> None:
+        """Have the run ended after so many seconds from now on, and not before."""
+        ...
+
+    def watch(self, silence: float) -> None:
+        """Have the process ended if it says nothing for so long [s], from now on."""
+        ...
+
+    def controls(self) -> dict[str, Any]:
+        """Return all that was asked of this run while it runs, the latest of each name."""
+        ...
+
+    def is_canceled(self) -> bool:
+        """Return whether the end of the job was asked for."""
+        ...

@@ -1,0 +1,173 @@
+"""Task: a piece of work that workers do, by a stable name, with models of what goes in and out.
+
+A task is declared where the server can import it, without Drake, and carried out by the function of
+a worker module that `Task.runs` decorates. Jobs are stored with its name: a module may move.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+
+from service.jobs.context import TaskContext
+from service.jobs.json_text import Encoded, encode_in_parts
+from service.jobs.outline import Outline
+
+type _Function = Callable[[Any, TaskContext], BaseModel]
+
+_tasks: dict[str, "Task[Any, Any]"] = {}
+# What durable jobs of servers before 0.2 are stored as.
+_FORMER_NAMES = {
+    "service.tasks.plan:plan_motion": "plan",
+    "service.tasks.reverse:reverse_motion": "reverse",
+    "service.tasks.regions:grow": "grow_regions",
+    "service.tasks.execute:execute": "execute",
+}
+
+_PLAN = Outline(
+    payload=("motion",),
+    result=("result", "polynomial", "graph"),
+    failure=("evidence.graph",),
+)
+_OUTLINES: Mapping[str, Outline] = {
+    "service.plans.worker:plan_motion": _PLAN,
+    "service.plans.reverse_worker:reverse_motion": _PLAN,
+    "service.executions.worker:execute": Outline(payload=("trajectory",)),
+}
+_NOTHING_LARGE = Outline()
+
+
+class TaskModel(BaseModel):
+    """What a task is given or returns, where no request or answer is its model."""
+
+    model_config = ConfigDict(frozen=True)
+
+
+class UnknownTask(LookupError):
+    """There is no task of that name, or no module that was imported carries it out."""
+
+
+@dataclass(frozen=True)
+class TaskResult:
+    """What a task returned, as JSON.
+
+    Attributes:
+        text: All of it.
+        brief: What lists show of it; empty for all.
+    """
+
+    text: str
+    brief: str = ""
+
+
+class Task[In: BaseModel, Out: BaseModel]:
+    """A piece of work that workers do.
+
+    Attributes:
+        name: By which jobs are stored; it never changes.
+        payload: The model of what it is given.
+        result: The model of what it returns.
+        queue: Where it waits for a worker.
+        max_attempts: How often it may be run if its process dies.
+        outline: What is large in its payload, result and failure.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        payload: type[In],
+        result: type[Out],
+        *,
+        queue: str = "query",
+        max_attempts: int = 2,
+        outline: Outline | None = None,
+    ) -> None:
+        """Declare a task.
+
+        Raises:
+            ValueError: There is another one of that name.
+        """
+        if name in _tasks:
+            message = f"there are two tasks {name!r}"
+            raise ValueError(message)
+        self.name = name
+        self.payload = payload
+        self.result = result
+        self.queue = queue
+        self.max_attempts = max_attempts
+        self.outline = outline or Outline()
+        self._function: _Function | None = None
+        _tasks[name] = self
+
+    def runs(self, function: Callable[[In, TaskContext], Out]) -> Callable[[In, TaskContext], Out]:
+        """Have a function carry the task out, in every process that imports its module."""
+        self._function = function
+        return function
+
+    def run(self, payload: str, context: TaskContext) -> TaskResult:
+        """Carry it out with a payload in JSON.
+
+        Raises:
+            UnknownTask: No module that was imported does.
+            ValidationError: The payload is not what its model says.
+        """
+        if self._function is None:
+            message = f"no module that was imported carries out the task {self.name!r}"
+            raise UnknownTask(message)
+        found = self._function(self.payload.model_validate_json(payload), context)
+        large = self.outline.result
+        if not large:
+            return TaskResult(_json(found))
+        apart = dict.fromkeys(member.partition(".")[0] for member in large)
+        parts = {name: Encoded(_member(found, name)) for name in apart}
+        plain = json.loads(_json(found, exclude=set(apart)))
+        text = encode_in_parts({**plain, **parts})
+        return TaskResult(text, _json(found, exclude=_nested(large)))
+
+
+def task_named(name: str) -> Task[Any, Any]:
+    """Return a task by its name, or by the name that an older server stored.
+
+    Raises:
+        UnknownTask: There is none.
+    """
+    found = _tasks.get(_FORMER_NAMES.get(name, name))
+    if found is None:
+        message = f"there is no task {name!r}; tasks: {sorted(_tasks)}"
+        raise UnknownTask(message)
+    return found
+
+
+def is_declared(name: str) -> bool:
+    """Return whether a name is that of a task, whether or not there is one, and of no function."""
+    return ":" not in name or _FORMER_NAMES.get(name) in _tasks
+
+
+def outline_of(task: str) -> Outline:
+    """Return the outline of what a task is given and gives; nothing is large in one not known."""
+    found = _tasks.get(_FORMER_NAMES.get(task, task))
+    return _OUTLINES.get(task, _NOTHING_LARGE) if found is None else found.outline
+
+
+def _json(content: BaseModel, **selection: Any) -> str:
+    """Return the JSON of a model in ASCII, which every database can hold."""
+    return content.model_dump_json(ensure_ascii=True, **selection)
+
+
+def _member(content: BaseModel, name: str) -> str:
+    """Return the JSON of one member of a model."""
+    return _json(content, include={name})[len(f'{{"{name}":') : -1]
+
+
+def _nested(members: tuple[str, ...]) -> Mapping[str, Any]:
+    """Return dotted names of members as pydantic excludes them."""
+    nested: dict[str, Any] = {}
+    for member in members:
+        first, _, rest = member.partition(".")
+        if not rest:
+            nested[first] = True
+        elif nested.get(first) is not True:
+            nested.setdefault(first, {})[rest] = True
+    return nested

@@ -1,0 +1,1 @@
+"""Plans in JSON: what is asked for, and what is answered."""

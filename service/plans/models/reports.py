@@ -1,0 +1,173 @@
+"""What every stage of a plan says about its work."""
+
+from typing import Self
+
+from pydantic import Field
+
+from planning.domain.goals.funnel import funnel_evidence
+from planning.domain.report.motion_plan import StageReports
+from service.api.models import ResponseModel
+from service.plans.models.funnel import IkFunnel
+from service.plans.models.search_reports import SearchReport
+
+
+class GoalsReport(ResponseModel):
+    """What the goals stage found."""
+
+    num_configurations: int = Field(description="Goal configurations that were offered to search")
+    funnel: IkFunnel = Field(description="How many samples survived what")
+
+
+class RefineReport(ResponseModel):
+    """What the refine stage did."""
+
+    method: str = Field(description="`trajopt`, `auto` or `none`")
+    improved: bool = Field(description="Whether the refined curve is what was delivered")
+    reason: str = Field(description="Why not, or empty")
+    solver: str = Field(description="Name of the solver, or empty")
+    rounds: int = Field(description="Steps tried, each a convex program")
+    length_before: float = Field(description="Of the path [rad or m]")
+    length_after: float = Field(description="Of the refined curve [rad or m]")
+    duration_before: float = Field(description="Estimate for the initial guess [s]")
+    duration_after: float = Field(description="Estimate for the solution [s]")
+    lower_bound: float = Field(
+        description="What the slowest joint alone takes from start to goal [s]; nothing is quicker"
+    )
+    shortfall: float | None = Field(
+        default=None,
+        description="By how much the clearance falls short of what was wished for, on average over "
+        "the motion [m]; null if nothing was wished for or refined",
+    )
+
+
+class BindingInterval(ResponseModel):
+    """What keeps the motion from being quicker for a while."""
+
+    begin: float = Field(description="[s]")
+    end: float = Field(description="[s]")
+    limit: str = Field(
+        description="velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, "
+        "speed_zone or acceleration_bounds: the one that is used the most; duration where the "
+        "motion takes longer than it must because that was asked for; empty while nothing moves"
+    )
+    where: str = Field(description="The joint, block, frame or zone whose limit it is, or empty")
+    share: float = Field(
+        description="How much of it is used at most, 0 to 1; 1 where it is met [1]"
+    )
+
+
+class Saving(ResponseModel):
+    """How much shorter the motion would be with one limit relaxed."""
+
+    limit: str = Field(description="Which, as in the intervals")
+    where: str = Field(description="The joint, block, frame or zone whose limit it is")
+    seconds: float = Field(description="How much shorter [s]")
+
+
+class DurationExplanation(ResponseModel):
+    """Why the motion takes as long as it does."""
+
+    intervals: list[BindingInterval] = Field(
+        description="What binds when; together they cover the motion"
+    )
+    relaxed: float = Field(description="The factor by which limits were relaxed, one at a time")
+    savings: list[Saving] = Field(
+        description="What that saved, the most first; measured for limits that are met"
+    )
+
+
+class RetimeReport(ResponseModel):
+    """What the retime stage did."""
+
+    method: str = Field(description="`toppra` or `ruckig`")
+    duration: float = Field(description="Of the trajectory [s]")
+    slowed: float = Field(description="Factor by which the audit stretched it; 1 is not at all")
+    binding: dict[str, str] = Field(description="What is nearest its bound, per limit")
+    utilisation: dict[str, float] = Field(description="Peak over limit, per limit [1]")
+    stops: int = Field(description="Instants of rest between start and goal")
+    blend_deviation: float = Field(
+        description="How far corners were rounded, or the smoothed curve may be from the path "
+        "[rad or m]"
+    )
+    explanation: DurationExplanation | None = Field(
+        default=None,
+        description="Why it takes that long; null if not asked for, or no time was left",
+    )
+
+
+class StopReport(ResponseModel):
+    """Stops along the path within limits, from every instant: guaranteed upper bounds."""
+
+    time: float = Field(description="Of the longest stop [s]")
+    begin: float = Field(description="When it begins [s]")
+    distance: float = Field(description="A joint's longest way until it stands [rad or m]")
+    joint: str = Field(description="Which joint, or block of a planar or floating one")
+    tool_distance: float | None = Field(
+        description="The tool frame's longest way until it stands [m]; null without a tool frame"
+    )
+    frame: str = Field(description="The tool frame, or empty")
+    unheld: str = Field(
+        default="",
+        description="With `effort`: `torque` and the joint that cannot hold the robot still "
+        "somewhere, so that no stop ends there; empty if there is none",
+    )
+    unheld_at: float | None = Field(
+        default=None, description="When the motion is where that is worst [s]; null for nowhere"
+    )
+
+
+class Robustness(ResponseModel):
+    """What the proof of clearance survives: guaranteed lower bounds, each by itself."""
+
+    obstacle_displacement: float = Field(
+        description="How far all points of all obstacles may be from where the scene has them, at "
+        "most 1 [m]"
+    )
+    obstacle_pair: tuple[str, str] = Field(description="The two bodies that allow no more")
+    obstacle_time: float = Field(description="When they do [s]")
+    joint_error: float = Field(
+        description="How far off every joint may be at once, at most 0.5 [rad or m]"
+    )
+    joint_pair: tuple[str, str] = Field(description="The two bodies that allow no more")
+    joint_time: float = Field(description="When they do [s]")
+
+
+class CertifyReport(ResponseModel):
+    """What the certify stage did."""
+
+    intervals: int = Field(description="Intervals on which clearance was bounded")
+    distance_queries: int = Field(description="Configurations at which distances were measured")
+    candidates: int = Field(description="Candidate motions that were looked at")
+    refused: list[str] = Field(description="What was wrong with those before the delivered one")
+    stop: StopReport | None = Field(
+        default=None,
+        description="How it can be stopped; null if not asked for, or no time was left",
+    )
+    robustness: Robustness | None = Field(
+        default=None,
+        description="How wrong world and robot may be; null if not asked for, or no time was left",
+    )
+
+
+class Stages(ResponseModel):
+    """One report per stage."""
+
+    goals: GoalsReport = Field(description="Goal configurations")
+    search: SearchReport = Field(description="The path")
+    refine: RefineReport = Field(description="The optimisation")
+    retime: RetimeReport = Field(description="The timing")
+    certify: CertifyReport = Field(description="The proof")
+
+    @classmethod
+    def from_domain(cls, stages: StageReports) -> Self:
+        """Return the reports of all stages."""
+        return cls.model_validate({
+            "goals": {
+                "num_configurations": len(stages.goals.positions),
+                "funnel": funnel_evidence(stages.goals.funnel),
+            },
+            "search": stages.search,
+            "refine": stages.refine,
+            "retime": stages.retime,
+            "certify": stages.certify,
+        })

@@ -1,0 +1,201 @@
+"""PlanRequest: what to plan."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import ConfigDict, Field, Strict, model_validator
+
+from planning.domain.request import options as domain
+from planning.domain.request.problem import PlanningProblem
+from service.api.arrays import vector
+from service.api.models import (
+    WHOLE,
+    Boolean,
+    Identifier,
+    Name,
+    NonNegative,
+    Positions,
+    Real,
+    RequestModel,
+)
+from service.plans.models.constraints import Constraint, constraints_to_domain
+from service.plans.models.goals import Goal
+from service.plans.models.ik import Ik
+from service.plans.models.line_goals import LineGoal, PathGoal
+from service.plans.models.motion_limits import ScaledLimits
+from service.plans.models.sampling import Sampling
+from service.plans.models.search import Search
+
+EXAMPLE: dict[str, Any] = {
+    "scene": "scn_3f0c5b1e9a7d4c62",
+    "group": "arm",
+    "start": None,
+    "goal": {
+        "type": "pose",
+        "poses": [{"position": [0.4, 0.2, 0.3], "quaternion": [0, 1, 0, 0]}],
+        "frame": "arm::tool0",
+    },
+    "search": {"planner": "RRTConnect", "allowed_planning_time": 5.0},
+    "retime": {"method": "toppra", "velocity_scale": 0.5},
+    "seed": 7,
+}
+
+
+class ClearanceWish(RequestModel):
+    """Clearance that is wished for, beyond the margin that is demanded."""
+
+    distance: Annotated[Real, Field(gt=0, le=1)] = Field(
+        description="Between bodies, but for those of one robot [m]"
+    )
+    weight: Annotated[Real, Field(gt=0, le=1e4)] = Field(
+        description="By how much longer the motion may take for a metre less of what its clearance "
+        "lacks of the distance, on average along the motion [s/m]"
+    )
+
+    def to_domain(self) -> domain.ClearanceObjective:
+        """Return the domain's objective."""
+        return domain.ClearanceObjective(self.distance, self.weight)
+
+
+class Refine(RequestModel):
+    """Whether and how to optimise the path."""
+
+    method: Literal["trajopt", "auto", "none"] = Field(
+        default="trajopt",
+        description="Optimise the duration; do so only if at least half a second is left; or leave "
+        "the path as it is",
+    )
+    clearance: ClearanceWish | None = Field(
+        default=None,
+        description="What the duration is weighed against; `none` has no use for it",
+    )
+
+    @model_validator(mode="after")
+    def _has_use(self) -> Self:
+        if self.method == "none" and self.clearance is not None:
+            message = "clearance requires method 'trajopt' or 'auto', not 'none'"
+            raise ValueError(message)
+        return self
+
+    def to_domain(self) -> domain.RefineOptions:
+        """Return the domain's options of the refinement."""
+        return domain.RefineOptions(self.method, self.clearance and self.clearance.to_domain())
+
+
+class Retime(Sampling, ScaledLimits):
+    """How to time the path."""
+
+    method: Literal["toppra", "ruckig"] = Field(
+        default="toppra",
+        description="toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too",
+    )
+    duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
+        default=None,
+        description="How long the motion shall take [s]; null for the least that the limits allow, "
+        "and less than that is `retiming_failed`",
+    )
+    deviation: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None,
+        description="How far corners of the path may be rounded at most [rad or m, joint-space "
+        "length]; 0 to follow the very path, with a rest at every corner; null for at most 0.1. "
+        "What refinement makes of a path has no corners",
+    )
+    explain: Boolean = Field(
+        default=False,
+        description="Say which limit binds when, and what relaxing it would save "
+        "(`stages.retime.explanation`), once the motion is proven and if there is time; takes some "
+        "20 ms for each part, with ruckig as long as timing it once more for each limit that "
+        "binds, six at most",
+    )
+
+    def to_domain(self) -> domain.RetimeOptions:
+        """Return the domain's options of the timing."""
+        return domain.RetimeOptions(
+            method=self.method,
+            sample_period=self.sampling.period,
+            duration=self.duration,
+            deviation=self.deviation,
+            explain=self.explain,
+            **self.limit_fields(),
+        )
+
+
+class Certify(RequestModel):
+    """What to find out about the motion once it is proven; told in the report on `certify`."""
+
+    stop_anywhere: Boolean = Field(
+        default=False,
+        description="Bound the longest stop along the path, from any instant: a check `stop`, and "
+        "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with "
+        "`effort` or accelerations in `tool_limits`",
+    )
+    max_stopping_time: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
+        default=None,
+        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
+    )
+    robustness: Boolean = Field(
+        default=False,
+        description="Bound how far off obstacles and joints may be: `robustness` in the report; "
+        "takes some 0.2 s",
+    )
+
+    def to_domain(self) -> domain.CertifyOptions:
+        """Return the domain's options of the proof."""
+        return domain.CertifyOptions(self.stop_anywhere, self.max_stopping_time, self.robustness)
+
+
+class PlanRequest(RequestModel):
+    """Move a group of a scene from a start to a goal."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
+
+    scene: Identifier = Field(description="Id of a scene")
+    revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
+        default=None, description="Of the scene; null for its latest"
+    )
+    group: Name = Field(description="`robot` for its default group, or `robot::group`")
+    start: Positions | None = Field(
+        default=None,
+        description="The group's positions [rad or m]; null for the scene's current state",
+    )
+    goal: Goal = Field(description="What to reach")
+    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
+        default=[],
+        description="What the motion shall keep on its whole way, all of it; each has a check of "
+        "its own in the certificate",
+    )
+    ik: Ik = Field(default_factory=Ik, description="Options of the goals stage")
+    search: Search = Field(default_factory=Search, description="Options of the search")
+    refine: Refine = Field(default_factory=Refine, description="Options of the refinement")
+    retime: Retime = Field(default_factory=Retime, description="Options of the timing")
+    certify: Certify = Field(
+        default_factory=Certify, description="What to find out besides the proof"
+    )
+    margin: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None, description="Distance that everything keeps [m]; null for the scene's"
+    )
+    seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
+        default=0, description="Of all randomness: the same seed gives the same bytes"
+    )
+
+    @model_validator(mode="after")
+    def _know_no_lines_in_roadmaps(self) -> Self:
+        if self.search.roadmap is not None and isinstance(self.goal, LineGoal | PathGoal):
+            message = "search.roadmap: goals `line` and `path` are not searched for; leave it out"
+            raise ValueError(message)
+        return self
+
+    def to_domain(self) -> PlanningProblem:
+        """Return the domain's problem; every field of the request is in it but for the scene."""
+        return PlanningProblem(
+            group=self.group,
+            goal=self.goal.to_domain(),
+            start=None if self.start is None else vector(self.start),
+            ik=self.ik.to_domain(),
+            search=self.search.to_domain(),
+            refine=self.refine.to_domain(),
+            retime=self.retime.to_domain(),
+            margin=self.margin,
+            seed=self.seed,
+            constraints=constraints_to_domain(self.path_constraints),
+            certify=self.certify.to_domain(),
+        )

@@ -1,0 +1,142 @@
+"""PlanResult: a certified motion and everything that is known of it."""
+
+from collections.abc import Iterable
+from typing import Literal, Self
+
+from pydantic import ConfigDict, Field
+
+from planning.domain.report import certificate as domain
+from planning.domain.report.motion_plan import MotionPlan
+from service.api.arrays import FiniteOrNull, Row, Rows
+from service.api.models import ResponseModel
+from service.plans.models.reports import Stages
+from service.plans.models.trajectory import Trajectory
+from service.queries.models.check import Pair, UncheckedPair
+from service.queries.models.checked import Check
+from service.queries.verdict_conversion import pair_wire
+
+
+class Certificate(ResponseModel):
+    """The verdict on the motion, between its samples too."""
+
+    model_config = ConfigDict(title="Certificate")
+
+    proven: bool = Field(description="Every check passed on the whole interval")
+    min_clearance: FiniteOrNull = Field(
+        description="If clearance is proven, a lower bound on the distance of all pairs at all "
+        "instants [m]; if not, the same as `observed_clearance`; null if there is no pair"
+    )
+    observed_clearance: FiniteOrNull = Field(
+        default=None,
+        description="Smallest signed distance at any instant that was measured [m]; the true "
+        "smallest one lies between `min_clearance`, if that is proven, and this",
+    )
+    pair: tuple[str, str] = Field(
+        description="The two bodies of `observed_clearance`, or empty names"
+    )
+    time: float = Field(
+        description="When it was observed [s]; if clearance is not proven neither the first "
+        "instant that is too near nor for certain the worst"
+    )
+    points: Rows = Field(
+        default=[],
+        description="The nearest point of each of `pair` then, in world [m], of shapes that "
+        "overlap the deepest; empty without a pair",
+    )
+    proven_until: float = Field(
+        default=0.0,
+        description="Clearance is proven from the beginning until then [s]: the duration, if the "
+        "check `clearance` passed",
+    )
+    first_unproven: Pair | None = Field(
+        default=None,
+        description="The pair that stopped the proof of clearance there, at most 0.1 ms later; "
+        "null if none did",
+    )
+    unchecked: list[UncheckedPair] = Field(
+        default=[],
+        description="Pairs of bodies whose clearance is not looked at, and why: the certificate "
+        "says nothing of them",
+    )
+    checks: list[Check] = Field(description="All checks, passed or not")
+
+    @classmethod
+    def from_domain(cls, certificate: domain.Certificate) -> Self:
+        """Return the model of a certificate."""
+        stop = certificate.first_unproven
+        return cls.model_validate({
+            "proven": certificate.proven,
+            "min_clearance": certificate.min_clearance,
+            "observed_clearance": certificate.observed_clearance,
+            "pair": certificate.pair,
+            "time": certificate.time,
+            "points": certificate.points,
+            "proven_until": certificate.proven_until,
+            "first_unproven": None if stop is None else pair_wire(stop),
+            "unchecked": certificate.unchecked,
+            "checks": certificate.checks,
+        })
+
+
+class Part(ResponseModel):
+    """A part of the motion, from rest to rest."""
+
+    kind: Literal["free", "approach", "retreat", "line"] = Field(
+        description="What it is for; all but `free` are straight lines of the tool"
+    )
+    begin: float = Field(description="First instant [s]")
+    end: float = Field(description="Last instant [s]")
+    length: float = Field(description="Of the tool's way [m]")
+    num_waypoints: int = Field(description="Of its part of `path`, both ends included")
+
+
+class PlanResult(ResponseModel):
+    """What a solved problem gives."""
+
+    goal_configuration: Row = Field(
+        description="Where the motion reaches the goal: its end, but for a retreat [rad or m]"
+    )
+    goal_index: int = Field(description="Which of the goal's candidates that is, from 0")
+    start: Row = Field(description="Where it starts, clipped into the limits [rad or m]")
+    start_clipped: Row = Field(
+        description="By how much the given start was clipped, at most 1e-6 [rad or m]"
+    )
+    path: Rows = Field(description="Untimed waypoints, one row each [rad or m]")
+    parts: list[Part] = Field(
+        default=[], description="The free motion and the straight lines it is made of, in order"
+    )
+    trajectory: Trajectory = Field(description="The timed motion, sampled as asked for")
+    certificate: Certificate = Field(description="The proof")
+    stages: Stages = Field(description="What every stage did")
+    cut_short: list[str] | None = Field(
+        default=None,
+        description="Stages that ended early because of the clock, by their names in `timings`: "
+        "what they give may be something else another time. Empty: the same request gives the "
+        "same numbers again, but for `timings`. Null: made by a version that did not tell",
+    )
+    digest: str = Field(description="sha256 over the delivered numbers")
+
+    @classmethod
+    def from_domain(
+        cls, plan: MotionPlan, trajectory: Trajectory, cuts: Iterable[str] = ()
+    ) -> Self:
+        """Return the result of a plan.
+
+        Args:
+            plan: The plan.
+            trajectory: Its samples.
+            cuts: What a deadline cut after the plan.
+        """
+        return cls.model_validate({
+            "goal_configuration": plan.goal_configuration,
+            "goal_index": plan.goal_index,
+            "start": plan.start,
+            "start_clipped": plan.start_clipped,
+            "path": plan.path.waypoints,
+            "parts": plan.parts,
+            "trajectory": trajectory,
+            "certificate": Certificate.from_domain(plan.certificate),
+            "stages": Stages.from_domain(plan.stages),
+            "cut_short": [*plan.cut_short, *cuts],
+            "digest": plan.digest,
+        })

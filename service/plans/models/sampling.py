@@ -1,0 +1,95 @@
+"""How to sample the trajectory that is delivered."""
+
+from typing import Annotated, Any
+
+from pydantic import Field, Strict, model_validator
+
+from planning.domain.curves import sampling as domain
+from planning.domain.curves.curve import TimedTrajectory
+from planning.errors import ProblemInvalid
+from service.api.models import WHOLE, Boolean, Real, RequestModel
+
+# Between samples [s].
+DEFAULT_PERIOD = 0.01
+MAX_SAMPLES = 200_000
+# Where requests say how to sample: fields of a body, deep in it or not, or parameters of a query.
+IN_BODY = ("retime.sample_period", "retime.num_points")
+IN_QUESTION = ("sample_period", "num_points")
+IN_QUERY = ("period", "points")
+
+
+class Sampling(RequestModel):
+    """So many samples, or one every so often."""
+
+    sample_period: Annotated[Real, Field(ge=1e-4, le=10)] | None = Field(
+        default=DEFAULT_PERIOD,
+        description="Longest time between delivered samples [s]: they lie where the pieces of the "
+        "motion meet, and evenly between, so that every interpolation of them can be proven; "
+        "200000 at most, more are `problem_invalid`; null where `num_points` says how many",
+    )
+    even_samples: Boolean = Field(
+        default=False,
+        description="Deliver samples exactly `sample_period` apart, but for the last, wherever the "
+        "pieces of the motion meet; `trajectory.interpolations` says what is proven of them",
+    )
+    num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
+        default=None,
+        description="Deliver so many samples, evenly in time, first and last instants included, "
+        "however far apart that is; `trajectory.interpolations` says what is proven of them; null "
+        "for one every `sample_period`; not both",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _know_no_period_of_points(cls, given: Any) -> Any:
+        """Let the default go where a number of points stands: whoever gives both is refused."""
+        if isinstance(given, dict) and given.get("num_points") is not None:
+            return {"sample_period": None, **given}
+        return given
+
+    @property
+    def sampling(self) -> domain.Sampling:
+        """At which instants to sample."""
+        period = self.sample_period or DEFAULT_PERIOD
+        return domain.Sampling(period, self.num_points, self.even_samples)
+
+
+def require_one_sampling(
+    period: float | None, num_points: int | None, names: tuple[str, str] = IN_BODY
+) -> None:
+    """Go on only if a request does not say twice how to sample.
+
+    Args:
+        period: Between samples [s]; None if it is not given.
+        num_points: How many samples; None if it is not given.
+        names: What the request calls these two.
+
+    Raises:
+        ProblemInvalid: Both are given.
+    """
+    if period is not None and num_points is not None:
+        message = f"`{names[0]}` and `{names[1]}` cannot both be given: one follows from the other"
+        raise ProblemInvalid(message, {"field": names[1]})
+
+
+def require_few(
+    trajectory: TimedTrajectory, sampling: domain.Sampling, names: tuple[str, str] = IN_BODY
+) -> None:
+    """Go on only if a motion has not too many samples.
+
+    Args:
+        trajectory: What to sample.
+        sampling: At which instants.
+        names: What the request calls the period and the number of points.
+
+    Raises:
+        ProblemInvalid: That would be too many samples.
+    """
+    count = sampling.num_points or trajectory.duration / sampling.period
+    if count > MAX_SAMPLES:
+        message = (
+            f"{names[0]}: a motion of {trajectory.duration:.4g} s with a sample every "
+            f"{sampling.period:g} s would have more than {MAX_SAMPLES} samples; take a longer one, "
+            f"or `{names[1]}`"
+        )
+        raise ProblemInvalid(message, {"field": names[0], "bound": MAX_SAMPLES})

@@ -1,0 +1,150 @@
+"""/v1/plans/{id}/trajectory, replay.html, plots: what a plan delivered, to use and to look at."""
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Path, Query, Response
+from fastapi.responses import HTMLResponse
+
+from service.api.responses import passed_on, problems
+from service.api.strict_route import StrictRoute
+from service.dependencies import JobsDep, PlanJob
+from service.plans.models.trajectory import Trajectory
+from service.plans.resource import motion_of, polynomial_of, sampling_of
+
+router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
+
+type Format = Annotated[Literal["json", "csv"], Query(description="What to answer with")]
+type Period = Annotated[
+    float | None,
+    Query(
+        ge=1e-4,
+        le=10,
+        allow_inf_nan=False,
+        description="Between samples at most [s]: they lie where the pieces of the motion meet, "
+        "and evenly between; none for the plan's `sample_period`",
+    ),
+]
+type Points = Annotated[
+    int | None,
+    Query(
+        ge=2,
+        le=200_000,
+        description="How many samples, evenly in time, first and last instants included; not "
+        "together with `period`",
+    ),
+]
+type Even = Annotated[
+    bool,
+    Query(
+        description="Have samples exactly `period` apart, but for the last, wherever the pieces of "
+        "the motion meet"
+    ),
+]
+type Slowness = Annotated[
+    float,
+    Query(
+        gt=0.001,
+        le=1,
+        allow_inf_nan=False,
+        description="Factor on the speed of the whole motion: 0.5 takes twice as long",
+    ),
+]
+type Exact = Annotated[bool, Query(description="Add the exact piecewise polynomial (JSON only)")]
+
+type Chart = Annotated[
+    Literal[
+        "acceleration",
+        "clearance",
+        "jerk",
+        "position",
+        "tool_speed",
+        "torque",
+        "utilisation",
+        "velocity",
+    ],
+    Path(description="What to draw over time, against its limits as the plan was asked to keep"),
+]
+
+# The header that says what is proven of a table.
+INTERPOLATION = "wayproof-interpolation"
+
+_SVG = {"schema": {"type": "string", "description": "A drawing"}}
+_CSV = {"schema": {"type": "string", "description": "A header, then a row per instant"}}
+_TOLD = {
+    INTERPOLATION: {
+        "description": "Of CSV: what is proven of the samples, as `linear=proven, cubic=unproven, "
+        "quintic=proven`",
+        "schema": {"type": "string"},
+    }
+}
+_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
+
+
+@router.get(
+    "/trajectory",
+    operation_id="getTrajectory",
+    response_model=Trajectory,
+    responses={
+        200: {"content": {"text/csv": _CSV}, "headers": _TOLD},
+        **problems(404, 409, 422, 429, 503),
+    },
+)
+async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
+    job: PlanJob,
+    desk: JobsDep,
+    *,
+    format: Format = "json",  # noqa: A002  (the contract's name)
+    period: Period = None,
+    points: Points = None,
+    even: Even = False,
+    scale: Slowness = 1.0,
+    polynomial: Exact = False,
+) -> Any:
+    """Sample the motion of a plan anew, slowed down if asked for, and prove the samples."""
+    payload = {
+        **motion_of(job),
+        "sampling": sampling_of(job, period, points, even=even),
+        "scale": scale,
+        "polynomial": polynomial,
+    }
+    if format == "json":
+        return passed_on(await desk.ask_text("service.plans.output_worker:sample", payload))
+    table = await desk.ask("service.plans.output_worker:sample_csv", payload)
+    told = {INTERPOLATION: table["proven"]}
+    return Response(table["text"], media_type="text/csv", headers=told)
+
+
+@router.get(
+    "/replay.html",
+    operation_id="getReplay",
+    response_class=HTMLResponse,
+    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
+    """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
+    payload = {
+        **{part: job.payload[part] for part in ("scene", "library")},
+        "group": job.payload["request"]["group"],
+        "trajectory": polynomial_of(job),
+    }
+    page = await desk.ask("service.plans.output_worker:replay", payload)
+    return HTMLResponse(page["html"])
+
+
+@router.get(
+    "/plots/{name}.svg",
+    operation_id="getPlot",
+    response_class=Response,
+    responses={200: {"content": {"image/svg+xml": _SVG}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_plot(job: PlanJob, desk: JobsDep, name: Chart) -> Response:
+    """Draw the motion of a plan against its limits, or its clearance, over time."""
+    payload = {
+        **{part: job.payload[part] for part in ("scene", "library")},
+        "group": job.payload["request"]["group"],
+        "trajectory": polynomial_of(job),
+        **{part: job.payload["request"].get(part) for part in ("retime", "margin")},
+        "name": name,
+    }
+    drawing = await desk.ask("service.plans.plot_worker:plot", payload)
+    return Response(drawing["svg"], media_type="image/svg+xml")

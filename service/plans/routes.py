@@ -1,0 +1,115 @@
+"""/v1/plans: ask for plans, poll them, stop them."""
+
+# ruff: noqa: FAST003  (the dependencies take the path parameters)
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from service.api.event_stream import EVENTS, server_sent
+from service.api.params import Cursor, LastEventId, Limit
+from service.api.responses import accepted, problems, whole
+from service.api.strict_route import StrictRoute
+from service.api.submission import SubmissionDep
+from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
+from service.jobs.job import JobText
+from service.plans.models.graph import PlannerGraph
+from service.plans.models.job import Job, JobBrief, JobPage, JobState
+from service.plans.models.request import PlanRequest
+from service.plans.resource import graph_of, job_brief
+from service.plans.reversal import submit_reversal
+from service.plans.submit import submit_plan
+from service.scene_jobs import SceneJobs
+
+router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
+type State = Annotated[JobState | None, Query(description="Only those in this state")]
+type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
+
+
+@router.post(
+    "",
+    operation_id="createPlan",
+    status_code=202,
+    response_model=Job,
+    responses=accepted(Job, "the plan", 400, 404, 409, 413, 422, 429, 503),
+)
+async def create_plan(request: PlanRequest, asked: SubmissionDep, scenes: ScenesDep) -> Any:
+    """Ask for a plan: a job that is polled, streamed or waited for."""
+    job = await submit_plan(request, asked.key, scenes, asked.desk)
+    return await _whole(asked.desk, await asked.awaited(job, "/v1/plans"), asked.response)
+
+
+@router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
+async def list_plans(
+    desk: JobsDep,
+    state: State = None,
+    scene: OfScene = None,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+) -> Any:
+    """List plans, newest first, without their results."""
+    page = await desk.page("plan", limit, cursor, state=state, scene=scene)
+    return {"items": [job_brief(desk, job) for job in page.jobs], "next": page.following}
+
+
+@router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
+async def get_plan(found: PlanText, desk: JobsDep) -> Any:
+    """Show a plan: how far it is, and its result once it succeeded."""
+    return await _whole(desk, found)
+
+
+@router.get(
+    "/{plan}/events",
+    operation_id="streamPlanEvents",
+    response_class=EventSourceResponse,
+    responses={200: EVENTS, **problems(404, 422)},
+)
+async def stream_plan_events(
+    job: OpenPlan, desk: JobsDep, last_event_id: LastEventId = None
+) -> AsyncIterator[ServerSentEvent]:
+    """Stream what happens to a plan: queued, started, stage, progress, best-so-far, finished."""
+    async for event in server_sent(desk, job, last_event_id):
+        yield event
+
+
+@router.get(
+    "/{plan}/graph",
+    operation_id="getPlannerGraph",
+    response_model=PlannerGraph,
+    responses=problems(404, 409, 422),
+)
+async def get_planner_graph(job: PlanJob) -> Any:
+    """Show what the planner explored, if the request's `search.keep_graph` asked for it."""
+    return graph_of(job)
+
+
+@router.post(
+    "/{plan}/reverse",
+    operation_id="reversePlan",
+    status_code=202,
+    response_model=Job,
+    responses=accepted(Job, "the plan", 404, 409, 422, 429, 503),
+)
+async def reverse_plan(job: PlanJob, asked: SubmissionDep, scenes: ScenesDep) -> Any:
+    """Ask for the same motion from its end to its start: a plan of its own, proven anew."""
+    back = await submit_reversal(job, asked.key, scenes, asked.desk)
+    return await _whole(asked.desk, await asked.awaited(back, "/v1/plans"), asked.response)
+
+
+@router.post(
+    "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
+)
+async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Any:
+    """End a plan, in whatever state it is; asking again changes nothing.
+
+    No database is waited for: `unrecorded` says what it does not hold yet.
+    """
+    return await _whole(desk, await desk.text_of(await desk.cancel(job)))
+
+
+async def _whole(desk: SceneJobs, found: JobText, told: Response | None = None) -> Response:
+    """Return a plan in full."""
+    brief = JobBrief.model_validate(job_brief(desk, found.summary))
+    return await whole(brief, found.result, told)

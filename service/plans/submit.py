@@ -1,0 +1,150 @@
+"""Admission: what a plan request must satisfy before it becomes a job."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from anyio import to_thread
+
+from planning.domain.planner.unavailable_planners import unknown_planner
+from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
+from planning.errors import UnknownName
+from service.catalog.models import Planner
+from service.job_spec import spec_of
+from service.jobs.job import IdempotencyKey, Job
+from service.plans.models.request import PlanRequest
+from service.plans.models.search import Search
+from service.plans.models.trajectory_conversion import require_one_sampling
+from service.regions.eligibility import check_eligible, own_cars, uses_gcs
+from service.regions.selection import SelectedRegions, regions_file, select_regions
+from service.scene_jobs import SceneJobs
+from service.scenes.motion_limit_validation import require_motion_limits
+from service.scenes.records import SceneRecord
+from service.scenes.shelf import SceneShelf
+from service.scenes.validation import (
+    Group,
+    require_constraints,
+    require_count,
+    require_goal,
+    require_group,
+    require_joints,
+)
+
+TASK = "service.plans.worker:plan_motion"
+
+# To load the scene as well [s]; once that is done the task itself says by when it has to end.
+SLACK = 15.0
+
+
+async def submit_plan(
+    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+) -> Job:
+    """Queue a plan.
+
+    Args:
+        request: What to plan.
+        key: Idempotency key, or None.
+        scenes: Where its scene is.
+        desk: Where jobs are queued.
+
+    Raises:
+        UnknownResource: There is no such scene or revision.
+        UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
+            the planner.
+        ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that, or
+            regions are named and no planner needs them, or samples are asked for twice.
+        WrongCount: A list of positions does not fit the group.
+        IdempotencyConflict: The key was used for another request.
+        NoRegions: The planner GCS is asked for, and no regions fit.
+        QueueFull: The queue is full.
+    """
+    record = await scenes.get(request.scene, request.revision)
+    group = require_group(record, request.group)
+    if request.start is not None:
+        require_count(group, request.start, "start")
+    require_goal(record, group, request.goal)
+    require_constraints(record, group, request.path_constraints)
+    require_motion_limits(record, group, request.retime)
+    require_one_sampling(request.retime.sample_period, request.retime.num_points)
+    require_joints(group, request.ik.joint_weights)
+    require_planner(await desk.planners(), request.search)
+    require_search_names(group, request.search)
+    require_cars(group, request.search)
+    regions = await select_regions(request, record, desk)
+    payload = {
+        **await desk.scene_payload(record),
+        "request": _settled(request, record, regions),
+        "revision": record.revision,
+        "roadmaps": desk.roadmaps,
+        "cores": desk.cores,
+    }
+    if regions is not None:
+        payload["regions"] = await to_thread.run_sync(regions_file, desk.regions_folder, regions)
+    if request.search.on_cancel == "best":
+        payload["cancel_grace"] = desk.best_grace
+    allowed = request.search.allowed_planning_time + SLACK
+    named = IdempotencyKey(key, request.model_dump(mode="json"))
+    return await desk.submit(
+        spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
+    )
+
+
+def _settled(
+    request: PlanRequest, record: SceneRecord, regions: SelectedRegions | None
+) -> dict[str, Any]:
+    """Return the request with what time would decide: asked again, it gives the same bytes."""
+    settled = request.model_dump(mode="json")
+    settled["revision"] = record.revision
+    if regions is not None:
+        settled["search"]["regions"] = regions.id
+    return settled
+
+
+def require_planner(planners: Sequence[Planner], search: Search) -> None:
+    """Go on only if there are such planners, and one of them has such parameters.
+
+    Raises:
+        UnknownName: There are not.
+    """
+    by_name = {planner.name: planner for planner in planners}
+    known: set[str] = set()
+    for name in search.planners:
+        if name not in by_name:
+            raise unknown_planner(name, by_name)
+        known |= {parameter.name for parameter in by_name[name].parameters}
+    for parameter in search.parameters:
+        if parameter not in known:
+            raise UnknownName.among("parameter", parameter, known)
+
+
+def require_search_names(group: Group, search: Search) -> None:
+    """Go on only if the group has the joints and coordinates that the search names.
+
+    Raises:
+        UnknownName: It has not.
+    """
+    joints = {joint["name"]: joint["type"] for joint in group["joints"]}
+    bodies = [name for name, kind in joints.items() if kind in {"planar", "floating"}]
+    named = (
+        ("joint or block", search.weights, [*joints, *group["limits"]["blocks"]]),
+        ("position", search.bounds, group["position_names"]),
+        ("planar or floating joint", search.spaces, bodies),
+    )
+    for kind, names, known in named:
+        for name in names:
+            if name not in known:
+                raise UnknownName.among(kind, name, dict.fromkeys(known))
+
+
+def require_cars(group: Group, search: Search) -> None:
+    """Go on only if the group's bases can drive as is asked, and the planners can search for that.
+
+    Raises:
+        UnknownName: There is no such planar joint.
+        ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards, or the
+            group can have no regions and the planner GCS is asked for.
+    """
+    planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
+    cars = resolve_steering(own_cars(group), search.cars, planar)
+    if uses_gcs(search):
+        check_eligible(group, cars, "search.planner")
+    validate_forward_planners(search.planners, cars)

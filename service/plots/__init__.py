@@ -1,1 +1,0 @@
-"""Plots of delivered motions, as SVG."""

@@ -1,0 +1,1 @@
+"""Questions in JSON: what is asked, and what is answered."""

@@ -1,0 +1,136 @@
+"""Asking where frames are, and which configurations bring them somewhere."""
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field, Strict
+
+from service.api.models import (
+    WHOLE,
+    Failure,
+    Name,
+    NonNegative,
+    Pose,
+    Positions,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
+from service.plans.models.constraints import Constraint
+from service.plans.models.funnel import IkFunnel
+from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
+from service.plans.models.ik import Ik
+
+
+class FkRequest(RequestModel):
+    """Ask where frames are in given configurations."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"group": "arm", "configurations": [[0, -1.57, 1.57, -1.57, -1.57, 0]]}]
+        }
+    )
+
+    group: Name = Field(description="`robot` or `robot::group`")
+    configurations: Annotated[list[Positions], Field(min_length=1, max_length=10_000)] = Field(
+        description="The group's positions, one row each [rad or m]"
+    )
+    frames: Annotated[list[Name], Field(min_length=1, max_length=1000)] | None = Field(
+        default=None, description="Any frames of the scene; null for the group's tool frames"
+    )
+
+
+class FkResponse(ResponseModel):
+    """Poses per configuration, in order."""
+
+    results: list[dict[str, Pose]] = Field(
+        description="Pose in world per frame, in the order of the configurations"
+    )
+
+
+class IkRequest(RequestModel):
+    """Ask for all configurations that reach a pose, a region or a displacement."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "group": "arm",
+                    "goal": {
+                        "type": "pose",
+                        "poses": [{"position": [0.4, 0.2, 0.3], "quaternion": [0, 1, 0, 0]}],
+                    },
+                    "seed": 1,
+                }
+            ]
+        }
+    )
+
+    group: Name = Field(description="`robot` or `robot::group`")
+    goal: PoseGoal | RegionGoal | RelativeGoal = Field(
+        discriminator="type", description="Where the tool frame shall be"
+    )
+    start: Positions | None = Field(
+        default=None,
+        description="What `nearest` is measured from [rad or m]; null for the scene's state",
+    )
+    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
+        default=[],
+        description="What solutions shall keep; joints are locked where `start` has them",
+    )
+    ik: Ik = Field(default_factory=Ik, description="How hard to look")
+    margin: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None, description="Distance that everything keeps [m]; null for the scene's"
+    )
+    allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
+        default=5.0, description="Stop after this long, with what was found [s]"
+    )
+    seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
+        default=0, description="Of all randomness"
+    )
+
+
+class Branch(ResponseModel):
+    """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
+
+    shoulder: Literal[-1, 0, 1] = Field(description="On which side of the first axis the wrist is")
+    elbow: Literal[-1, 0, 1] = Field(description="To which side the elbow bends")
+    wrist: Literal[-1, 0, 1] = Field(description="To which side the wrist bends")
+
+
+class IkSolution(ResponseModel):
+    """A goal configuration, and how good it is."""
+
+    positions: list[float] = Field(description="The group's positions [rad or m]")
+    pose_index: int = Field(description="Which of the goal's poses it reaches, from 0")
+    manipulability: float = Field(
+        description="Yoshikawa's sqrt(det(J J^T)) of the tool; it mixes metres and radians, so it "
+        "compares configurations of one arm"
+    )
+    clearance: float | None = Field(
+        description="Smallest signed distance of any two bodies [m]; null if nothing can collide"
+    )
+    pair: tuple[str, str] | None = Field(description="The full names of these two")
+    limit_margin: float | None = Field(
+        description="Smallest distance to a position limit as a share of its range, 0 to 0.5; null "
+        "if nothing is limited"
+    )
+    distance: float = Field(
+        description="From the start, by `ik.joint_weights`; the answers are sorted by it [rad or m]"
+    )
+    branch: Branch | None = Field(
+        description="Of six-joint arms with a spherical wrist or one like Universal Robots'; else "
+        "null"
+    )
+
+
+class IkResponse(ResponseModel):
+    """All distinct goal configurations, nearest to the start first, or why there are none."""
+
+    configurations: list[IkSolution] = Field(description="Free, within limits, distinct")
+    funnel: IkFunnel | None = Field(description="How many samples survived what")
+    failure: Failure | None = Field(
+        description="Why there is none, `goal_unreachable`, `goal_in_collision`, "
+        "`goal_too_near`, `approach_blocked` or `goal_violates_constraint`; the evidence has the "
+        "`nearest` feasible pose and the `relaxation` that would do, what blocks the approaches, "
+        "and what is violated; or `deadline_exceeded`, with the funnel so far; null if there is one"
+    )

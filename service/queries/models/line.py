@@ -1,0 +1,86 @@
+"""Asking how far a tool can be moved in a straight line, and what stops it."""
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field
+
+from service.api.models import Boolean, Name, NonNegative, Pose, Positions, Real, ResponseModel
+from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
+from service.queries.models.check import Pair
+
+
+class FoundDeviation(ResponseModel):
+    """How far a tool is from its line at most, between waypoints too."""
+
+    position: float = Field(description="Of its origin, from the line [m]")
+    rotation: float = Field(description="Of its rotation [rad]")
+
+
+class LineRequest(LineEnd):
+    """Move a tool in a straight line, as far as it goes."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"group": "arm", "displacement": {"vector": [0, 0, 0.1], "frame": "arm::tcp"}}
+            ]
+        }
+    )
+
+    group: Name = Field(description="`robot` or `robot::group`")
+    start: Positions | None = Field(
+        default=None,
+        description="Where the group stands at first [rad or m]; null for the scene's state",
+    )
+    frame: ToolFrame = None
+    margin: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None, description="Distance that everything keeps [m]; null for the scene's"
+    )
+    max_step: Annotated[Real, Field(ge=1e-4, le=10)] = Field(
+        default=0.05, description="Between waypoints the tool moves by this much at most [m]"
+    )
+    deviation: Deviation = Field(
+        default_factory=Deviation,
+        description="How far from the line straight ways between the waypoints may lead",
+    )
+    poses: Boolean = Field(default=False, description="Whether to answer the tool's poses as well")
+    allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
+        default=5.0, description="Give up after this long [s]"
+    )
+
+
+class LineStop(ResponseModel):
+    """What ended a line before its end."""
+
+    reason: Literal["limit", "singularity", "collision", "unreachable"] = Field(
+        description="`limit`: a joint would leave its range. `collision`: two bodies would be "
+        "nearer than their margin. `singularity`: the joints would have to move without bound. "
+        "`unreachable`: the joints cannot move the tool that way"
+    )
+    fraction: float = Field(description="Of the line that was reached, to about 1e-5 [1]")
+    where: Pose = Field(description="The tool there, in world")
+    positions: list[float] = Field(description="The group there [rad or m]")
+    joint: str | None = Field(description="The position coordinate at its limit, for `limit`")
+    pair: Pair | None = Field(description="The two bodies just beyond, for `collision`")
+    singular_value: float = Field(
+        description="Smallest singular value there of the tool's Jacobian, of those that are not "
+        "zero everywhere [1 or m per rad or m]"
+    )
+
+
+class LineResponse(ResponseModel):
+    """How far it goes, on what way, and what stops it."""
+
+    fraction: float = Field(description="Of the line that is reached, 0 to 1 [1]", ge=0, le=1)
+    length: float = Field(description="How far the tool's origin gets along it [m]")
+    fractions: list[float] = Field(description="Of the line, of every waypoint [1]")
+    positions: list[list[float]] = Field(
+        description="Waypoints from the start on, to be joined straight [rad or m]"
+    )
+    poses: list[Pose] | None = Field(
+        description="The tool at each waypoint, in world; null if not asked for"
+    )
+    deviation: FoundDeviation = Field(
+        description="How far from the line the tool is at most, between waypoints too"
+    )
+    stopped_by: LineStop | None = Field(description="What ended it; null if all is reached")

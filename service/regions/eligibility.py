@@ -1,0 +1,33 @@
+"""Whether a group can have regions at all, by the summary of its scene."""
+
+from collections.abc import Mapping
+
+from planning.domain.request.region_request import validate_convex
+from planning.domain.robot.joints import JointType
+from planning.domain.robot.steering import Steering
+from service.plans.models.search import Search
+from service.scenes.validation import Group
+
+PLANNER = "GCS"
+
+
+def uses_gcs(search: Search) -> bool:
+    """Return whether the planner that plans inside regions is among those asked for."""
+    return PLANNER in ([search.planner] if isinstance(search.planner, str) else search.planner)
+
+
+def own_cars(group: Group) -> dict[str, Steering]:
+    """Return how those joints are steered that are so in any request."""
+    # Scenes that were stored by older versions know nothing of cars.
+    told = {joint["name"]: joint.get("steering") for joint in group["joints"]}
+    return {name: Steering(**how) for name, how in told.items() if how is not None}
+
+
+def check_eligible(group: Group, cars: Mapping[str, Steering], field: str) -> None:
+    """Check that the group can have regions.
+
+    Raises:
+        ProblemInvalid: A joint floats, or is steered.
+    """
+    joints = {joint["name"]: JointType(joint["type"]) for joint in group["joints"]}
+    validate_convex(joints, cars, field)

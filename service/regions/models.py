@@ -1,0 +1,180 @@
+"""Regions: convex sets of free configurations, grown in the background."""
+
+from datetime import datetime
+from typing import Annotated, Literal, Self
+
+from pydantic import ConfigDict, Field, Strict
+
+from planning.domain.planner import regions as domain
+from service.api.models import (
+    UNRECORDED,
+    WHOLE,
+    Failure,
+    Name,
+    NonNegative,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
+from service.plans.models.job import JobState
+from service.plans.models.search import Interval
+
+
+class RegionsRequest(RequestModel):
+    """Grow regions for a group of a scene."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"group": "arm", "num_regions": 40}]})
+
+    group: Name = Field(description="`robot` for its default group, or `robot::group`")
+    revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
+        default=None, description="Of the scene; null for its latest"
+    )
+    num_regions: Annotated[int, Strict(), Field(ge=1, le=1000), WHOLE] = Field(
+        default=60, description="At most so many regions"
+    )
+    coverage: Annotated[Real, Field(gt=0, le=1)] = Field(
+        default=0.9, description="Enough, as a share of the free configurations in the domain [1]"
+    )
+    along: Literal["paths", "nothing"] = Field(
+        default="paths",
+        description="What comes first: regions along paths from the scene's state to the group's "
+        "named configurations and the scene's frames; or nothing but the cover",
+    )
+    num_free: Annotated[int, Strict(), Field(ge=100, le=1_000_000), WHOLE] = Field(
+        default=5000,
+        description="So many random configurations of a region in a row must be free",
+    )
+    iterations: Annotated[int, Strict(), Field(ge=1, le=20), WHOLE] = Field(
+        default=3, description="How often a region grows anew around its largest ellipsoid"
+    )
+    bounds: dict[Name, Interval] = Field(
+        default={},
+        max_length=256,
+        description="Lowest and highest value to grow in [rad or m], by position name, within the "
+        "limits; angles that may turn further are taken from -pi to pi, those on a circle over "
+        "one turn at most",
+    )
+    margin: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None, description="Distance that regions keep [m]; null for the scene's"
+    )
+    padding: Annotated[NonNegative, Field(le=1)] = Field(
+        default=0.001, description="Distance beyond the margin, for proofs to be quick [m]"
+    )
+    allowed_time: Annotated[Real, Field(gt=0, le=86_400)] = Field(
+        default=600.0, description="After this time what has grown is the result [s]"
+    )
+    seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
+        default=0, description="Of all randomness: the same seed gives the same regions"
+    )
+
+    def to_domain(self) -> domain.RegionOptions:
+        """Return the options of the growth."""
+        return domain.RegionOptions(
+            num_regions=self.num_regions,
+            coverage=self.coverage,
+            along=self.along,
+            num_free=self.num_free,
+            iterations=self.iterations,
+            bounds={name: (low, high) for name, (low, high) in self.bounds.items()},
+            margin=self.margin,
+            padding=self.padding,
+        )
+
+
+class Region(ResponseModel):
+    """A region: those configurations q with normals q <= offsets."""
+
+    normals: list[list[float]] = Field(description="Unit normals of its faces, a row each")
+    offsets: list[float] = Field(description="One for each face [rad or m]")
+    center: list[float] = Field(description="A configuration well inside [rad or m]")
+    num_free: int = Field(
+        description="So many random configurations in a row were free: with 95 % confidence less "
+        "than 3 / num_free of its volume collides"
+    )
+
+
+class Portal(ResponseModel):
+    """Where two regions overlap."""
+
+    regions: tuple[int, int] = Field(description="Their places in the list")
+    point: list[float] = Field(description="Center of the largest ball in both [rad or m]")
+    radius: float = Field(description="Of that ball [rad or m]")
+
+
+class RegionsSummary(ResponseModel):
+    """What has grown."""
+
+    digest: str = Field(description="sha256 over all numbers of the regions")
+    scene: str = Field(description="Digest of the scene that they are true for")
+    group: str = Field(description="Whose configurations they are")
+    margin: float = Field(description="Distance that they keep [m]")
+    seed: int = Field(description="Of all randomness")
+    num_regions: int = Field(description="How many there are")
+    num_portals: int = Field(description="How many pairs overlap")
+    coverage: float = Field(
+        description="Share of the domain's free configurations that some region holds, by sampling"
+    )
+    coverage_error: float = Field(description="Its standard error")
+    stopped_by: str = Field(
+        description="Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`"
+    )
+    lower: list[float] = Field(description="Of the domain [rad or m]")
+    upper: list[float] = Field(description="Of the domain [rad or m]")
+
+
+class RegionsResult(RegionsSummary):
+    """What has grown, in full."""
+
+    regions: list[Region] = Field(description="In the order in which they were grown")
+    portals: list[Portal] = Field(description="Where they overlap")
+
+    @classmethod
+    def from_domain(cls, regions: domain.Regions) -> Self:
+        """Return regions in full."""
+        return cls(
+            **regions.as_json,
+            num_regions=len(regions.regions),
+            num_portals=len(regions.portals),
+            digest=regions.digest,
+        )
+
+    def to_domain(self) -> domain.Regions:
+        """Return the regions, bit for bit as they were."""
+        derived = {"num_regions", "num_portals", "digest"}
+        return domain.Regions.from_json(self.model_dump(exclude=derived))
+
+
+class RegionsBrief(ResponseModel):
+    """Regions that were asked for, without their faces."""
+
+    id: str = Field(description="Of the regions")
+    state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
+    stage: str = Field(description="`load` or `regions`, or empty")
+    progress: float = Field(description="0 to 1", ge=0, le=1)
+    created_at: datetime = Field(description="When they were asked for (UTC)")
+    started_at: datetime | None = Field(description="When a worker began (UTC)")
+    finished_at: datetime | None = Field(description="When it ended (UTC)")
+    scene: str = Field(description="Id of the scene")
+    revision: int = Field(description="Of the scene")
+    request: RegionsRequest = Field(description="What was asked for, defaults filled in")
+    failure: Failure | None = Field(description="Why there is no result")
+    versions: dict[str, str] = Field(
+        description="Of everything that the numbers depend on, in the server that ran it last; "
+        "empty before it runs, and for regions of versions that did not keep it"
+    )
+    timings: dict[str, float] = Field(description="Seconds by what took them [s]")
+    unrecorded: list[str] = Field(description=UNRECORDED)
+    summary: RegionsSummary | None = Field(description="What has grown, once it succeeded")
+
+
+class RegionsJob(RegionsBrief):
+    """Regions that were asked for; poll them until their state is final."""
+
+    result: RegionsResult | None = Field(description="What has grown, once it succeeded")
+
+
+class RegionsPage(ResponseModel):
+    """Regions, newest first."""
+
+    items: list[RegionsBrief] = Field(description="On this page, without their faces")
+    next: str | None = Field(description="Cursor of the next page; null on the last one")

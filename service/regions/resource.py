@@ -1,0 +1,43 @@
+"""Regions as clients see them, from their jobs."""
+
+from fastapi import Response
+
+from service.api.models import Failure
+from service.api.responses import whole
+from service.jobs.job import JobSummary, JobText
+from service.plans.models.job import JobState
+from service.regions.models import RegionsBrief
+from service.regions.tasks import RegionsOutline, RegionsWork
+from service.scene_jobs import SceneJobs
+
+
+def regions_brief(desk: SceneJobs, job: JobSummary) -> RegionsBrief:
+    """Return regions without their faces."""
+    work = RegionsWork.model_validate(job.payload)
+    outcome = None if job.result is None else RegionsOutline.model_validate(job.result)
+    failure = None if job.failure is None else Failure.model_validate(job.failure)
+    ended = outcome or failure
+    return RegionsBrief(
+        id=job.id,
+        state=JobState(job.state),
+        stage=job.stage,
+        progress=1.0 if job.state == "succeeded" else job.progress,
+        created_at=job.created_at,
+        started_at=job.started_at,
+        finished_at=job.finished_at,
+        scene=job.scene or "",
+        revision=work.revision,
+        request=work.request,
+        failure=failure,
+        versions=job.made_by or {},
+        timings={} if ended is None else ended.timings,
+        unrecorded=desk.unrecorded(job),
+        summary=None if outcome is None else outcome.result,
+    )
+
+
+async def regions_in_full(
+    desk: SceneJobs, found: JobText, answer: Response | None = None
+) -> Response:
+    """Return regions with their faces, if they have grown, under the headers of an answer."""
+    return await whole(regions_brief(desk, found.summary), found.result, answer)

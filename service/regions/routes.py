@@ -1,0 +1,91 @@
+"""/v1/scenes/{id}/regions and /v1/regions: grow regions, poll them, stop them."""
+
+# ruff: noqa: FAST003  (the dependencies take the path parameters)
+
+from collections.abc import AsyncIterator
+
+from fastapi import APIRouter, Response
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+
+from service.api.event_stream import EVENTS, server_sent
+from service.api.params import Cursor, LastEventId, Limit, SceneId
+from service.api.responses import accepted, problems
+from service.api.strict_route import StrictRoute
+from service.api.submission import SubmissionDep
+from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
+from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
+from service.regions.resource import regions_brief, regions_in_full
+from service.regions.submit import submit_regions
+
+router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
+
+
+@router.post(
+    "/scenes/{scene}/regions",
+    operation_id="growRegions",
+    status_code=202,
+    response_model=RegionsJob,
+    responses=accepted(RegionsJob, "the regions", 400, 404, 409, 413, 422, 429, 503),
+)
+async def grow_regions(
+    scene: SceneId, request: RegionsRequest, asked: SubmissionDep, scenes: ScenesDep
+) -> Response:
+    """Grow convex regions of free configurations, for plans with the planner GCS."""
+    job = await submit_regions(scene, request, asked.key, scenes, asked.desk)
+    return await regions_in_full(
+        asked.desk, await asked.awaited(job, "/v1/regions"), asked.response
+    )
+
+
+@router.get(
+    "/scenes/{scene}/regions",
+    operation_id="listRegions",
+    responses=problems(404, 422),
+)
+async def list_regions(
+    scene: SceneId,
+    desk: JobsDep,
+    scenes: ScenesDep,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+) -> RegionsPage:
+    """List the regions that were asked for in a scene, newest first, without their faces."""
+    record = await scenes.get(scene)
+    page = await desk.page("regions", limit, cursor, scene=record.id)
+    return RegionsPage(items=[regions_brief(desk, job) for job in page.jobs], next=page.following)
+
+
+@router.get(
+    "/regions/{regions}",
+    operation_id="getRegions",
+    response_model=RegionsJob,
+    responses=problems(404, 422),
+)
+async def get_regions(found: RegionsText, desk: JobsDep) -> Response:
+    """Show regions: how far they are, and all of them once they have grown."""
+    return await regions_in_full(desk, found)
+
+
+@router.get(
+    "/regions/{regions}/events",
+    operation_id="streamRegionsEvents",
+    response_class=EventSourceResponse,
+    responses={200: EVENTS, **problems(404, 422)},
+)
+async def stream_regions_events(
+    job: OpenRegions, desk: JobsDep, last_event_id: LastEventId = None
+) -> AsyncIterator[ServerSentEvent]:
+    """Stream what happens to regions: queued, started, stage, progress, finished."""
+    async for event in server_sent(desk, job, last_event_id):
+        yield event
+
+
+@router.post(
+    "/regions/{regions}/cancel",
+    operation_id="cancelRegions",
+    response_model=RegionsJob,
+    responses=problems(404, 422),
+)
+async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Response:
+    """End the growth, in whatever state it is; asking again changes nothing."""
+    return await regions_in_full(desk, await desk.text_of(await desk.cancel(job)))

@@ -1,0 +1,142 @@
+"""Which regions a plan is given."""
+
+import os
+from collections.abc import AsyncIterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from planning.errors import ProblemInvalid
+from planning.parallel.atomic_files import evict_oldest, write_atomically
+from service.errors import NoRegions
+from service.jobs.job import JobSummary
+from service.jobs.json_steps import member_of
+from service.jobs.json_text import Encoded
+from service.plans.models.request import PlanRequest
+from service.plans.models.search import Search
+from service.regions.eligibility import PLANNER, uses_gcs
+from service.regions.models import RegionsSummary
+from service.regions.tasks import RegionsOutline, RegionsWork
+from service.scene_jobs import SceneJobs
+from service.scenes.records import SceneRecord
+from service.scenes.validation import require_group
+
+_MAX_NAMED = 20
+# Some hundred files; many more than can be waited for at once.
+_MAX_BYTES = 2**29
+
+
+@dataclass(frozen=True)
+class SelectedRegions:
+    """Regions that a plan is given.
+
+    Attributes:
+        id: Of their job.
+        digest: Of their content.
+        outcome: What the job gave, whole.
+    """
+
+    id: str
+    digest: str
+    outcome: Encoded
+
+
+async def select_regions(
+    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+) -> SelectedRegions | None:
+    """Return the regions that a plan is given; None if its planners need none.
+
+    The request names them, or they are the newest that were grown for the very content of the
+    scene, whatever its id, for the group and for a margin no less than the plan's. Where nothing
+    has grown there is nothing to fit.
+
+    Raises:
+        ProblemInvalid: It names regions, and no planner that plans inside them.
+        UnknownResource: There are no regions of that id.
+        NoRegions: There are none that fit.
+    """
+    if not uses_gcs(request.search):
+        _check_unnamed(request.search)
+        return None
+    group = require_group(record, request.group)["name"]
+    margin = request.margin
+    margin = float(record.document.get("margin") or 0.0) if margin is None else margin
+    seen: list[dict[str, object]] = []
+    async for job in _candidates(request, record, desk):
+        grown = _grown(job)
+        if grown is not None and _fits(grown, record, group, margin):
+            outcome = (await desk.job_text("regions", job.id)).result
+            return SelectedRegions(job.id, grown.digest, outcome or Encoded("{}"))
+        if len(seen) < _MAX_NAMED:
+            seen.append(_describe(job, grown))
+    raise NoRegions(
+        f"the planner {PLANNER!r} needs regions of group {group!r} that keep {margin:g} m in this "
+        f"revision of the scene; grow them by POST /v1/scenes/{record.id}/regions",
+        {
+            "scene": record.id,
+            "digest": record.digest,
+            "group": group,
+            "margin": margin,
+            "there": seen,
+        },
+    )
+
+
+def _check_unnamed(search: Search) -> None:
+    if search.regions is not None:
+        field = "search.regions"
+        message = f"{field}: only the planner {PLANNER!r} plans inside regions, and nobody asked it"
+        raise ProblemInvalid(message, {"field": field})
+
+
+async def _candidates(
+    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+) -> AsyncIterator[JobSummary]:
+    if request.search.regions is not None:
+        yield (await desk.job_text("regions", request.search.regions)).summary
+        return
+    async for job in desk.newest("regions", world_digest=record.digest):
+        yield job
+
+
+def _grown(job: JobSummary) -> RegionsSummary | None:
+    return None if job.result is None else RegionsOutline.model_validate(job.result).result
+
+
+def _fits(grown: RegionsSummary, record: SceneRecord, group: str, margin: float) -> bool:
+    return (
+        grown.scene == record.digest
+        and grown.group == group
+        and grown.margin >= margin
+        and grown.num_regions > 0
+    )
+
+
+def _describe(job: JobSummary, grown: RegionsSummary | None) -> dict[str, object]:
+    names = ("group", "margin", "scene", "num_regions")
+    return {
+        "id": job.id,
+        "state": job.state,
+        "asked_group": RegionsWork.model_validate(job.payload).request.group,
+        **{name: getattr(grown, name, None) for name in names},
+    }
+
+
+def regions_file(folder: Path, regions: SelectedRegions, max_bytes: int = _MAX_BYTES) -> str:
+    """Return the file from which workers read the regions, written if it is not there yet.
+
+    Files that no plan has asked for since many others were are removed: what plans wait for stays.
+
+    Args:
+        folder: Of all such files.
+        regions: That are written.
+        max_bytes: Of all files together.
+    """
+    path = folder / f"{regions.digest}.json"
+    try:
+        os.utime(path)
+    except FileNotFoundError:
+        write_atomically(path, member_of(regions.outcome.text, "result") or "null")
+        with suppress(OSError):
+            evict_oldest(folder, max_bytes)
+    return str(path)

@@ -1,0 +1,45 @@
+"""Growing regions, as a job; and reading what was grown, for plans."""
+
+import time
+from functools import lru_cache
+from pathlib import Path
+
+from planning import Deadline, Regions, grow_regions
+from planning.domain.report.motion_plan import Progress
+from service.jobs.context import TaskContext
+from service.plans.progress import StageLog
+from service.regions.models import RegionsResult
+from service.regions.tasks import GROW_REGIONS, RegionsOutcome, RegionsWork
+from service.scenes.world_cache import borrow_world
+
+
+@GROW_REGIONS.runs
+def grow(work: RegionsWork, context: TaskContext) -> RegionsOutcome:
+    """Return regions in full, and the seconds of each stage.
+
+    Raises:
+        WayproofError: The group can have no regions, or the end was asked for.
+    """
+    request = work.request
+    progress = StageLog(context)
+    progress(Progress("load", 0.0))
+    begun = time.monotonic()
+    with borrow_world(work) as world:
+        loaded = time.monotonic()
+        regions = grow_regions(
+            world,
+            request.group,
+            deadline=Deadline.after(request.allowed_time, time.monotonic, context.is_canceled),
+            options=request.to_domain(),
+            seed=request.seed,
+            on_progress=progress,
+        )
+    timings = {"load": loaded - begun, "regions": time.monotonic() - loaded}
+    return RegionsOutcome(result=RegionsResult.from_domain(regions), timings=timings)
+
+
+@lru_cache(maxsize=8)
+def read_regions(path: str) -> Regions:
+    """Return regions from a file, which is named by their content."""
+    text = Path(path).read_text(encoding="utf-8")
+    return RegionsResult.model_validate_json(text).to_domain()

@@ -1,1 +1,0 @@
-"""Endpoints: they translate and delegate, and declare every answer they give."""

@@ -1,0 +1,146 @@
+"""SceneEdit: operations that make the next revision of a scene."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import ConfigDict, Field, Strict, model_validator
+
+from planning.world.documents.scene_document import ObjectDocument, PoseDocument
+from service.api.models import WHOLE, Boolean, Coordinate, Name, Positions, RequestModel
+
+type BodyNames = Annotated[list[Name], Field(min_length=2, max_length=2)]
+
+EXAMPLE: dict[str, Any] = {
+    "operations": [
+        {"op": "set_positions", "robot": "arm", "positions": [0.0, -1.2, 1.9, -2.27, -1.57, 0.0]},
+        {"op": "attach", "object": "can", "frame": "arm::tcp"},
+        {"op": "allow", "pair": ["can", "table"]},
+    ],
+    "revision": 1,
+}
+
+
+class AddOperation(RequestModel):
+    """Add an object."""
+
+    model_config = ConfigDict(title="AddOperation")
+
+    op: Literal["add"] = Field(description="What to do")
+    object: ObjectDocument = Field(description="As in a scene document, under a name that is free")
+
+
+class MoveOperation(RequestModel):
+    """Put an object that is not attached elsewhere; frames that hang on it go along."""
+
+    model_config = ConfigDict(title="MoveOperation")
+
+    op: Literal["move"] = Field(description="What to do")
+    object: Name = Field(description="Its name")
+    pose: PoseDocument = Field(description="X_WO, its new pose in the world")
+
+
+class RemoveOperation(RequestModel):
+    """Remove an object, the frames that hang on it, and the pairs and margins that name it."""
+
+    model_config = ConfigDict(title="RemoveOperation")
+
+    op: Literal["remove"] = Field(description="What to do")
+    object: Name = Field(description="Its name")
+
+
+class AttachOperation(RequestModel):
+    """Let a robot hold an object: from now on it follows a frame and counts as the robot's body."""
+
+    model_config = ConfigDict(title="AttachOperation")
+
+    op: Literal["attach"] = Field(description="What to do")
+    object: Name = Field(description="Its name; it must be `movable`")
+    frame: Name = Field(description="`robot::link`, or a frame that hangs on one")
+    touch: Annotated[list[Name], Field(max_length=1000)] | None = Field(
+        default=None,
+        description=(
+            "Bodies that it may touch; by default those that move rigidly with the frame and those "
+            "that they carry outside the robot's default group, such as fingers"
+        ),
+    )
+    keep: Boolean = Field(
+        default=True,
+        description="Whether it stays where it is in the world at the scene's positions",
+    )
+    pose: PoseDocument | None = Field(
+        default=None, description="X_FO, where it is in the frame; only and always if not `keep`"
+    )
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if self.keep == (self.pose is not None):
+            message = "give `keep: false` and a `pose` in the frame, or neither"
+            raise ValueError(message)
+        return self
+
+
+class DetachOperation(RequestModel):
+    """Leave an object where it is in the world at the scene's positions."""
+
+    model_config = ConfigDict(title="DetachOperation")
+
+    op: Literal["detach"] = Field(description="What to do")
+    object: Name = Field(description="Its name")
+
+
+class SetPositionsOperation(RequestModel):
+    """Put joints of a robot elsewhere; joints that are not named stay where they are."""
+
+    model_config = ConfigDict(title="SetPositionsOperation")
+
+    op: Literal["set_positions"] = Field(description="What to do")
+    robot: Name = Field(description="Its name in the scene")
+    positions: Name | Positions | dict[Name, Coordinate | Positions] = Field(
+        description=(
+            "Name of a configuration, values of the default group, or values by joint [rad or m]"
+        )
+    )
+
+
+class AllowOperation(RequestModel):
+    """Let two bodies touch."""
+
+    model_config = ConfigDict(title="AllowOperation")
+
+    op: Literal["allow"] = Field(description="What to do")
+    pair: BodyNames = Field(description="Full names of the bodies")
+
+
+class ForbidOperation(RequestModel):
+    """No longer let two bodies touch, which the scene allowed."""
+
+    model_config = ConfigDict(title="ForbidOperation")
+
+    op: Literal["forbid"] = Field(description="What to do")
+    pair: BodyNames = Field(description="Full names of the bodies")
+
+
+type SceneOperation = Annotated[
+    AddOperation
+    | MoveOperation
+    | RemoveOperation
+    | AttachOperation
+    | DetachOperation
+    | SetPositionsOperation
+    | AllowOperation
+    | ForbidOperation,
+    Field(discriminator="op", description="What to do, by `op`"),
+]
+
+
+class SceneEdit(RequestModel):
+    """Operations, carried out in order; all of them or none."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
+
+    operations: Annotated[list[SceneOperation], Field(min_length=1, max_length=1000)] = Field(
+        description="In order"
+    )
+    revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
+        default=None,
+        description="The revision that they are meant for; by default the latest, whichever it is",
+    )

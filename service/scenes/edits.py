@@ -1,0 +1,40 @@
+"""The next revision of a scene."""
+
+from itertools import count
+
+from service.errors import RevisionConflict
+from service.scene_jobs import SceneJobs
+from service.scenes.edit_models import SceneEdit
+from service.scenes.records import SceneRecord
+from service.scenes.shelf import SceneShelf
+
+# Somebody who edits a scene faster than it can be loaded, again and again, is told so.
+_MAX_ROUNDS = 10
+
+
+async def revised(
+    identifier: str, request: SceneEdit, scenes: SceneShelf, desk: SceneJobs
+) -> SceneRecord:
+    """Carry out operations and record what comes of them.
+
+    Without a `revision` they are done to the latest; if another edit is quicker, they are done
+    again to what that one left, so neither is lost.
+
+    Raises:
+        UnknownResource: There is no such scene or revision.
+        RevisionConflict: The request names a revision that is not the latest.
+        UnknownName: An operation names what the scene does not have.
+        InputError: An operation cannot be done, or what comes of it does not load.
+    """
+    rounds = count(1)
+    while True:
+        base = await scenes.get(identifier)
+        if request.revision not in {None, base.revision}:
+            wanted = await scenes.get(identifier, request.revision)
+            raise RevisionConflict.of(identifier, wanted.revision, base.revision)
+        loaded = await desk.load_edited(base, request)
+        try:
+            return await scenes.revise(base, loaded)
+        except RevisionConflict:
+            if request.revision is not None or next(rounds) == _MAX_ROUNDS:
+                raise

@@ -1,0 +1,146 @@
+"""What a loaded robot or scene holds."""
+
+from collections.abc import Sequence
+from typing import Self
+
+from pydantic import ConfigDict, Field
+
+from planning.domain.robot import joints as domain
+from planning.domain.robot.steering import steering_of
+from planning.domain.scene.summary import GroupSummary, RobotSummary
+from service.api.models import ResponseModel, bounds
+
+type Bound = float | None
+
+
+class Steering(ResponseModel):
+    """What a car can drive."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    turning_radius: float = Field(description="Of its tightest turn, at the base's origin [m]")
+    reverse: bool = Field(description="Whether it drives backwards too")
+
+
+class Joint(ResponseModel):
+    """A joint of a group."""
+
+    name: str = Field(description="Full name, `robot::joint`")
+    type: str = Field(
+        description="revolute, continuous, prismatic, planar or floating; whole turns are nothing "
+        "only to continuous joints, and a joint that another one follows by less is revolute"
+    )
+    steering: Steering | None = Field(
+        default=None, description="How a planar joint is steered; null if it moves any way"
+    )
+
+
+class Limits(ResponseModel):
+    """What the joints of a group may do; null is unlimited.
+
+    Positions are limited per coordinate. Rates are limited per block: the Euclidean norm of the
+    block's velocity coordinates; a scalar joint is a block of its own. Joints that follow those of
+    the group keep their own limits within these.
+    """
+
+    lower: list[Bound] = Field(description="Smallest positions [rad or m]")
+    upper: list[Bound] = Field(description="Largest positions [rad or m]")
+    blocks: list[str] = Field(description="Names of the blocks, in the order of the rates")
+    velocity: list[Bound] = Field(description="Per block [rad/s or m/s]")
+    acceleration: list[Bound] = Field(description="Per block [rad/s^2 or m/s^2]")
+    jerk: list[Bound] = Field(description="Per block [rad/s^3 or m/s^3]")
+    effort: list[Bound] = Field(description="Per block [N m or N]")
+
+    @classmethod
+    def from_domain(cls, limits: domain.JointLimits, blocks: list[str]) -> Self:
+        """Return limits by the names of their blocks."""
+        return cls(
+            lower=bounds(limits.lower),
+            upper=bounds(limits.upper),
+            blocks=blocks,
+            velocity=bounds(limits.velocity),
+            acceleration=bounds(limits.acceleration),
+            jerk=bounds(limits.jerk),
+            effort=bounds(limits.effort),
+        )
+
+
+class Group(ResponseModel):
+    """Joints that are planned for together."""
+
+    name: str = Field(description="`robot` or `robot::group`")
+    aliases: list[str] = Field(description="Other names that it answers to")
+    joints: list[Joint] = Field(description="In the group's order")
+    position_names: list[str] = Field(description="A name per position coordinate, in order")
+    velocity_names: list[str] = Field(description="A name per velocity coordinate, in order")
+    tool_frames: list[str] = Field(description="Frames that it moves; the first is the default")
+    limits: Limits = Field(description="What its joints may do")
+    configurations: dict[str, list[float]] = Field(
+        description="Named configurations, in the group's order [rad or m]"
+    )
+    positions: list[float] = Field(description="The current state [rad or m]")
+
+    @classmethod
+    def from_summary(cls, summary: GroupSummary, aliases: Sequence[str]) -> Self:
+        """Return a group with its other names."""
+        group = summary.group
+        cars = steering_of(group)
+        joints = [
+            Joint(
+                name=joint.name,
+                type=str(joint.type),
+                steering=Steering.model_validate(cars[joint.name]) if joint.name in cars else None,
+            )
+            for joint in group.joints
+        ]
+        return cls(
+            name=group.name,
+            aliases=list(aliases),
+            joints=joints,
+            position_names=list(group.position_names),
+            velocity_names=list(group.velocity_names),
+            tool_frames=list(group.tool_frames),
+            limits=Limits.from_domain(summary.limits, [name for name, _ in group.blocks]),
+            configurations={name: list(q) for name, q in summary.configurations.items()},
+            positions=list(summary.positions),
+        )
+
+
+class Source(ResponseModel):
+    """Where a number is from."""
+
+    what: str = Field(description="Which numbers")
+    source: str = Field(description="Where they were published")
+
+
+class Model(ResponseModel):
+    """A robot that scenes may name."""
+
+    model_config = ConfigDict(title="Model")
+
+    name: str = Field(description="As `model` of a scene's robot has it")
+    description: str = Field(description="What it is")
+    default_group: str = Field(description="The group that the bare robot name stands for")
+    groups: list[Group] = Field(description="What can be planned for, in a robot of this name")
+    bodies: list[str] = Field(description="Its bodies, in a robot of this name")
+    sources: list[Source] = Field(description="Where its numbers are from")
+    assumed: list[str] = Field(
+        description="Joints whose rate limits nobody states, so that ours are assumed"
+    )
+
+    @classmethod
+    def from_summary(cls, summary: RobotSummary) -> Self:
+        """Return a robot, its default group first."""
+        ordered = sorted(summary.groups, key=lambda name: name != summary.default_group)
+        return cls(
+            name=summary.name,
+            description=summary.description,
+            default_group=summary.default_group,
+            groups=[
+                Group.from_summary(summary.groups[name], [f"{summary.name}::{name}"])
+                for name in ordered
+            ],
+            bodies=list(summary.bodies),
+            sources=[Source(what=what, source=source) for what, source in summary.sources],
+            assumed=list(summary.assumed),
+        )

@@ -1,0 +1,116 @@
+"""Loading a posted or edited scene: whether it stands, and what it holds."""
+
+import gc
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from planning import (
+    ModelLibrary,
+    Scene,
+    World,
+    edit_scene,
+    load_world,
+    scene_document,
+    scene_summary,
+)
+from planning.errors import SceneInvalid
+from planning.world.documents.scene_file import with_line
+from planning.world.files.trial_load import trial_load
+from service.jobs.context import TaskContext
+from service.scenes.document_text import SceneText, keep_text, kept_text
+from service.scenes.edit_conversion import operation_value
+from service.scenes.edit_models import SceneEdit
+from service.scenes.files import files_wire, read_posted
+from service.scenes.parsing import decode_scene
+from service.scenes.summary_conversion import scene_wire
+from service.scenes.tasks import Library, SceneWork
+from service.scenes.unchecked_text import unchecked_text
+from service.scenes.world_cache import keep, library_of, load_like, take_world
+
+
+def load_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
+    """Return a posted scene as `LoadedScene` has it; its world and text stay warm here.
+
+    Raises:
+        UnreadableBody: The text is not JSON.
+        InputError: The scene has a fault.
+    """
+    library = library_of(Library.model_validate(payload["library"]))
+    with _no_collections():
+        document = decode_scene(payload["text"], payload["media"])
+        try:
+            world = load_world(trial_load(document.value(), library), library)
+        except SceneInvalid as fault:
+            raise with_line(fault, payload["text"]) from fault
+        return _loaded(world, library, SceneText.of(document))
+
+
+def revise_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
+    """Return the same of a scene after the operations in `request`.
+
+    Where its world and text are warm, only what is edited is read and written; else all of it is
+    read from the file, with the same outcome.
+
+    Raises:
+        UnknownName: An operation names what the scene does not have.
+        SceneEditImpossible: An operation cannot be done to it.
+        SceneNotKept: It was written before scenes kept their files.
+        InputError: What came of it does not load.
+    """
+    request = SceneEdit.model_validate(payload["request"])
+    library = library_of(Library.model_validate(payload["library"]))
+    operations = [operation_value(wire) for wire in request.operations]
+    with _no_collections():
+        work = SceneWork.model_validate(payload)
+        before, text = _before(work, library)
+        edited = edit_scene(before, operations, library)
+        after = text.after(before, edited)
+        if after is None:
+            scene_document(edited)  # says what is wrong
+            raise AssertionError
+        return _loaded(load_like(trial_load(after[1], library), library), library, after[0])
+
+
+@contextmanager
+def _no_collections() -> Generator[None]:
+    """Collect no garbage: what is made meanwhile mostly stays, and is looked through each time."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def _before(work: SceneWork, library: ModelLibrary) -> tuple[Scene, SceneText]:
+    """Return the scene that a task is about and its text, from here or from its file."""
+    world, text = take_world(work), kept_text(work.scene.digest)
+    if world is not None:
+        keep(world, library)
+    if world is not None and text is not None:
+        return world.scene, text
+    posted, files = read_posted(work.scene)
+    before = replace(posted.value(), files=files) if world is None else world.scene
+    return before, SceneText.of(posted)
+
+
+def _loaded(world: World, library: ModelLibrary, text: SceneText) -> dict[str, Any]:
+    keep(world, library)
+    keep_text(world.digest, text)
+    summary = scene_summary(world)
+    wire = scene_wire(summary, aliases_of(world)) | {"files": files_wire(world.scene)}
+    told = {"name": world.scene.name, "digest": world.digest, "summary": wire}
+    return {**told, "unchecked": unchecked_text(summary.unchecked), "document": text.whole}
+
+
+def aliases_of(world: World) -> dict[str, list[str]]:
+    """Return the other names of each group: `robot::group` for a robot's default group."""
+    return {
+        group.name: [f"{own.robot}::{name}"]
+        for own in world.robot_groups
+        for name, group in own.groups.items()
+        if group.name == own.robot
+    }

@@ -1,1 +1,0 @@
-"""Wire types: what goes over HTTP, validated strictly, described for generated clients."""

@@ -1,0 +1,1 @@
+"""Motions of the client: timed, certified, stopped and spliced."""

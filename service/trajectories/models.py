@@ -1,0 +1,217 @@
+"""Requests and answers about motions of the client: timed, certified, stopped, spliced."""
+
+from typing import Annotated, Any, Self
+
+from pydantic import ConfigDict, Field, Strict, model_validator
+
+from service.api.models import (
+    WHOLE,
+    Boolean,
+    Failure,
+    Identifier,
+    Name,
+    NonNegative,
+    Positions,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
+from service.plans.models.constraints import Constraint
+from service.plans.models.motion_limits import ScaledLimits
+from service.plans.models.reports import CertifyReport, RetimeReport
+from service.plans.models.request import Certify, Retime
+from service.plans.models.result import Certificate
+from service.plans.models.sampling import Sampling
+from service.plans.models.trajectory import Trajectory
+from service.trajectories.input import Interpolation, OwnTrajectory
+
+_SCENE = {"scene": "scn_3f0c5b1e9a7d4c62", "group": "arm"}
+_WAYPOINTS = [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]]
+_REST = [[0] * 6, [0] * 6]
+_PATH: dict[str, Any] = {**_SCENE, "waypoints": _WAYPOINTS, "retime": {"method": "ruckig"}}
+_MOTION: dict[str, Any] = {
+    **_SCENE,
+    "trajectory": {"times": [0, 1.5], "positions": _WAYPOINTS, "velocities": _REST},
+}
+_RUNNING: dict[str, Any] = {
+    "times": [0, 2],
+    "positions": _WAYPOINTS,
+    "velocities": _REST,
+    "accelerations": _REST,
+}
+_STOP: dict[str, Any] = {**_SCENE, "trajectory": _RUNNING, "time": 0.8}
+_ONTO: dict[str, Any] = {
+    **_RUNNING,
+    "positions": [[0.2, -1.5, 1.5, -1.57, -1.57, 0], [0.4, -1.2, 1.2, -1.57, -1.57, 0]],
+}
+
+
+class MotionRequest(RequestModel):
+    """Fields of every request about a motion of the client."""
+
+    path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
+        default=[],
+        description="What to keep on the way; what counts from the start counts from where the "
+        "given path or motion begins",
+    )
+    scene: Identifier = Field(description="Id of a scene")
+    revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
+        default=None, description="Of the scene; null for its latest"
+    )
+    group: Name = Field(description="`robot` for its default group, or `robot::group`")
+    margin: Annotated[NonNegative, Field(le=10)] | None = Field(
+        default=None, description="Distance that everything keeps [m]; null for the scene's"
+    )
+    allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
+        default=5.0, description="Give up after this long [s]"
+    )
+
+
+class RetimeRequest(MotionRequest):
+    """Time a path of your own, and prove the motion."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [_PATH]})
+
+    waypoints: Annotated[list[Positions], Field(min_length=2, max_length=2000)] = Field(
+        description="The group's positions from start to goal, joined by straight lines in joint "
+        "space [rad or m]"
+    )
+    retime: Retime = Field(default_factory=Retime, description="How to time it")
+    certify: Certify = Field(
+        default_factory=Certify, description="What to find out besides the proof"
+    )
+    polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
+
+
+class RetimeStages(ResponseModel):
+    """What the two stages did."""
+
+    retime: RetimeReport = Field(description="How the path was timed")
+    certify: CertifyReport = Field(description="How the motion was proven")
+
+
+class RetimeResponse(ResponseModel):
+    """A certified motion along the path, or why there is none."""
+
+    trajectory: Trajectory | None = Field(description="The motion; null if there is none")
+    certificate: Certificate | None = Field(description="The proof; null if there is none")
+    stages: RetimeStages | None = Field(description="What was done; null if there is no motion")
+    cut_short: list[str] = Field(
+        default=[],
+        description="What ended early because of the clock and may be something else another "
+        "time: `retime`, `certify`, `explain`, `samples`",
+    )
+    failure: Failure | None = Field(
+        description="Why there is none: `not_certified` with the failed checks, "
+        "`retiming_failed`, `deadline_exceeded`; null if there is one"
+    )
+
+
+class CertifyMotionRequest(MotionRequest, ScaledLimits):
+    """Prove a trajectory of your own."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})
+
+    trajectory: OwnTrajectory = Field(
+        description="The motion. Between samples it is taken to be the polynomial of degree 5 that "
+        "meets positions, velocities and accelerations; of degree 3 without accelerations; "
+        "without velocities the cubic spline with continuous acceleration that rests at both ends; "
+        "or what its `interpolation` says. Straight lines have corners, and are only held to what "
+        "corners can keep. Positions are numbers, not angles on a circle: from 3 to -3 is a way of "
+        "6 rad"
+    )
+    start: Positions | None = Field(
+        default=None, description="Where it shall begin [rad or m]; null for where it does"
+    )
+    goal: Positions | None = Field(
+        default=None, description="Where it shall end [rad or m]; null for where it does"
+    )
+    limit_jerk: Boolean = Field(
+        default=False, description="Hold it against the limits on jerk as well"
+    )
+    certify: Certify = Field(
+        default_factory=Certify, description="What to find out besides the proof"
+    )
+
+
+class CertifyMotionResponse(ResponseModel):
+    """The verdict on the motion, between its samples too."""
+
+    certificate: Certificate = Field(description="What was proven, and what failed")
+    interpolation: Interpolation = Field(description="What the samples were taken for")
+    unchecked: list[str] = Field(
+        default=[],
+        description="Checks that straight lines are not held to, as their velocity jumps",
+    )
+    duration: float = Field(description="Of the motion [s]")
+    stage: CertifyReport = Field(description="What it took")
+
+
+class _FromRunningMotion(MotionRequest, Sampling, ScaledLimits):
+    """A running motion, the instant at which it is left, and what to keep on the way."""
+
+    trajectory: OwnTrajectory = Field(
+        description="The running motion, read as `POST /trajectories/certify` reads one"
+    )
+    time: NonNegative = Field(description="When it is left, within its duration [s]")
+    polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
+
+
+class StopMotionRequest(_FromRunningMotion):
+    """Stop a running motion; only what is told here is kept."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [_STOP, {**_STOP, "along_path": True}]}
+    )
+
+    along_path: Boolean = Field(
+        default=False,
+        description="Stay on the path of the running motion, which is slowed down; else every "
+        "joint brakes by itself",
+    )
+    limit_jerk: Boolean = Field(
+        default=True,
+        description="Keep the limits on jerk, which the running motion must keep too; can only be "
+        "false along the path, where accelerations then may jump, at the first instant too",
+    )
+
+    @model_validator(mode="after")
+    def _limits_jerk_off_the_path(self) -> Self:
+        if not (self.limit_jerk or self.along_path):
+            message = "limit_jerk: only stops with `along_path` can do without"
+            raise ValueError(message)
+        return self
+
+
+class SpliceMotionRequest(_FromRunningMotion):
+    """Go over from a running motion to another one; only what is told here is kept."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{**_STOP, "onto": _ONTO}]})
+
+    onto: OwnTrajectory = Field(description="The other motion, which is followed to its end")
+
+
+class StopMotionResponse(ResponseModel):
+    """A certified motion from the instant on, or why there is none."""
+
+    trajectory: Trajectory | None = Field(
+        description="The motion, from the running motion's state at `time`, which is its 0; null "
+        "if there is none"
+    )
+    certificate: Certificate | None = Field(description="The proof; null if there is none")
+    stage: CertifyReport | None = Field(description="What it took; null if there is none")
+    interpolation: Interpolation = Field(
+        description="What the samples of the running motion were taken for"
+    )
+    failure: Failure | None = Field(
+        description="Why there is none: `retiming_failed`, `not_certified` with the failed checks, "
+        "`deadline_exceeded`; null if there is one"
+    )
+
+
+class SpliceMotionResponse(StopMotionResponse):
+    """A certified motion from the instant on to the end of the other one, or why there is none."""
+
+    onto_interpolation: Interpolation = Field(
+        description="What the samples of the other motion were taken for"
+    )

@@ -1,0 +1,95 @@
+"""/v1/trajectories: time, certify, stop and splice motions of the client."""
+
+from fastapi import APIRouter, Response
+
+from service.api.models import ResponseModel
+from service.api.responses import passed_on, problems
+from service.api.strict_route import StrictRoute
+from service.dependencies import JobsDep, ScenesDep
+from service.jobs.tasks import Task
+from service.plans.models.trajectory_conversion import IN_QUESTION, require_one_sampling
+from service.scene_jobs import SceneJobs
+from service.scenes.motion_limit_validation import require_motion_limits
+from service.scenes.records import SceneRecord
+from service.scenes.validation import require_constraints, require_count, require_group
+from service.trajectories.models import (
+    CertifyMotionRequest,
+    CertifyMotionResponse,
+    MotionRequest,
+    RetimeRequest,
+    RetimeResponse,
+    SpliceMotionRequest,
+    SpliceMotionResponse,
+    StopMotionRequest,
+    StopMotionResponse,
+)
+from service.trajectories.tasks import CERTIFY, RETIME, SPLICE, STOP, MotionWork
+
+router = APIRouter(
+    route_class=StrictRoute,
+    prefix="/v1/trajectories",
+    tags=["trajectories"],
+    responses=problems(400, 404, 409, 413, 422, 429, 503),
+)
+
+
+@router.post("/retime", operation_id="retimePath", response_model=RetimeResponse)
+async def retime(request: RetimeRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
+    """Time a path of your own as quickly as the limits allow, and prove the motion."""
+    record = await scenes.get(request.scene, request.revision)
+    group = require_group(record, request.group)
+    for i, q in enumerate(request.waypoints):
+        require_count(group, q, f"waypoints.{i}")
+    require_motion_limits(record, group, request.retime)
+    require_one_sampling(request.retime.sample_period, request.retime.num_points)
+    return await _answer(desk, RETIME, record, request, len(request.waypoints))
+
+
+@router.post("/certify", operation_id="certifyTrajectory", response_model=CertifyMotionResponse)
+async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
+    """Hold a trajectory of your own against limits and obstacles, between its samples too."""
+    record = await scenes.get(request.scene, request.revision)
+    group = require_group(record, request.group)
+    for field, q in (("start", request.start), ("goal", request.goal)):
+        if q is not None:
+            require_count(group, q, field)
+    require_motion_limits(record, group, request)
+    return await _answer(desk, CERTIFY, record, request, len(request.trajectory.times))
+
+
+@router.post("/stop", operation_id="stopMotion", response_model=StopMotionResponse)
+async def stop(request: StopMotionRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
+    """Stop a running motion from an instant of it, as quickly as the limits allow, and prove it."""
+    record = await scenes.get(request.scene, request.revision)
+    _check_transition(record, request)
+    return await _answer(desk, STOP, record, request, len(request.trajectory.times))
+
+
+@router.post("/splice", operation_id="spliceMotion", response_model=SpliceMotionResponse)
+async def splice(request: SpliceMotionRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
+    """Go over from a running motion to another one without a rest in between, and prove it."""
+    record = await scenes.get(request.scene, request.revision)
+    _check_transition(record, request)
+    return await _answer(desk, SPLICE, record, request, len(request.trajectory.times))
+
+
+def _check_transition(
+    record: SceneRecord, request: StopMotionRequest | SpliceMotionRequest
+) -> None:
+    group = require_group(record, request.group)
+    require_constraints(record, group, request.path_constraints)
+    require_motion_limits(record, group, request)
+    require_one_sampling(request.sample_period, request.num_points, IN_QUESTION)
+
+
+async def _answer[Request: MotionRequest, Answer: ResponseModel](
+    desk: SceneJobs,
+    task: Task[MotionWork[Request], Answer],
+    record: SceneRecord,
+    request: Request,
+    num_points: int,
+) -> Response:
+    """Return the answer of a task to a request in a scene."""
+    scene = await desk.scene_work(record)
+    work = task.payload(library=scene.library, scene=scene.scene, request=request)
+    return passed_on(await desk.call_text(task, work, num_points))
