@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from service.api.params import ExecutionId, PlanId, RegionsId
-from service.jobs.tables import Job, JobSummary, JobText
+from service.jobs.job import Job, JobSummary, JobText
 from service.scene_jobs import SceneJobs
 from service.scenes.store import SceneStore
 from service.settings import Settings

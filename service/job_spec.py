@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from service.jobs.key import IdempotencyKey
-from service.jobs.tables import JobSpec
+from service.jobs.job import IdempotencyKey, JobSpec
 from service.scenes.records import SceneBrief
 
 # Of the ids of each lane's jobs.

@@ -1,4 +1,4 @@
-"""open_desk(): store, dispatcher and slots, for as long as the server runs."""
+"""open_services(): store, dispatcher and workers, for as long as the server runs."""
 
 import asyncio
 from collections.abc import AsyncGenerator, Callable, Coroutine
@@ -11,12 +11,13 @@ from anyio import to_thread
 from service.executions.settlement import settled
 from service.jobs.database import keep_off_loops, open_engine
 from service.jobs.dispatcher import Dispatcher
+from service.jobs.job import JobSummary
 from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue, Share
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSummary
+from service.jobs.worker.assignment import Worker
 from service.jobs.worker.main import Terms
-from service.jobs.worker.process_worker import ProcessWorker, Worker
+from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
 from service.retention import Retention
@@ -27,7 +28,7 @@ from service.settings import Settings
 from service.versions import versions
 from service.workers import PRELOAD, WARM_UP, import_tasks
 
-# Slots for short questions only: they go on while scenes are loaded.
+# Workers for short questions only: they go on while scenes are loaded.
 _RESERVED = 1
 
 
@@ -92,10 +93,10 @@ _CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
 
 
 def _queues(settings: Settings) -> dict[str, JobQueue]:
-    """Return the lanes: executions have slots of their own, all else shares a pool.
+    """Return the queues: executions have workers of their own, all else shares a pool.
 
-    A scene that was loaded for one is warm for all of them. Lanes of a pool do not wait for each
-    other: it has as many slots as they may use together.
+    A scene that was loaded for one is warm for all of them. Queues of a pool do not wait for each
+    other: it has as many workers as they may use together.
     """
     shares = {
         "query": Share(settings.query_slots + _RESERVED, _RESERVED),
@@ -108,8 +109,8 @@ def _queues(settings: Settings) -> dict[str, JobQueue]:
     # Executions go on while something is planned; OMPL and Drake take turns.
     terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
     own = [_worker(settings, terms, is_exclusive=False) for _ in range(settings.execution_slots)]
-    lanes = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
-    return {**lanes, "execution": _queue(settings, "execution", WorkerPool(own), None)}
+    queues = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
+    return {**queues, "execution": _queue(settings, "execution", WorkerPool(own), None)}
 
 
 def _queue(settings: Settings, name: str, pool: WorkerPool, share: Share | None) -> JobQueue:

@@ -9,7 +9,7 @@ from service.api.client_disconnect import note_question, unless_client_leaves
 from service.catalog.models import Planner
 from service.catalog.tasks import LIST_PLANNERS, NoWork
 from service.job_spec import PREFIXES
-from service.jobs.calls import Question
+from service.jobs.calls import Call
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.json_text import Encoded
 from service.jobs.service import JobService
@@ -85,7 +85,7 @@ class SceneJobs(JobService):
         return found
 
     async def ask(self, task: str, payload: dict[str, Any], size: int = 0) -> Any:
-        """Run a short task in the query lane and return its answer; it ends if the client leaves.
+        """Run a short task in the query queue and return its answer; it ends if the client leaves.
 
         Args:
             task: To run.
@@ -114,10 +114,10 @@ class SceneJobs(JobService):
         return LoadedScene.model_validate(content)
 
     async def _ask(self, task: str, payload: dict[str, Any], **more: Any) -> Any:
-        allowed, patience = self._settings.query_timeout, self._settings.query_patience
-        key = payload["scene"]["digest"] if "scene" in payload else None
-        question = Question(task, payload, "query", allowed, patience, key, **more)
-        answer = await unless_client_leaves(self._dispatcher.call(question))
+        time_limit, worker_timeout = self._settings.query_timeout, self._settings.query_patience
+        digest = payload["scene"]["digest"] if "scene" in payload else None
+        call = Call(task, payload, "query", time_limit, worker_timeout, digest, **more)
+        answer = await unless_client_leaves(self._dispatcher.call(call))
         note_question(answer.waited, answer.worked)
         return answer.content
 
@@ -127,9 +127,9 @@ class SceneJobs(JobService):
 
     async def _about(self, record: SceneRecord, request: BaseModel) -> tuple[dict[str, Any], int]:
         """Return the payload of a question to a scene, and how much it asks."""
-        asked = request.model_dump(mode="json")
-        payload = {**await self.scene_payload(record), "request": asked}
-        return payload, sum(len(field) for field in asked.values() if isinstance(field, list))
+        fields = request.model_dump(mode="json")
+        payload = {**await self.scene_payload(record), "request": fields}
+        return payload, sum(len(field) for field in fields.values() if isinstance(field, list))
 
     async def planners(self) -> list[Planner]:
         """Return all planners; they are asked for once, because they never change."""

@@ -9,10 +9,10 @@ from typing import Any
 from benchmarks.service_load.measure import Measure
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
+from service.jobs.job import JobSpec
 from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec
 from service.jobs.worker.process_worker import ProcessWorker
 
 _HERE = __name__

@@ -6,8 +6,8 @@ from typing import Any
 from fastapi.sse import ServerSentEvent
 
 from service.api.events import JobEvent
+from service.jobs.job import JobSummary
 from service.jobs.service import JobService
-from service.jobs.tables import JobSummary
 
 EVENTS: dict[str, Any] = {
     "description": "Server-sent events, each as the schema has it; the stream ends with the job",

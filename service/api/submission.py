@@ -10,7 +10,7 @@ from typing import Annotated
 from fastapi import Depends, Header, Query, Response
 
 from service.dependencies import JobsDep, SettingsDep
-from service.jobs.tables import Job, JobText
+from service.jobs.job import Job, JobText
 from service.scene_jobs import SceneJobs
 
 _PREFERENCE = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6}(?:\.\d{1,6})?)")

@@ -2,7 +2,7 @@
 
 from planning.errors import IllegalTransition
 from service.executions.tasks import Commands
-from service.jobs.tables import Job, JobSummary
+from service.jobs.job import Job, JobSummary
 from service.scene_jobs import SceneJobs
 
 

@@ -6,7 +6,7 @@ from planning.domain.robot.joints import Joint, JointType
 from service.errors import RobotBusy, StartMismatch
 from service.executions.models import ExecutionStatus
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
-from service.jobs.tables import JobSummary
+from service.jobs.job import JobSummary
 from service.scene_jobs import SceneJobs
 from service.scenes.models.summary import Group
 

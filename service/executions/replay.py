@@ -4,7 +4,7 @@ from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionWork
-from service.jobs.tables import JobSummary
+from service.jobs.job import JobSummary
 from service.plans.tasks import ShownWork
 from service.scene_jobs import SceneJobs
 

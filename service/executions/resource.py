@@ -4,8 +4,8 @@ from service.api.models import Failure
 from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
+from service.jobs.job import JobSummary
 from service.jobs.states import JobState
-from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
 
 _FINAL = {

@@ -8,7 +8,7 @@ the execution ended, so that nothing is lost if the server ends before.
 from service.errors import RevisionConflict
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutline
-from service.jobs.tables import JobSummary
+from service.jobs.job import JobSummary
 from service.scene_jobs import SceneJobs
 from service.scenes.edits import load_edited
 from service.scenes.models.edits import SceneEdit, SetPositionsOperation

@@ -8,8 +8,7 @@ from service.executions.position import require_at_rest, require_at_start
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
 from service.job_spec import spec_of
 from service.jobs.errors import Overtaken
-from service.jobs.key import IdempotencyKey
-from service.jobs.tables import Job, JobSpec
+from service.jobs.job import IdempotencyKey, Job, JobSpec
 from service.jobs.tasks import TaskModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial

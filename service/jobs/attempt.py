@@ -1,4 +1,4 @@
-"""JobRun: one run of a job, from the queue to its end in the table."""
+"""Attempt: one run of a job, from the queue to its end in the table."""
 
 import asyncio
 import json
@@ -10,8 +10,9 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled, WayproofError
-from service.jobs.errors import DatabaseTaken, InternalError, ServerRestarted
-from service.jobs.event_buffer import EventBuffer, PendingEvent
+from service.jobs.errors import DatabaseTaken, InternalError
+from service.jobs.event_buffer import EventBuffer
+from service.jobs.job import Job, JobText, PendingEvent
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,
@@ -22,15 +23,15 @@ from service.jobs.outcome import (
     Silent,
     Terminated,
     error_of,
+    interrupted,
     is_deterministic,
     with_stage,
 )
 from service.jobs.recorder import JobRecorder
 from service.jobs.scheduler import Scheduler
 from service.jobs.states import JobState
-from service.jobs.tables import Job, JobText
 from service.jobs.transitions import Transition, ended_job
-from service.jobs.worker.process_worker import Assignment, Worker
+from service.jobs.worker.assignment import Assignment, Worker
 
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
@@ -39,20 +40,20 @@ _log = logging.getLogger(__name__)
 
 
 class Attempt:
-    """Runs a job once; its maker queues the job again if it is told to.
+    """Runs a job once; the dispatcher queues it again if `run` says so.
 
-    It is told everything in memory, at once; what the database has of it may come later.
+    It hears of everything in memory, at once; what the database has of it may come later.
 
     Attributes:
         job: As it was queued.
-        controls: What is asked of it, to be passed to the task.
-        has_begun: Whether it was given a slot.
+        controls: That are set, to be passed to the task.
+        has_begun: Whether it was given a worker.
         concluded: Set once its end is in the table, or another server has the job.
-        ended: The job as the table has it, once it has ended in this run.
+        ended: The job as the table has it, once it has ended in this attempt.
     """
 
     def __init__(
-        self, job: Job, recording: JobRecorder, floor: Scheduler, controls: Mapping[str, Any]
+        self, job: Job, recorder: JobRecorder, scheduler: Scheduler, controls: Mapping[str, Any]
     ) -> None:
         """Prepare to run a queued job."""
         self.job = job
@@ -60,15 +61,15 @@ class Attempt:
         self.has_begun = False
         self.concluded = asyncio.Event()
         self.ended: JobText | None = None
-        self._recorder = recording
-        self._scheduler = floor
-        self._events = EventBuffer(self._log)
+        self._recorder = recorder
+        self._scheduler = scheduler
+        self._events = EventBuffer(self._write_events)
         self._worker: Worker | None = None
         self._is_confirmed = asyncio.Event()
         self._is_discarded = False
         self._is_cancel_requested = job.is_cancel_requested
-        self._interrupted = ""
-        self._started: Transition | None = None
+        self._interruption = ""
+        self._start: Transition | None = None
         self._start_is_decided = asyncio.Event()
         self._has_ended = False
         self._pending_events: list[PendingEvent] = []
@@ -76,12 +77,12 @@ class Attempt:
 
     @property
     def is_cancel_requested(self) -> bool:
-        """Whether its end was asked for."""
+        """Whether its end was requested."""
         return self._is_cancel_requested
 
     @property
     def is_open(self) -> bool:
-        """Whether it can still be asked for something else than its end."""
+        """Whether it still takes controls."""
         return not (self._is_cancel_requested or self._has_ended)
 
     @property
@@ -116,40 +117,40 @@ class Attempt:
 
     def interrupt(self, reason: str) -> None:
         """End the run because the server has to; the job is queued again if it may run again."""
-        self._interrupted = self._interrupted or reason
+        self._interruption = self._interruption or reason
         self._terminate()
 
-    def control(self, asked: Mapping[str, Any]) -> None:
-        """Ask something of the run; what was asked before by other names stays."""
-        self.controls |= asked
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Set controls of the run; those of other names stay."""
+        self.controls |= controls
         if self._worker is not None:
             self._worker.control(self.controls)
 
     def latest(self, event_type: str) -> dict[str, Any] | None:
         """Return the data of the last event of a type, recorded or not."""
-        told = self._events.latest.get(event_type)
-        return None if told is None else json.loads(told.text)
+        data = self._events.latest.get(event_type)
+        return None if data is None else json.loads(data.text)
 
     def snapshot(self) -> Job:
         """Return the job as memory has it."""
         job = replace(self.job, is_cancel_requested=self._is_cancel_requested)
-        if self._started is None:
+        if self._start is None:
             return job
-        started_at = datetime.fromisoformat(self._started.event.at)
-        attempts = self._started.attempts
+        started_at = datetime.fromisoformat(self._start.event.at)
+        attempts = self._start.attempts
         return replace(job, state=JobState.RUNNING, started_at=started_at, attempts=attempts)
 
-    async def run(self, slot: Worker) -> bool:
-        """Run the job in a slot, which is given back; return whether it is queued again."""
+    async def run(self, worker: Worker) -> bool:
+        """Run the job in a worker, which is given back; return whether it is queued again."""
         start = asyncio.get_running_loop().create_task(self._write_start())
         start.add_done_callback(self._on_start)
         try:
             # What may run but once does not begin before that is written; the others save the time.
             if self.job.max_attempts == 1:
                 await self._start_is_decided.wait()
-            outcome = await self._run_task(slot)
+            outcome = await self._run_task(worker)
             await self._start_is_decided.wait()
-            self._started = await start
+            self._start = await start
         except DatabaseTaken:
             return False
         except Exception:  # noqa: BLE001  (it is queued still)
@@ -158,11 +159,11 @@ class Attempt:
             return True
         finally:
             start.cancel()
-        if self._started is None:  # canceled while it was queued
+        if self._start is None:  # canceled while it was queued
             return False
         self._has_ended = True
         self._pending_events = await self._events.close()
-        return await self._conclude(outcome, self._started.attempts)
+        return await self._conclude(outcome, self._start.attempts)
 
     async def _write_start(self) -> Transition | None:
         await self._is_confirmed.wait()
@@ -170,54 +171,54 @@ class Attempt:
             return None
         store, identifier = self._recorder.store, self.job.id
         # What the database forgot to have begun would be begun once more, and could not end.
-        lasting = store.may_crash_alone
+        is_durable = store.may_crash_alone
         start = partial(store.start, identifier)
-        return await self._recorder.apply(identifier, start, is_durable=lasting)
+        return await self._recorder.apply(identifier, start, is_durable=is_durable)
 
     def _on_start(self, start: asyncio.Task[Transition | None]) -> None:
         """Go on if the database took the start of a queued job, else end the run."""
         if not start.cancelled() and start.exception() is None:
-            self._started = start.result()
+            self._start = start.result()
         self._start_is_decided.set()
-        if self._started is None or self._started.is_cancel_requested:
+        if self._start is None or self._start.is_cancel_requested:
             self._terminate()
 
-    async def _log(self, told: Sequence[PendingEvent]) -> None:
-        """Record what the run says, once its start is."""
+    async def _write_events(self, events: Sequence[PendingEvent]) -> None:
+        """Record events of the run, once its start is."""
         await self._start_is_decided.wait()
-        if self._started is not None:
-            await self._recorder.append_events(self.job.id, told)
+        if self._start is not None:
+            await self._recorder.append_events(self.job.id, events)
 
     @property
     def _may_begin(self) -> bool:
-        if self._is_cancel_requested or self._interrupted:
+        if self._is_cancel_requested or self._interruption:
             return False
         if not self._start_is_decided.is_set():
             return True
-        return self._started is not None and not self._started.is_cancel_requested
+        return self._start is not None and not self._start.is_cancel_requested
 
     def _terminate(self) -> None:
         if self._worker is not None:
             self._worker.cancel(self.grace)
 
-    async def _run_task(self, slot: Worker) -> Outcome:
-        """Run the task and give the slot back before the end is written: others wait for it."""
+    async def _run_task(self, worker: Worker) -> Outcome:
+        """Run the task and give the worker back before the end is written: others wait for it."""
         loop = asyncio.get_running_loop()
         began = loop.time()
         outcome: Outcome = Terminated(Canceled("canceled before it began"))
         job = self.job
         try:
             if self._may_begin:
-                self._worker = slot
-                run = Assignment(job.task, job.payload, self._events, job.time_limit, self.controls)
-                outcome = await slot.run(run)
+                self._worker = worker
+                task = (job.task, job.payload, self._events, job.time_limit, self.controls)
+                outcome = await worker.run(Assignment(*task))
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
-            _log.exception("the slot failed under %s", job.id)
-            outcome = Raised(InternalError(f"the slot failed: {type(fault).__name__}"))
+            _log.exception("the worker failed under %s", job.id)
+            outcome = Raised(InternalError(f"the worker failed: {type(fault).__name__}"))
         finally:
             self._worker = None
             self._seconds = loop.time() - began
-            self._scheduler.release(job.queue, slot, self._seconds)
+            self._scheduler.release(job.queue, worker, self._seconds)
         return outcome
 
     async def _conclude(self, outcome: Outcome, attempts: int) -> bool:
@@ -244,44 +245,44 @@ class Attempt:
         """Write the end, and return whether the job is queued again instead."""
         store, identifier = self._recorder.store, self.job.id
         if isinstance(outcome, Returned):
-            result, brief = outcome.result, outcome.summary
-            shown = json.loads((brief or result).text)
-            succeed = partial(store.succeed, identifier, result, brief)
-            moved = await self._move(succeed, is_durable=self._must_be_durable(shown))
-            if moved is not None:
-                self._keep_end(moved, result, shown)
+            result = outcome.result
+            summary = json.loads((outcome.summary or result).text)
+            succeed = partial(store.succeed, identifier, result, outcome.summary)
+            end = await self._apply(succeed, is_durable=self._must_be_durable(summary))
+            self._keep_end(end, result, summary)
             return False
         requeue = self._requeue(outcome, attempts)
         if requeue is not None:
-            moved = await self._move(requeue)
-            if moved is None or not (moved.is_cancel_requested or self._is_cancel_requested):
-                return moved is not None
+            queued = await self._apply(requeue)
+            if queued is None or not (queued.is_cancel_requested or self._is_cancel_requested):
+                return queued is not None
             outcome = Terminated()
         error = self._error(outcome, attempts)
         is_canceled = isinstance(error, Canceled)
-        end = partial(store.cancel, identifier, error) if is_canceled else None
-        moved = await self._move(end or partial(store.fail, identifier, error))
-        if moved is not None:
-            self._keep_end(moved, None, None)
+        cancel = partial(store.cancel, identifier, error) if is_canceled else None
+        self._keep_end(await self._apply(cancel or partial(store.fail, identifier, error)))
         return False
 
-    def _must_be_durable(self, shown: Any) -> bool:
+    def _must_be_durable(self, summary: Any) -> bool:
         """Return whether a power cut must not take a result back, which would be made again."""
         is_last = self.job.max_attempts == 1 or self._recorder.store.may_crash_alone
-        return is_last or not is_deterministic(shown)
+        return is_last or not is_deterministic(summary)
 
-    def _keep_end(self, moved: Transition, result: Encoded | None, brief: Any) -> None:
+    def _keep_end(
+        self, end: Transition | None, result: Encoded | None = None, summary: Any = None
+    ) -> None:
         """Keep the job as it would be read, for those who wait for it."""
-        made_by = self._recorder.store.versions
-        self.ended = ended_job(moved, self.job.payload, made_by, result, brief)
+        if end is not None:
+            made_by = self._recorder.store.versions
+            self.ended = ended_job(end, self.job.payload, made_by, result, summary)
 
     def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Transition | None] | None:
         """Return how to queue the job again if it is to run again, else None."""
         requeue = partial(self._recorder.store.requeue, self.job.id)
         if self._is_cancel_requested:
             return None
-        if self._interrupted:
-            again = partial(requeue, self._interrupted, refund=1)
+        if self._interruption:
+            again = partial(requeue, self._interruption, refund=1)
             return again if self.job.max_attempts > 1 else None
         if isinstance(outcome, Crashed | Silent) and attempts < self.job.max_attempts:
             return partial(requeue, error_of(outcome, attempts).detail)
@@ -292,25 +293,17 @@ class Attempt:
         may_repeat = self.job.max_attempts > 1
         if self._is_cancel_requested and may_repeat and isinstance(outcome, Crashed | Silent):
             outcome = Terminated()
-        error = with_stage(error_of(outcome, attempts), self.latest("stage") or {}, self._seconds)
-        if not self._interrupted or self._is_cancel_requested:
+        stage_event = self.latest("stage") or {}
+        error = with_stage(error_of(outcome, attempts), stage_event, self._seconds)
+        if not self._interruption or self._is_cancel_requested:
             return error
-        reason = {"reason": self._interrupted}
-        match outcome:
-            case Terminated(error=Canceled(detail=detail, evidence=evidence)):
-                # It came to its end as one that is canceled does; why, is ours to say.
-                return Canceled(f"{detail}: {self._interrupted}", {**evidence, **reason})
-            case Terminated(error=None) | Crashed():
-                message = f"{self._interrupted} while this ran, and it did not end in time"
-                return ServerRestarted(message, {"attempts": attempts, **reason})
-            case _:
-                return error
+        return interrupted(outcome, error, self._interruption, attempts)
 
-    async def _move(
-        self, work: Callable[[], Transition | None], *, is_durable: bool = True
+    async def _apply(
+        self, change: Callable[[], Transition | None], *, is_durable: bool = True
     ) -> Transition | None:
-        """Write a move of the job, with what it said last."""
-        move = partial(self._recorder.apply, self.job.id, work, told=self._pending_events)
-        moved = await move(is_durable=is_durable, is_owed=True)
+        """Write a transition of the job, with its last events."""
+        apply = partial(self._recorder.apply, self.job.id, change, events=self._pending_events)
+        transition = await apply(is_durable=is_durable, is_owed=True)
         self._pending_events = []
-        return moved
+        return transition

@@ -1,4 +1,4 @@
-"""Dispatcher: takes jobs from the table to the slots and their ends back to the table."""
+"""Dispatcher: takes jobs from the table to the workers and their ends back to the table."""
 
 import asyncio
 import logging
@@ -8,20 +8,18 @@ from dataclasses import replace
 from typing import Any
 
 from service.jobs.attempt import Attempt
-from service.jobs.calls import Answer, Calls, Question
+from service.jobs.calls import Call, CallResult, Calls
 from service.jobs.event_bus import EventBatch, EventBus
-from service.jobs.intake import Intake
-from service.jobs.leader import DispatcherLock
-from service.jobs.ownership_watch import DatabaseTimeouts, LockWatch
+from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.leader import DatabaseTimeouts, DispatcherLock, LockWatch
 from service.jobs.queue import JobQueue
 from service.jobs.recorder import JobRecorder
 from service.jobs.recovery import Recovery
+from service.jobs.requests import JobControl, JobSubmission
 from service.jobs.scheduler import QueueLoad, Scheduler
-from service.jobs.steering import JobControl
 from service.jobs.store import JobStore
-from service.jobs.tables import Job, JobSpec, JobSummary, JobText, LoggedEvent
-from service.jobs.waiting import END_OF_STREAM, JobWaits
-from service.jobs.worker.process_worker import Worker
+from service.jobs.waits import END_OF_STREAM, JobWaits
+from service.jobs.worker.assignment import Worker
 
 # To record the ends of what ran when the server stops [s].
 _WRITING = 5.0
@@ -33,7 +31,11 @@ def _nothing() -> None:
 
 
 class Dispatcher:
-    """Runs every job of one database, from one event loop."""
+    """Runs every job of one database, from one event loop.
+
+    Attributes:
+        is_taken: Whether another server has taken the database over.
+    """
 
     def __init__(
         self,
@@ -50,7 +52,7 @@ class Dispatcher:
         Args:
             store: The record of jobs.
             lock: On the database.
-            queues: Where jobs run, by name.
+            queues: Where jobs wait, by name.
             on_taken: Called once when another server has taken the database over.
             on_end: Called with each job that ended here.
             timeouts: How long a database may be out of reach.
@@ -65,13 +67,13 @@ class Dispatcher:
         self._bus: EventBus[LoggedEvent] = EventBus(self._read_events)
         self._attempts: dict[str, Attempt] = {}
         self._calls = Calls(self._scheduler)
-        self._waiting = JobWaits(self._attempts, self._bus, store)
+        self._waits = JobWaits(self._attempts, self._bus, store)
         self._recorder: JobRecorder
-        self._steering: JobControl
-        self._intake: Intake
+        self._control: JobControl
+        self._submission: JobSubmission
 
     async def start(self, warm_up: str | None = None) -> None:
-        """Take the database, recover what an earlier server left, and begin to warm the slots.
+        """Take the database, recover what an earlier server left, and begin to warm the workers.
 
         Args:
             warm_up: A task that every process runs first.
@@ -83,12 +85,12 @@ class Dispatcher:
         try:
             self._store.set_epoch(self._lock.epoch)
             await asyncio.to_thread(self._store.open)
-            self._recorder = JobRecorder(self._store, self._bus, self.give_up)
-            self._steering = JobControl(self._attempts, self._recorder, self._scheduler)
+            recorder = self._recorder = JobRecorder(self._store, self._bus, self.give_up)
+            self._control = JobControl(self._attempts, recorder, self._scheduler)
             within = self._timeouts.record
-            self._intake = Intake(self._recorder, self._schedule, self._unschedule, within)
+            self._submission = JobSubmission(recorder, self._schedule, self._unschedule, within)
             await self._scheduler.open(warm_up)
-            recovery = Recovery(self._recorder, self._lock, self._scheduler, self._enqueue)
+            recovery = Recovery(recorder, self._lock, self._scheduler, self._enqueue)
             await recovery.run(self._timeouts.takeover)
         except BaseException:
             await asyncio.to_thread(self._lock.release)
@@ -97,14 +99,14 @@ class Dispatcher:
             self._scheduler.spawn(LockWatch(self._lock, self, self._timeouts).run())
 
     async def stop(self) -> None:
-        """Bring what runs to its end, end every slot and release the database.
+        """Bring what runs to its end, end every worker and release the database.
 
         What was interrupted is queued again if it may run again; that does not count as an attempt.
         """
         self.begin_to_stop()
-        running = [run for run in self._attempts.values() if run.has_begun]
-        longest = max((run.grace for run in running), default=0.0) + _WRITING
-        waits = [asyncio.ensure_future(run.concluded.wait()) for run in running]
+        running = [attempt for attempt in self._attempts.values() if attempt.has_begun]
+        longest = max((attempt.grace for attempt in running), default=0.0) + _WRITING
+        waits = [asyncio.ensure_future(attempt.concluded.wait()) for attempt in running]
         if waits:
             _, late = await asyncio.wait(waits, timeout=longest)
             for wait in late:
@@ -119,14 +121,14 @@ class Dispatcher:
     def begin_to_stop(self) -> None:
         """Begin nothing more, and tell what runs to end: a robot comes to rest on its path.
 
-        Who waits for a job is answered at once: what waited would be cut off.
+        Every wait for a job is answered at once: what waited would be cut off.
         """
-        self._waiting.end()
-        self._end_runs("the server stopped")
+        self._waits.end()
+        self._interrupt_all("the server stopped")
 
     def suspend(self) -> None:
         """Begin nothing, and end what runs: the database may be another's by now."""
-        self._end_runs("the database was out of reach")
+        self._interrupt_all("the database was out of reach")
 
     def resume(self) -> None:
         """Work again after `suspend`."""
@@ -137,7 +139,7 @@ class Dispatcher:
         if not self.is_taken:
             self.is_taken = True
             _log.critical("another server has taken the database over: this one gives up")
-            self._end_runs("another server took the database over")
+            self._interrupt_all("another server took the database over")
             self._on_taken()
 
     def attempt_of(self, identifier: str) -> Attempt | None:
@@ -149,60 +151,38 @@ class Dispatcher:
         return self._scheduler.loads()
 
     def faults(self) -> dict[str, str]:
-        """Return why lanes cannot begin a job well, by name; empty if all can."""
+        """Return why queues cannot begin a job well, by name; empty if all can."""
         return self._scheduler.faults()
 
     async def submit(self, spec: JobSpec) -> Job:
-        """Queue a job; it is durable when this returns.
+        """Queue a job; it is durable when this returns; see `JobSubmission.submit`.
 
         Raises:
-            QueueFull: Its lane has as many waiting jobs as it may.
-            IdempotencyConflict: Its key was used for another request.
-            DatabaseUnavailable: The database does not take it in time; it is not queued.
-            DBAPIError: The database refuses it.
+            QueueFull: Its queue has as many waiting jobs as it may.
         """
         if spec.key:
-            asked = (spec.queue, spec.key, spec.request_digest)
-            known = await asyncio.to_thread(self._store.find_by_key, *asked)
+            request = (spec.queue, spec.key, spec.request_digest)
+            known = await asyncio.to_thread(self._store.find_by_key, *request)
             if known:
                 return known
         self._scheduler.check_room(spec.queue)
-        return await self._intake.submit(spec)
+        return await self._submission.submit(spec)
 
     async def cancel(self, identifier: str) -> JobSummary:
-        """Ask for the end of a job, whatever its state, and return it; again does no harm.
+        """End a job and return it; see `JobControl.cancel`."""
+        return await self._control.cancel(identifier)
 
-        A queued job ends at once. A running one is asked, and its process ended if need be; wait
-        for it. One that returns its result all the same has succeeded. No database is waited for.
-
-        Raises:
-            UnknownJob: There is none.
-        """
-        return await self._steering.cancel(identifier)
-
-    async def control(self, identifier: str, asked: Mapping[str, Any]) -> Job:
-        """Ask something of a job that waits or runs, and return it.
-
-        Raises:
-            IllegalTransition: It has ended, or is to end.
-        """
-        return await self._steering.control(identifier, asked)
+    async def control(self, identifier: str, controls: Mapping[str, Any]) -> Job:
+        """Set controls of a job and return it; see `JobControl.control`."""
+        return await self._control.control(identifier, controls)
 
     async def wait(self, identifier: str, seconds: float) -> Job:
-        """Return a job when it has ended, or as it is after so many seconds, or when we end.
-
-        Raises:
-            UnknownJob: There is none.
-        """
-        return await self._waiting.whole(identifier, seconds)
+        """Return a job when it has ended; see `JobWaits.whole`."""
+        return await self._waits.whole(identifier, seconds)
 
     async def wait_text(self, identifier: str, seconds: float) -> JobText:
-        """Return a job as `wait` does, but for its result, which stays text.
-
-        Raises:
-            UnknownJob: There is none.
-        """
-        return await self._waiting.text(identifier, seconds)
+        """Return a job when it has ended, its result as text; see `JobWaits.text`."""
+        return await self._waits.text(identifier, seconds)
 
     async def subscribe(self, identifier: str, after: int = 0) -> AsyncGenerator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, each once, until it has ended.
@@ -214,60 +194,54 @@ class Dispatcher:
             async for event in events:
                 yield event
 
-    async def call(self, question: Question) -> Answer:
-        """Run a short task that needs no record, and return what it returns; see `Calls.ask`."""
-        return await self._calls.ask(question)
+    async def call(self, call: Call) -> CallResult:
+        """Run a short task that needs no record, and return what it returns; see `Calls.run`."""
+        return await self._calls.run(call)
 
     def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
-        """Run a queued job of the table when it has a slot."""
+        """Run a queued job of the table when it has a worker."""
         self._schedule(job, controls, order).confirm(job)
 
     def _schedule(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> Attempt:
-        """Run a job when it has a slot; if its process dies it keeps its place."""
+        """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
         place: list[int] = []
-        run = self._attempts[job.id] = Attempt(job, self._recorder, self._scheduler, controls)
+        attempt = Attempt(job, self._recorder, self._scheduler, controls)
+        self._attempts[job.id] = attempt
 
-        def use(slot: Worker) -> None:
-            run.has_begun = True
-            self._scheduler.spawn(self._run(run, slot, place))
+        def use(worker: Worker) -> None:
+            attempt.has_begun = True
+            self._scheduler.spawn(self._run(attempt, worker, place))
 
         place.append(0 if order is None else order)
-        place[0] = self._scheduler.request_worker(
-            job.queue,
-            job.id,
-            use,
-            world_digest=job.world_digest,
-            priority=job.priority,
-            order=order,
-        )
-        return run
+        place[0] = self._scheduler.request_worker(job, use, order)
+        return attempt
 
-    def _unschedule(self, run: Attempt) -> None:
+    def _unschedule(self, attempt: Attempt) -> None:
         """Have a job that the table does not have run no more."""
-        run.discard()
-        self._scheduler.queue(run.job.queue).remove(run.job.id)
-        if not run.has_begun:
-            self._attempts.pop(run.job.id, None)
-            run.concluded.set()
+        attempt.discard()
+        self._scheduler.queue(attempt.job.queue).remove(attempt.job.id)
+        if not attempt.has_begun:
+            self._attempts.pop(attempt.job.id, None)
+            attempt.concluded.set()
 
-    async def _run(self, run: Attempt, slot: Worker, place: list[int]) -> None:
+    async def _run(self, attempt: Attempt, worker: Worker, place: list[int]) -> None:
         is_queued_again = False
         try:
-            is_queued_again = await run.run(slot)
+            is_queued_again = await attempt.run(worker)
         finally:
-            self._attempts.pop(run.job.id, None)
-            run.concluded.set()
-        if run.ended is not None and self._on_end is not None:
-            self._on_end(run.ended.summary)
+            self._attempts.pop(attempt.job.id, None)
+            attempt.concluded.set()
+        if attempt.ended is not None and self._on_end is not None:
+            self._on_end(attempt.ended.summary)
         if is_queued_again:
-            job = replace(run.job, is_cancel_requested=run.is_cancel_requested)
-            self._enqueue(job, run.controls, place[0])
+            job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
+            self._enqueue(job, attempt.controls, place[0])
 
-    def _end_runs(self, reason: str) -> None:
+    def _interrupt_all(self, reason: str) -> None:
         self._scheduler.pause()
-        for run in self._attempts.values():
-            if run.has_begun:
-                run.interrupt(reason)
+        for attempt in self._attempts.values():
+            if attempt.has_begun:
+                attempt.interrupt(reason)
 
     async def _read_events(self, identifier: str, after: int) -> EventBatch[LoggedEvent]:
         return await asyncio.to_thread(self._store.events_after, identifier, after)

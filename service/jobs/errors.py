@@ -9,7 +9,7 @@ RETRY_AFTER = 5
 
 
 class QueueFull(WayproofError):
-    """A lane has as many waiting jobs as it may; evidence: `lane`, `bound`, `retry_after` [s]."""
+    """A queue has as many waiting jobs as it may; evidence: `lane`, `bound`, `retry_after` [s]."""
 
     code = "queue_full"
 

@@ -1,4 +1,4 @@
-"""EventRecorder: what a run says, recorded in order, then published."""
+"""EventBuffer: the events of a run, recorded in order, then published."""
 
 import asyncio
 import logging
@@ -8,16 +8,15 @@ from dataclasses import dataclass
 
 from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseTaken
+from service.jobs.job import PendingEvent
 from service.jobs.json_text import Encoded
 
 _MAX_BACKLOG = 256
-# What is said so soon after something else is recorded with it [s].
+# Events that come so soon after another one are recorded with it [s].
 _GATHERING = 0.01
 # Before a database that took nothing is asked again [s].
 _PAUSE = 1.0
 _log = logging.getLogger(__name__)
-
-type PendingEvent = tuple[str, Encoded]
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class EventBuffer:
 
     Attributes:
         latest: The last event of each type, recorded or not.
-        is_refused: Whether the database did not take what was told last.
+        is_refused: Whether the database refused the last events.
     """
 
     def __init__(self, record: Callable[[Sequence[PendingEvent]], Awaitable[None]]) -> None:

@@ -2,7 +2,7 @@
 
 Events are published once they are recorded. A follower owns no queue: it knows the number that it
 saw last and asks for what comes after it, from the short tail that is kept in memory or, if it is
-slower than that, from the log. So any number of followers cost one tail, nobody can be overrun,
+slower than that, from the log. So any number of followers cost one tail, none can be overrun,
 and no number is lost or repeated.
 """
 
@@ -31,7 +31,7 @@ class Numbered(Protocol):
 
 @dataclass(frozen=True)
 class EventBatch[E: Numbered]:
-    """A part of a stream.
+    """Some events of a stream.
 
     Attributes:
         events: In order, perhaps not all that there are.
@@ -43,7 +43,7 @@ class EventBatch[E: Numbered]:
 
 
 class _Tail[E: Numbered]:
-    """The newest events of a stream, and whoever waits for the next."""
+    """The newest events of a stream, and a signal of the next."""
 
     def __init__(self) -> None:
         self.events: deque[E] = deque(maxlen=TAIL_LENGTH)
@@ -100,13 +100,13 @@ class EventBus[E: Numbered]:
             while not self._is_closed:
                 # Taken before reading: what is published meanwhile wakes us at once.
                 changed = tail.changed
-                stretch = tail.after(seen) or await self._read(stream, seen)
-                for event in stretch.events:
+                batch = tail.after(seen) or await self._read(stream, seen)
+                for event in batch.events:
                     yield event
                     seen = event.number
-                if stretch.is_over and (not stretch.events or stretch.events[-1].is_last):
+                if batch.is_over and (not batch.events or batch.events[-1].is_last):
                     return
-                if not stretch.events:
+                if not batch.events:
                     await changed.wait()
         finally:
             tail.num_followers -= 1

@@ -1,4 +1,4 @@
-"""Writer: one thread that writes to the store for coroutines.
+"""GroupCommit: one thread that writes to the store for coroutines, many writes a transaction.
 
 What waits while a transaction is on its way to the disk goes into the next one together: a disk
 that takes milliseconds to be sure slows each job, not their number.
@@ -29,7 +29,7 @@ _PAUSES = (0.1, 0.3, 1.0, 3.0)
 
 @dataclass(eq=False)
 class _PendingWrite:
-    """A write that was asked for; until it is about to be committed it may be withdrawn."""
+    """A write; until it is about to be committed it may be withdrawn."""
 
     work: Callable[[], Any]
     done: asyncio.Future[Any]
@@ -40,11 +40,11 @@ class _PendingWrite:
 
 
 class _Withdrawn(Exception):
-    """One of the orders of a transaction is not wanted any more."""
+    """One of the writes of a transaction was withdrawn."""
 
 
 class GroupCommit:
-    """Carries out writes in the order in which they were asked for."""
+    """Carries out writes in the order in which they came."""
 
     def __init__(self, store: JobStore, *, pauses: Sequence[float] = _PAUSES) -> None:
         """Write to `store`, from the running loop.
@@ -84,22 +84,22 @@ class GroupCommit:
             DatabaseUnavailable: The database did not take it in that time.
         """
         done: asyncio.Future[Any] = self._loop.create_future()
-        order = _PendingWrite(work, done, is_durable, is_owed)
-        self._pending.put(order)
+        write = _PendingWrite(work, done, is_durable, is_owed)
+        self._pending.put(write)
         try:
             async with asyncio.timeout(within):
                 result: T = await asyncio.shield(done)
         except TimeoutError:
-            if self._withdraw(order):
+            if self._withdraw(write):
                 raise DatabaseUnavailable.of(within or 0.0) from None
             result = await done
-        except asyncio.CancelledError:  # who asked does not want to know any more
+        except asyncio.CancelledError:  # the caller waits no longer
             done.cancel()
             raise
         return result
 
     async def close(self) -> None:
-        """Carry out what was asked for, if the database takes it now, and no more."""
+        """Carry out what has come, if the database takes it now, and no more."""
         self._closing.set()
         self._pending.put(None)
         await asyncio.to_thread(self._thread.join)
@@ -107,25 +107,25 @@ class GroupCommit:
     def _serve(self) -> None:
         is_open = True
         while is_open:
-            orders = self._next()
-            is_open = None not in orders
-            self._commit_all([order for order in orders if order is not None])
+            writes = self._next()
+            is_open = None not in writes
+            self._commit_all([write for write in writes if write is not None])
             if self._unflushed_since is not None and (
-                not orders or not is_open or monotonic() > self._unflushed_since + _MAX_UNFLUSHED
+                not writes or not is_open or monotonic() > self._unflushed_since + _MAX_UNFLUSHED
             ):
                 self._flush()
 
     def _next(self) -> list[_PendingWrite | None]:
-        """Wait for orders, and return them; none if a debt comes first."""
-        orders: list[_PendingWrite | None] = []
+        """Wait for writes, and return them; none if a debt comes first."""
+        writes: list[_PendingWrite | None] = []
         with suppress(queue.Empty):
-            orders.append(self._pending.get(timeout=self._lull if self._unflushed_since else None))
-            while len(orders) < _MAX_BATCH:
-                orders.append(self._pending.get_nowait())
-        return orders
+            writes.append(self._pending.get(timeout=self._lull if self._unflushed_since else None))
+            while len(writes) < _MAX_BATCH:
+                writes.append(self._pending.get_nowait())
+        return writes
 
     def _flush(self) -> None:
-        """Have the disk take what is owed to it."""
+        """Have the disk take what was committed and not flushed."""
         self._unflushed_since, self._lull = None, _LULL
         try:
             self._store.flush()
@@ -133,81 +133,81 @@ class GroupCommit:
             _log.exception("the disk does not take what was committed")
             self._unflushed_since, self._lull = monotonic(), _AGAIN
 
-    def _note_committed(self, orders: list[_PendingWrite]) -> None:
+    def _note_committed(self, writes: list[_PendingWrite]) -> None:
         """Count what has just been committed together."""
-        if any(order.is_durable for order in orders):
+        if any(write.is_durable for write in writes):
             self._unflushed_since = None
-        elif self._unflushed_since is None and any(order.is_owed for order in orders):
+        elif self._unflushed_since is None and any(write.is_owed for write in writes):
             self._unflushed_since, self._lull = monotonic(), _LULL
 
-    def _commit_all(self, orders: list[_PendingWrite]) -> None:
+    def _commit_all(self, writes: list[_PendingWrite]) -> None:
         """Write all, and again what the database did not take, a few times."""
         for pause in (*self._pauses, None):
-            orders = [order for order in orders if not order.is_withdrawn]
-            refused = self._write(orders) if orders else []
+            writes = [write for write in writes if not write.is_withdrawn]
+            refused = self._write(writes) if writes else []
             if pause is None or self._closing.is_set():
-                self._answer([(order.done, None, fault) for order, fault in refused])
+                self._answer([(write.done, None, fault) for write, fault in refused])
                 return
-            orders = [order for order, _ in refused]
-            if not orders:
+            writes = [write for write, _ in refused]
+            if not writes:
                 return
             self._closing.wait(pause)
 
-    def _write(self, orders: list[_PendingWrite]) -> list[tuple[_PendingWrite, Exception]]:
+    def _write(self, writes: list[_PendingWrite]) -> list[tuple[_PendingWrite, Exception]]:
         """Write all in one transaction, else each on its own; return what the database refused."""
-        if len(orders) == 1:
-            return self._write_each(orders)
+        if len(writes) == 1:
+            return self._write_each(writes)
         try:
-            with self._store.transaction(is_durable=any(order.is_durable for order in orders)):
-                results = [order.work() for order in orders]
-                self._seal(orders)
+            with self._store.transaction(is_durable=any(write.is_durable for write in writes)):
+                results = [write.work() for write in writes]
+                self._seal(writes)
         except Exception:  # noqa: BLE001  (whose fault it is comes out one by one)
-            return self._write_each(orders)
-        self._note_committed(orders)
-        answers = zip(orders, results, strict=True)
-        self._answer([(order.done, result, None) for order, result in answers])
+            return self._write_each(writes)
+        self._note_committed(writes)
+        answers = zip(writes, results, strict=True)
+        self._answer([(write.done, result, None) for write, result in answers])
         return []
 
-    def _write_each(self, orders: list[_PendingWrite]) -> list[tuple[_PendingWrite, Exception]]:
-        for i, order in enumerate(orders):
-            order.is_sealed = False
+    def _write_each(self, writes: list[_PendingWrite]) -> list[tuple[_PendingWrite, Exception]]:
+        for i, write in enumerate(writes):
+            write.is_sealed = False
             try:
-                with self._store.transaction(is_durable=order.is_durable):
-                    result = order.work()
-                    self._seal([order])
+                with self._store.transaction(is_durable=write.is_durable):
+                    result = write.work()
+                    self._seal([write])
             except _Withdrawn:
                 continue
-            except Exception as fault:  # noqa: BLE001  (who asked for it is told)
+            except Exception as fault:  # noqa: BLE001  (its caller gets it)
                 if is_of_database(fault):
                     # A locked one refuses the others too, after a long wait each; a full one may
                     # have room for what is smaller: the next time another is the first.
-                    rest = [*orders[i + 1 :], order]
+                    rest = [*writes[i + 1 :], write]
                     for other in rest:
                         other.is_sealed = False
                     return [(other, fault) for other in rest]
-                self._answer([(order.done, None, fault)])
+                self._answer([(write.done, None, fault)])
             else:
-                self._note_committed([order])
-                self._answer([(order.done, result, None)])
+                self._note_committed([write])
+                self._answer([(write.done, result, None)])
         return []
 
-    def _seal(self, orders: list[_PendingWrite]) -> None:
-        """Go on to the commit only if all is wanted still; nothing is withdrawn from now on.
+    def _seal(self, writes: list[_PendingWrite]) -> None:
+        """Go on to the commit only if nothing was withdrawn; nothing is from now on.
 
         Raises:
-            _Withdrawn: Something is not.
+            _Withdrawn: Something was.
         """
         with self._sealing:
-            if any(order.is_withdrawn for order in orders):
+            if any(write.is_withdrawn for write in writes):
                 raise _Withdrawn
-            for order in orders:
-                order.is_sealed = True
+            for write in writes:
+                write.is_sealed = True
 
-    def _withdraw(self, order: _PendingWrite) -> bool:
-        """Have an order never carried out; return whether it is not too late for that."""
+    def _withdraw(self, write: _PendingWrite) -> bool:
+        """Have an write never carried out; return whether it is not too late for that."""
         with self._sealing:
-            order.is_withdrawn = not order.is_sealed
-            return order.is_withdrawn
+            write.is_withdrawn = not write.is_sealed
+            return write.is_withdrawn
 
     def _answer(self, answers: list[tuple[asyncio.Future[Any], Any, Exception | None]]) -> None:
         def settle() -> None:
@@ -219,5 +219,5 @@ class GroupCommit:
                 else:
                     done.set_exception(fault)
 
-        with suppress(RuntimeError):  # the loop is closed: nobody waits
+        with suppress(RuntimeError):  # the loop is closed
             self._loop.call_soon_threadsafe(settle)

@@ -1,14 +1,19 @@
-"""One dispatcher per database: a lock keeps others out, and an epoch fences off who has lost it.
+"""One dispatcher per database: a lock keeps others out, and an epoch fences off a former owner.
 
 A lock that a database holds for us is lost with its connection, and nothing tells us. So every
 owner counts the epoch up, and every write of a job asks in its own transaction whether the epoch is
-still the writer's: one who has lost the database cannot write, whether or not he knows.
+still the writer's: a server that has lost the database cannot write, whether or not it knows.
 """
 
+import asyncio
 import fcntl
+import logging
 import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from sqlalchemy import Engine, insert, select, text, update
 from sqlalchemy.exc import DBAPIError
@@ -19,6 +24,7 @@ from service.jobs.tables import owner
 # Any number will do, as long as every dispatcher uses the same.
 _ADVISORY_KEY = 0x57_61_79_70
 _ADVISORY_TRIES, _ADVISORY_PAUSE = 20, 0.1
+_log = logging.getLogger(__name__)
 
 
 class DispatcherLock:
@@ -58,7 +64,7 @@ class DispatcherLock:
             raise
 
     def release(self) -> None:
-        """Give it back; what a database that is gone cannot be told is left untold."""
+        """Give it back; a database that is gone is not told."""
         given_back = update(owner).where(owner.c.epoch == self.epoch).values(is_released=True)
         try:
             with self._engine.begin() as connection:
@@ -83,7 +89,7 @@ class DispatcherLock:
             DatabaseTaken: There was another owner meanwhile.
         """
         try:
-            self._drop()
+            self._unlock()
             self._lock = self._lock_advisory(1)
         except (DBAPIError, DatabaseInUse):
             held = False
@@ -147,13 +153,106 @@ class DispatcherLock:
             held.invalidate()
         held.close()
 
-    def _drop(self) -> None:
-        held, self._lock = self._lock, None
-        if held is not None:
-            held.invalidate()
-            held.close()
-
     def _in_use(self) -> DatabaseInUse:
         database = self._engine.url.render_as_string(hide_password=True)
         message = f"another server works on {database}; stop it, or choose another data folder"
         return DatabaseInUse(message, {"database": database})
+
+
+@dataclass(frozen=True)
+class DatabaseTimeouts:
+    """How long a database is waited for; `takeover` bounds how long two servers move one robot.
+
+    Attributes:
+        period: Between two looks at the lock [s].
+        answer: For the database to answer [s].
+        regain: For the lock, before what runs is brought to its end [s].
+        rest: For what runs to come to its end [s].
+        record: For a new job to be written, before it is refused [s].
+    """
+
+    period: float = 1.0
+    answer: float = 2.0
+    regain: float = 5.0
+    rest: float = 6.0
+    record: float = 5.0
+
+    @property
+    def takeover(self) -> float:
+        """How long after its loss of the lock an owner may still have something that runs [s]."""
+        return self.period + 2 * self.answer + self.regain + self.rest
+
+
+class LockListener(Protocol):
+    """What has to know; all methods are called in the event loop's thread."""
+
+    def suspend(self) -> None:
+        """Begin nothing, and end what runs: the database may be another's by now."""
+        ...
+
+    def resume(self) -> None:
+        """Work again after `suspend`: the database had no other owner meanwhile."""
+        ...
+
+    def give_up(self) -> None:
+        """End what runs, and do nothing more: another has the database."""
+        ...
+
+
+class LockWatch:
+    """Notices that the lock on the database was lost, and takes it again if it may."""
+
+    def __init__(
+        self, lock: DispatcherLock, listener: LockListener, timeouts: DatabaseTimeouts
+    ) -> None:
+        """Tell `listener` what becomes of `lock`; `run` begins."""
+        self._lock = lock
+        self._listener = listener
+        self._timeouts = timeouts
+        self._threads = ThreadPoolExecutor(1, "dispatcher-lock")
+
+    async def run(self) -> None:
+        """Watch until the database is another's, or this is canceled."""
+        try:
+            await self._watch()
+        finally:
+            # A query that still runs could take the lock after it was released.
+            await asyncio.to_thread(self._threads.shutdown)
+
+    async def _watch(self) -> None:
+        while True:
+            await asyncio.sleep(self._timeouts.period)
+            if await self._ask(self._lock.holds):
+                continue
+            _log.warning("the lock on the database was lost; taking it again")
+            try:
+                await self._regain()
+            except DatabaseTaken:
+                self._listener.give_up()
+                return
+
+    async def _regain(self) -> None:
+        loop = asyncio.get_running_loop()
+        until = loop.time() + self._timeouts.regain
+        is_suspended = False
+        while not await self._ask(self._lock.retake):
+            if not is_suspended and loop.time() > until:
+                is_suspended = True
+                _log.error("the database is out of reach: what runs is brought to its end")
+                self._listener.suspend()
+            await asyncio.sleep(min(0.25, self._timeouts.period))
+        _log.warning("the lock on the database is ours again")
+        if is_suspended:
+            self._listener.resume()
+
+    async def _ask(self, question: Callable[[], bool]) -> bool:
+        """Return the answer, False if there is none in time."""
+        loop = asyncio.get_running_loop()
+        try:
+            async with asyncio.timeout(self._timeouts.answer):
+                return await loop.run_in_executor(self._threads, question)
+        except TimeoutError:
+            # That thread waits for a connection that is dead; the next question must not.
+            self._threads.shutdown(wait=False)
+            self._threads = ThreadPoolExecutor(1, "dispatcher-lock")
+            return False

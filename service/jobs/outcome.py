@@ -1,4 +1,4 @@
-"""How a run of a task ended."""
+"""How a run of a task ended, and the error that this amounts to."""
 
 import signal
 from collections.abc import Mapping
@@ -15,6 +15,7 @@ from planning.errors import (
 from service.jobs.errors import (
     WORKER,
     MemoryLimitExceeded,
+    ServerRestarted,
     WorkerCrashed,
     WorkerUnresponsive,
 )
@@ -93,7 +94,7 @@ class MemoryExceeded:
 
 @dataclass(frozen=True)
 class Terminated:
-    """It ended, or was ended, because somebody asked for it.
+    """It ended, or was killed, on request.
 
     Attributes:
         error: What it said, None if it was ended by force.
@@ -106,9 +107,9 @@ type Failed = Raised | Crashed | Silent | TimedOut | MemoryExceeded | Terminated
 type Outcome = Returned | Failed
 
 
-def is_deterministic(shown: Any) -> bool:
+def is_deterministic(summary: Any) -> bool:
     """Return whether what lists show of a result says that no clock had a part in it."""
-    return isinstance(shown, dict) and shown.get("cut_short") == []
+    return isinstance(summary, dict) and summary.get("cut_short") == []
 
 
 def error_of(outcome: Failed, attempts: int) -> WayproofError:
@@ -142,28 +143,52 @@ def failure_of(error: WayproofError) -> dict[str, Any]:
     }
 
 
-def with_stage(error: WayproofError, told: Mapping[str, Any], seconds: float) -> WayproofError:
+def with_stage(
+    error: WayproofError, stage_event: Mapping[str, Any], seconds: float
+) -> WayproofError:
     """Return the error of a run that was ended by force, with the stage that it was in.
 
     Args:
         error: What the run amounts to; one that knows its stage keeps it.
-        told: The last event `stage` of the run: its `stage`, and the `timings` of those before [s].
+        stage_event: The data of the last event `stage`: its `stage`, and `timings` before it [s].
         seconds: How long the run took.
     """
-    stage = told.get("stage")
+    stage = stage_event.get("stage")
     if not isinstance(error, PlanningFailure) or error.stage != WORKER:
         return error
     if not isinstance(stage, str):
         return error
-    timings = {str(name): float(spent) for name, spent in dict(told.get("timings") or {}).items()}
+    timings = {
+        str(name): float(spent) for name, spent in dict(stage_event.get("timings") or {}).items()
+    }
     last = max(0.0, seconds - sum(timings.values()))
     found = error.saying(f"{error.detail}, in the stage {stage}", {"during": stage})
     found.timings = {**timings, stage: timings.get(stage, 0.0) + last, "total": seconds}
     return found.in_stage(stage)
 
 
+def interrupted(outcome: Failed, error: WayproofError, reason: str, attempts: int) -> WayproofError:
+    """Return the error of a run that the server had to end.
+
+    Args:
+        outcome: How it ended.
+        error: What that amounts to otherwise.
+        reason: Why the server ended it.
+        attempts: How often the job was started.
+    """
+    match outcome:
+        case Terminated(error=Canceled(detail=detail, evidence=evidence)):
+            # It came to its end as one that is canceled does; why, is ours to say.
+            return Canceled(f"{detail}: {reason}", {**evidence, "reason": reason})
+        case Terminated(error=None) | Crashed():
+            message = f"{reason} while this ran, and it did not end in time"
+            return ServerRestarted(message, {"attempts": attempts, "reason": reason})
+        case _:
+            return error
+
+
 def _late(allowed: float, said: WayproofError | None) -> DeadlineExceeded:
-    """Return the error of a run that did not end in time, with what it said when it was told to."""
+    """Return the error of a run that did not end in time, with what it said then."""
     during = said.stage if isinstance(said, PlanningFailure) else WORKER
     message = f"the task did not end within {allowed:g} s"
     late = DeadlineExceeded(message, {"allowed": allowed, "during": during}).in_stage(during)

@@ -1,6 +1,6 @@
-"""Recording: what happens to jobs goes to the table and then to those who follow.
+"""JobRecorder: what happens to jobs goes to the table and then to those who follow.
 
-What a server does never waits for the database: a run is told first. What the database does not
+What a server does never waits for the database: a run hears first. What the database does not
 take is kept, and written when it takes it again; meanwhile `unrecorded` says what it lacks.
 """
 
@@ -11,11 +11,10 @@ from functools import partial
 
 from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseTaken
-from service.jobs.event_buffer import PendingEvent
 from service.jobs.event_bus import EventBus
 from service.jobs.group_commit import GroupCommit
+from service.jobs.job import LoggedEvent, PendingEvent
 from service.jobs.store import JobStore
-from service.jobs.tables import LoggedEvent
 from service.jobs.transitions import Transition
 
 # Before what the database refused is written again [s].
@@ -78,38 +77,38 @@ class JobRecorder:
     async def apply(
         self,
         identifier: str,
-        work: Callable[[], Transition | None],
+        change: Callable[[], Transition | None],
         *,
-        told: Sequence[PendingEvent] = (),
+        events: Sequence[PendingEvent] = (),
         is_durable: bool = True,
         is_owed: bool = False,
     ) -> Transition | None:
-        """Move a job to another state, and tell of it; raises as `write`.
+        """Change the state of a job, and publish that; raises as `write`.
 
         Args:
             identifier: Of the job.
-            work: Moves it.
-            told: What it said before, and is not recorded yet.
+            change: Changes it in the store.
+            events: Its events before, which are not recorded yet.
             is_durable: As for `write`.
             is_owed: As for `write`.
         """
 
         def both() -> tuple[list[LoggedEvent], Transition | None]:
-            return self.store.append_events(identifier, told), work()
+            return self.store.append_events(identifier, events), change()
 
-        said, moved = await self.write(both, is_durable=is_durable, is_owed=is_owed)
-        self.publish(identifier, said if moved is None else [*said, moved.event])
-        return moved
+        logged, transition = await self.write(both, is_durable=is_durable, is_owed=is_owed)
+        self.publish(identifier, logged if transition is None else [*logged, transition.event])
+        return transition
 
     async def append_events(
-        self, identifier: str, told: Sequence[PendingEvent], *, may_wait: bool = False
+        self, identifier: str, events: Sequence[PendingEvent], *, may_wait: bool = False
     ) -> None:
-        """Append what was said of a job that runs, or waits, and tell of it; raises as `write`."""
-        work = partial(self.store.append_events, identifier, told, may_wait=may_wait)
+        """Append events of a job that runs, or waits, and publish them; raises as `write`."""
+        work = partial(self.store.append_events, identifier, events, may_wait=may_wait)
         self.publish(identifier, await self.write(work, is_durable=False))
 
     def publish(self, identifier: str, events: Sequence[LoggedEvent]) -> None:
-        """Tell of events that have been recorded."""
+        """Publish events that have been recorded."""
         self._bus.publish(identifier, events)
 
     async def write_until_done[T](
@@ -139,5 +138,5 @@ class JobRecorder:
                 del self._unrecorded[identifier]
 
     async def close(self) -> None:
-        """Write what was asked for, if the database takes it now."""
+        """Write what has come, if the database takes it now."""
         await self._commits.close()

@@ -8,11 +8,11 @@ from typing import Any
 from planning.errors import Canceled
 from service.jobs.attempt import CONTROLS
 from service.jobs.errors import InternalError, ServerRestarted
+from service.jobs.job import Job
 from service.jobs.leader import DispatcherLock
 from service.jobs.recorder import JobRecorder
 from service.jobs.scheduler import Scheduler
 from service.jobs.states import JobState
-from service.jobs.tables import Job
 from service.jobs.transitions import Transition
 
 
@@ -21,24 +21,24 @@ class Recovery:
 
     def __init__(
         self,
-        recording: JobRecorder,
-        ownership: DispatcherLock,
-        floor: Scheduler,
+        recorder: JobRecorder,
+        lock: DispatcherLock,
+        scheduler: Scheduler,
         enqueue: Callable[[Job, Mapping[str, Any]], None],
     ) -> None:
         """Prepare.
 
         Args:
-            recording: Of jobs.
-            ownership: Of the database, just taken.
-            floor: Where jobs run.
-            enqueue: Queues a job with what was asked of it.
+            recorder: Of jobs.
+            lock: On the database, just taken.
+            scheduler: Where jobs run.
+            enqueue: Queues a job with its controls.
         """
-        self._store = recording.store
-        self._recording = recording
-        self._floor = floor
+        self._store = recorder.store
+        self._recorder = recorder
+        self._scheduler = scheduler
         self._enqueue = enqueue
-        self._may_run_still = ownership.may_be_lost and ownership.was_left
+        self._may_still_run = lock.may_be_lost and lock.was_left
 
     async def run(self, takeover: float) -> None:
         """Take up all jobs.
@@ -48,11 +48,11 @@ class Recovery:
                 something [s]; only after that it is taken up.
         """
         for job in await asyncio.to_thread(self._store.unfinished):
-            if self._may_run_still and job.state is JobState.RUNNING:
-                self._floor.spawn(self._recover_later(job.id, takeover))
+            if self._may_still_run and job.state is JobState.RUNNING:
+                self._scheduler.spawn(self._recover_later(job.id, takeover))
             else:
-                moved = await asyncio.to_thread(self._settle, job)
-                if moved is None or not moved.event.is_last:
+                transition = await asyncio.to_thread(self._settle, job)
+                if transition is None or not transition.event.is_last:
                     self._enqueue(job, await asyncio.to_thread(self._controls, job.id))
 
     async def _recover_later(self, identifier: str, seconds: float) -> None:
@@ -62,19 +62,19 @@ class Recovery:
             job = self._store.get(identifier)
             return job, self._settle(job)
 
-        write = partial(self._recording.write, recover)
-        job, moved = await self._recording.write_until_done(identifier, "recovery", write)
-        if moved is not None:
-            self._recording.publish(identifier, [moved.event])
-            if not moved.event.is_last:
+        write = partial(self._recorder.write, recover)
+        job, transition = await self._recorder.write_until_done(identifier, "recovery", write)
+        if transition is not None:
+            self._recorder.publish(identifier, [transition.event])
+            if not transition.event.is_last:
                 self._enqueue(job, {})
 
     def _settle(self, job: Job) -> Transition | None:
         """Write what becomes of a job that was left; None if it only has to run."""
         if job.is_cancel_requested:
             return self._store.cancel(job.id, Canceled("canceled on request"))
-        if job.queue not in self._floor:
-            message = f"this server has no lane {job.queue!r}"
+        if job.queue not in self._scheduler:
+            message = f"this server has no queue {job.queue!r}"
             return self._store.fail(job.id, InternalError(message))
         if job.state is JobState.QUEUED:
             return None
@@ -84,6 +84,6 @@ class Recovery:
         return self._store.fail(job.id, error)
 
     def _controls(self, identifier: str) -> dict[str, Any]:
-        """Return what was asked of a job before the earlier server ended."""
-        asked = self._store.last_event(identifier, CONTROLS)
-        return {} if asked is None else asked.data
+        """Return the controls of a job that were set before the earlier server ended."""
+        event = self._store.last_event(identifier, CONTROLS)
+        return {} if event is None else event.data

@@ -9,10 +9,10 @@ from anyio import to_thread
 from service.errors import NotReady, UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
+from service.jobs.job import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.scheduler import QueueLoad
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.jobs.tables import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 
 _CHUNK = 20
 
@@ -20,7 +20,7 @@ _CHUNK = 20
 class JobService:
     """Submits, reads, follows, controls and cancels jobs.
 
-    An id has the prefix of its queue, so that a wrong kind of id is told apart without a look.
+    An id has the prefix of its queue, so that an id of another queue is unknown without a look.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class JobService:
         """Queue a job; it is durable when this returns.
 
         Raises:
-            QueueFull: Its lane has as many waiting jobs as it may.
+            QueueFull: Its queue has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
         """
         return await self._dispatcher.submit(spec)
@@ -61,43 +61,43 @@ class JobService:
         """
         if spec.key is None:
             return None
-        asked = (spec.queue, spec.key, spec.request_digest)
-        return await to_thread.run_sync(self._store.find_by_key, *asked)
+        request = (spec.queue, spec.key, spec.request_digest)
+        return await to_thread.run_sync(self._store.find_by_key, *request)
 
-    async def open_job(self, lane: str, identifier: str) -> JobSummary:
+    async def open_job(self, queue: str, identifier: str) -> JobSummary:
         """Return a job that waits or runs here as memory has it, any other one as lists have it.
 
         Raises:
-            UnknownResource: The lane has none of that id.
+            UnknownResource: The queue has none of that id.
         """
         run = self._dispatcher.attempt_of(identifier)
-        if run is not None and run.job.queue == lane:
+        if run is not None and run.job.queue == queue:
             return run.snapshot()
-        return await self._read(lane, identifier, self._store.summary)
+        return await self._read(queue, identifier, self._store.summary)
 
-    async def job(self, lane: str, identifier: str) -> Job:
+    async def job(self, queue: str, identifier: str) -> Job:
         """Return a job.
 
         Raises:
-            UnknownResource: The lane has none of that id.
+            UnknownResource: The queue has none of that id.
         """
-        return await self._read(lane, identifier, self._store.get)
+        return await self._read(queue, identifier, self._store.get)
 
-    async def job_text(self, lane: str, identifier: str) -> JobText:
+    async def job_text(self, queue: str, identifier: str) -> JobText:
         """Return a job whose result is passed on as it is; raises as `job`."""
-        return await self._read(lane, identifier, self._store.text)
+        return await self._read(queue, identifier, self._store.text)
 
-    async def _read[T](self, lane: str, identifier: str, read: Callable[[str], T]) -> T:
-        if not identifier.startswith(f"{self._prefixes[lane]}_"):
-            raise UnknownResource.of(lane, identifier)
+    async def _read[T](self, queue: str, identifier: str, read: Callable[[str], T]) -> T:
+        if not identifier.startswith(f"{self._prefixes[queue]}_"):
+            raise UnknownResource.of(queue, identifier)
         try:
             return await to_thread.run_sync(read, identifier)
         except UnknownJob as fault:
-            raise UnknownResource.of(lane, identifier) from fault
+            raise UnknownResource.of(queue, identifier) from fault
 
     async def page(
         self,
-        lane: str,
+        queue: str,
         limit: int,
         before: int | None,
         *,
@@ -105,26 +105,26 @@ class JobService:
         scene: str | None = None,
         world_digest: str | None = None,
     ) -> JobPage:
-        """Return jobs of a lane, newest first, of those before a number of the list."""
+        """Return jobs of a queue, newest first, of those before a number of the list."""
 
         def read() -> list[JobSummary]:
             wanted = {"state": state, "scene": scene, "world_digest": world_digest}
-            return self._store.page(lane, wanted, before=before, limit=limit + 1)
+            return self._store.page(queue, wanted, before=before, limit=limit + 1)
 
         found = await to_thread.run_sync(read)
         following = found[limit - 1].sequence if len(found) > limit else None
         return JobPage(found[:limit], following)
 
     async def newest(
-        self, lane: str, *, scene: str | None = None, world_digest: str | None = None
+        self, queue: str, *, scene: str | None = None, world_digest: str | None = None
     ) -> AsyncIterator[JobSummary]:
-        """Yield the jobs of a lane in a scene, or with a scene's content, newest first."""
+        """Yield the jobs of a queue in a scene, or with a scene's content, newest first."""
         wanted = {"scene": scene, "world_digest": world_digest}
         before: int | None = None
         limit = 1
-        # Mostly the first one is what somebody looks for.
+        # Mostly the first one is enough.
         while True:
-            read = partial(self._store.page, lane, wanted, before=before, limit=limit)
+            read = partial(self._store.page, queue, wanted, before=before, limit=limit)
             found = await to_thread.run_sync(read)
             for job in found:
                 yield job
@@ -133,7 +133,7 @@ class JobService:
             before, limit = found[-1].sequence, min(2 * limit, _CHUNK)
 
     async def wait(self, job: Job, seconds: float) -> JobText:
-        """Return a job when it has ended, or as it is after so many seconds."""
+        """Return a job when it has ended, or as it is after some seconds."""
         if seconds > 0:
             return await self._dispatcher.wait_text(job.id, seconds)
         return await self.text_of(job)
@@ -144,16 +144,16 @@ class JobService:
         return await self.job_text(job.queue, job.id) if has_one else JobText(job, None)
 
     async def cancel(self, job: JobSummary) -> JobSummary:
-        """Ask for the end of a job, whatever its state; no database is waited for."""
+        """End a job, whatever its state; no database is waited for."""
         return await self._dispatcher.cancel(job.id)
 
-    async def control(self, job: JobSummary, asked: dict[str, Any]) -> Job:
-        """Ask something of a job that waits or runs; no database is waited for.
+    async def control(self, job: JobSummary, controls: dict[str, Any]) -> Job:
+        """Set controls of a job that waits or runs; no database is waited for.
 
         Raises:
             IllegalTransition: It has ended, or is to end.
         """
-        return await self._dispatcher.control(job.id, asked)
+        return await self._dispatcher.control(job.id, controls)
 
     def unrecorded(self, job: JobSummary) -> list[str]:
         """Return what has happened to a job and is not in the database yet."""
@@ -178,14 +178,14 @@ class JobService:
         return None if event is None else event.data
 
     def check_ready(self) -> None:
-        """Go on only if workers of every lane are warm.
+        """Go on only if workers of every queue are warm.
 
         Raises:
             NotReady: They are not, yet or any more.
         """
         faults = self._dispatcher.faults()
         if faults:
-            named = "; ".join(f"{lane}: {fault}" for lane, fault in faults.items())
+            named = "; ".join(f"{queue}: {fault}" for queue, fault in faults.items())
             raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
 
     def loads(self) -> dict[str, QueueLoad]:
@@ -193,12 +193,12 @@ class JobService:
         return self._dispatcher.loads()
 
     async def counts(self) -> dict[str, dict[str, int]]:
-        """Return how many jobs there are, by state and lane."""
+        """Return how many jobs there are, by state and queue."""
         found = await to_thread.run_sync(self._store.counts)
         counts: dict[str, dict[str, int]] = {
             state: dict.fromkeys(self._queues, 0)
             for state in ("queued", "running", "succeeded", "failed", "canceled")
         }
-        for (lane, state), number in found.items():
-            counts[state][lane] = number
+        for (queue, state), number in found.items():
+            counts[state][queue] = number
         return counts

@@ -11,44 +11,39 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
 
 from planning.errors import Canceled, WayproofError
-from service.jobs import reading
 from service.jobs.briefs import fill_summaries
-from service.jobs.database import set_durability, sync_log
-from service.jobs.enrolling import Draft, draft, find_by_idempotency_key, insert_job
+from service.jobs.database import Prepared, set_durability, sync_log
 from service.jobs.errors import DatabaseTaken
+from service.jobs.job import Job, JobSpec, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
-from service.jobs.prepared import Prepared
-from service.jobs.queries import JobQueries
-from service.jobs.reading import now
+from service.jobs.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.states import JobEvent, JobState
-from service.jobs.tables import (
-    Job,
-    JobSpec,
-    LoggedEvent,
-    bodies,
-    jobs,
-    makers,
-    metadata,
-    owner,
-    summaries,
-)
+from service.jobs.tables import bodies, jobs, makers, metadata, owner, summaries
 from service.jobs.tasks import outline_of
-from service.jobs.transitions import Transition, append_events, apply_event, reserve_events
+from service.jobs.transitions import (
+    Draft,
+    Transition,
+    append_events,
+    apply_event,
+    draft,
+    insert_job,
+    reserve_events,
+)
 
 _OPEN = [state.value for state in JobState if not state.is_final]
-_WHOSE = bindparam("whose")
-_FORGET_MAKER = delete(makers).where(makers.c.job == _WHOSE)
+_JOB_ID = bindparam("job_id")
+_FORGET_MAKER = delete(makers).where(makers.c.job == _JOB_ID)
 _ADD_MAKER = Prepared(insert(makers), "job", "made_by")
 _END = {
     (table, part): Prepared(
-        update(table).where(table.c.job == _WHOSE).values({part: bindparam("new")})
+        update(table).where(table.c.job == _JOB_ID).values({part: bindparam("new")})
     )
     for table in (bodies, summaries)
     for part in ("result", "failure")
 }
-_IF_OPEN = update(jobs).where(jobs.c.id == _WHOSE, jobs.c.state.in_(_OPEN))
+_IF_OPEN = update(jobs).where(jobs.c.id == _JOB_ID, jobs.c.state.in_(_OPEN))
 _CANCEL = _IF_OPEN.values(is_cancel_requested=True)
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
@@ -110,7 +105,7 @@ class JobStore(JobQueries):
                 self._open_transaction = connection
                 try:
                     yield connection
-                    self._require_ownership(connection)
+                    self._check_ownership(connection)
                     connection.commit()
                 finally:
                     self._open_transaction = None
@@ -134,15 +129,15 @@ class JobStore(JobQueries):
             return known, False
 
     def start(self, identifier: str) -> Transition | None:
-        """Let a queued job run; None if it is not queued any more. So for the other moves."""
+        """Let a queued job run; None if it is not queued any more; so for all transitions."""
         changes = {"started_at": now(), "more_attempts": 1}
         with self.transaction(is_durable=False) as connection:
-            moved = apply_event(connection, identifier, JobEvent.START, changes, {})
-            if moved is not None:
-                if moved.event.number > 2:  # it is not the first event after `queued`
-                    connection.execute(_FORGET_MAKER, {"whose": identifier})
+            transition = apply_event(connection, identifier, JobEvent.START, changes, {})
+            if transition is not None:
+                if transition.event.number > 2:  # it is not the first event after `queued`
+                    connection.execute(_FORGET_MAKER, {"job_id": identifier})
                 _ADD_MAKER(connection, job=identifier, made_by=self._made_by)
-            return moved
+            return transition
 
     def requeue(self, identifier: str, reason: str, *, refund: int = 0) -> Transition | None:
         """Queue a running job again.
@@ -159,60 +154,62 @@ class JobStore(JobQueries):
             )
 
     def succeed(
-        self, identifier: str, result: Encoded, brief: Encoded | None = None
+        self, identifier: str, result: Encoded, summary: Encoded | None = None
     ) -> Transition | None:
         """End a running job with its result.
 
         Args:
             identifier: Of the job.
             result: Whole.
-            brief: What lists show of it; None for all.
+            summary: What lists show of it; None for all.
         """
         with self.transaction(is_durable=True) as connection:
-            moved = apply_event(connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {})
-            if moved is not None:
-                _end(connection, identifier, "result", result.text, (brief or result).text)
-            return moved
+            transition = apply_event(
+                connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {}
+            )
+            if transition is not None:
+                _end(connection, identifier, "result", result.text, (summary or result).text)
+            return transition
 
     def fail(self, identifier: str, error: WayproofError) -> Transition | None:
         """End a job with the reason why it has no result."""
         return self._end_without_result(identifier, JobEvent.FAIL, error)
 
     def cancel(self, identifier: str, error: Canceled) -> Transition | None:
-        """End a running job because somebody asked for it."""
+        """End a running job whose cancel was requested."""
         return self._end_without_result(identifier, JobEvent.CANCEL, error)
 
     def cancel_queued(self, identifier: str, error: Canceled) -> Transition | None:
-        """End a job because somebody asked for it, if it is still queued."""
+        """End a job whose cancel was requested, if it is still queued."""
         return self._end_without_result(identifier, JobEvent.CANCEL, error, only=JobState.QUEUED)
 
     def request_cancel(self, identifier: str) -> Job:
-        """Note that somebody wants the end of a job that has not ended, and return it.
+        """Note that the end of a job is requested, if it has not ended, and return it.
 
         Raises:
             UnknownJob: There is none.
         """
         with self.transaction(is_durable=True) as connection:
-            connection.execute(_CANCEL, {"whose": identifier})
-            return reading.job(connection, identifier)
+            connection.execute(_CANCEL, {"job_id": identifier})
+            return read_job(connection, identifier)
 
     def append_events(
-        self, identifier: str, told: Sequence[tuple[str, Encoded]], *, may_wait: bool = False
+        self, identifier: str, new_events: Sequence[PendingEvent], *, may_wait: bool = False
     ) -> list[LoggedEvent]:
-        """Append what a running job says, and return it; nothing if the job has ended meanwhile.
+        """Append events of a running job, and return them; none if the job has ended meanwhile.
 
         The last `stage` and `progress` in the data become the job's.
 
         Args:
             identifier: Of the job.
-            told: Types and data.
-            may_wait: Whether the job may also be queued: it is then said of the job, not by it.
+            new_events: Types and data.
+            may_wait: Whether the job may also be queued: they are then about the job, not from it.
         """
-        if not told:
+        if not new_events:
             return []
         with self.transaction(is_durable=False) as connection:
-            first = reserve_events(connection, identifier, told, may_wait=may_wait)
-            return [] if first is None else append_events(connection, identifier, first, told)
+            first = reserve_events(connection, identifier, new_events, may_wait=may_wait)
+            return [] if first is None else append_events(connection, identifier, first, new_events)
 
     def flush(self) -> None:
         """Make durable what was committed before this.
@@ -225,19 +222,19 @@ class JobStore(JobQueries):
     def _end_without_result(
         self,
         identifier: str,
-        happened: JobEvent,
+        event: JobEvent,
         error: WayproofError,
         only: JobState | None = None,
     ) -> Transition | None:
         failure = failure_of(error)
         with self.transaction(is_durable=True) as connection:
-            moved = apply_event(connection, identifier, happened, {}, {"failure": failure}, only)
-            if moved is not None:
-                kept = without(failure, outline_of(moved.columns["task"]).failure)
+            transition = apply_event(connection, identifier, event, {}, {"failure": failure}, only)
+            if transition is not None:
+                kept = without(failure, outline_of(transition.columns["task"]).failure)
                 _end(connection, identifier, "failure", encode(failure), encode(kept))
-            return moved
+            return transition
 
-    def _require_ownership(self, connection: Connection) -> None:
+    def _check_ownership(self, connection: Connection) -> None:
         """Go on to the commit only if no other server has taken the database; it cannot before it.
 
         Raises:
@@ -253,5 +250,5 @@ class JobStore(JobQueries):
 
 def _end(connection: Connection, identifier: str, part: str, whole: str, short: str) -> None:
     """Write how a job ended (JSON), whole and as lists show it."""
-    _END[bodies, part](connection, whose=identifier, new=whole)
-    _END[summaries, part](connection, whose=identifier, new=short)
+    _END[bodies, part](connection, job_id=identifier, new=whole)
+    _END[summaries, part](connection, job_id=identifier, new=short)

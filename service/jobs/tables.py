@@ -1,8 +1,4 @@
-"""The tables of jobs and their events, and a job as a value."""
-
-from dataclasses import dataclass
-from datetime import datetime
-from typing import Any
+"""The tables of jobs and of their events."""
 
 from sqlalchemy import (
     BigInteger,
@@ -19,10 +15,6 @@ from sqlalchemy import (
 )
 
 from service.jobs.json_column import JsonText
-from service.jobs.json_text import Encoded
-from service.jobs.states import JobState
-
-FINISHED = "finished"
 
 metadata = MetaData()
 
@@ -63,7 +55,7 @@ jobs = Table(
     Column("finished_at", String(40), nullable=True),
     UniqueConstraint("lane", "key"),
     Index("jobs_by_state", "lane", "state", "serial"),
-    # One for each way in which lists are asked for: a page reads its own rows and no others.
+    # One for each filter of lists: a page reads its own rows and no others.
     Index("jobs_of_lane", "lane", "serial"),
     Index("jobs_of_scene", "lane", "scene", "serial"),
     Index("jobs_of_scene_by_state", "lane", "scene", "state", "serial"),
@@ -124,109 +116,3 @@ owner = Table(
     Column("epoch", BigInteger, nullable=False),
     Column("is_released", Boolean, nullable=False),
 )
-
-
-@dataclass(frozen=True)
-class JobSpec:
-    """What a job shall do.
-
-    Attributes:
-        queue: Which slots may run it.
-        task: Importable function, `module:function`, called with the payload and a channel.
-        payload: JSON-compatible; `cancel_grace` in it stands for the lane's [s].
-        prefix: Of the job's id.
-        scene: Id of the scene it is about, for listing.
-        world_digest: Workers that ran this key lately are preferred.
-        priority: Larger comes first.
-        time_limit: Seconds after which it is told to end, and soon after made to; None for ever.
-        max_attempts: How often it may be run if its process dies.
-        key: Idempotency key within the lane, or None.
-        request_digest: What a second request with the same key must match.
-        follows: Sequence of the newest job of its queue in its scene, 0 for none, as the request
-            knows it: the job is refused if there is another one by now. None if that is no matter.
-    """
-
-    queue: str
-    task: str
-    payload: dict[str, Any]
-    prefix: str = "job"
-    scene: str | None = None
-    world_digest: str | None = None
-    priority: int = 0
-    time_limit: float | None = None
-    max_attempts: int = 2
-    key: str | None = None
-    request_digest: str = ""
-    follows: int | None = None
-
-
-@dataclass(frozen=True)
-class JobSummary:
-    """A job as lists have it: its payload, result and failure lack what is large."""
-
-    id: str
-    sequence: int
-    queue: str
-    task: str
-    payload: dict[str, Any]
-    scene: str | None
-    world_digest: str | None
-    priority: int
-    time_limit: float | None
-    max_attempts: int
-    attempts: int
-    key: str | None
-    request_digest: str
-    state: JobState
-    stage: str
-    progress: float
-    is_cancel_requested: bool
-    num_events: int
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
-    result: dict[str, Any] | None
-    failure: dict[str, Any] | None
-    made_by: dict[str, str] | None
-
-
-@dataclass(frozen=True)
-class Job(JobSummary):
-    """A job as the tables have it, whole."""
-
-
-@dataclass(frozen=True)
-class JobText:
-    """A job whose result is passed on as it is: it may be megabytes, and is not read here.
-
-    Attributes:
-        summary: As lists have it.
-        result: Whole, None where there is none.
-    """
-
-    summary: JobSummary
-    result: Encoded | None
-
-
-@dataclass(frozen=True)
-class LoggedEvent:
-    """An event of a job; numbers count from 1 without gaps."""
-
-    job: str
-    number: int
-    type: str
-    data: dict[str, Any]
-    at: str
-
-    @property
-    def is_last(self) -> bool:
-        """Whether nothing happens to the job after it."""
-        return self.type == FINISHED
-
-
-@dataclass(frozen=True)
-class JobPage:
-    """Some jobs of a lane, newest first, and the number before which the next page begins."""
-
-    jobs: list[JobSummary]
-    following: int | None

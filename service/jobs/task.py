@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from planning.errors import WayproofError
-from service.jobs.error_text import dump_error
 from service.jobs.errors import InternalError
 from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
 from service.jobs.outline import without
 from service.jobs.tasks import is_declared, outline_of, task_named
-from service.jobs.worker.protocol import MessageKind
+from service.jobs.worker.protocol import MessageKind, dump_error
 
 # Events are for people; whatever is larger belongs into the result.
 MAX_EVENT = 64 * 1024

@@ -5,8 +5,8 @@ from typing import Any
 
 from planning.domain.report.motion_plan import PlanPart
 from service.errors import NotFinished
+from service.jobs.job import Job, JobSummary
 from service.jobs.outline import without
-from service.jobs.tables import Job, JobSummary
 from service.jobs.tasks import TaskModel, outline_of
 from service.plans.models.job import JobBrief as Plan
 from service.plans.models.search_reports import PlannerGraph

@@ -15,7 +15,7 @@ from service.api.responses import accepted, problems, whole
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
-from service.jobs.tables import JobText
+from service.jobs.job import JobText
 from service.plans.models.job import Job, JobPage, JobState
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph

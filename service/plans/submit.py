@@ -9,8 +9,7 @@ from planning.domain.robot.steering_request import resolve_steering, validate_fo
 from planning.errors import UnknownName
 from service.catalog.models import Planner
 from service.job_spec import spec_of
-from service.jobs.key import IdempotencyKey
-from service.jobs.tables import Job
+from service.jobs.job import IdempotencyKey, Job
 from service.jobs.tasks import Task
 from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest

@@ -9,9 +9,9 @@ from pathlib import Path
 from planning.errors import ProblemInvalid
 from planning.parallel.atomic_files import evict_oldest, write_atomically
 from service.errors import NoRegions
+from service.jobs.job import JobSummary
 from service.jobs.json_steps import member_of
 from service.jobs.json_text import Encoded
-from service.jobs.tables import JobSummary
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
 from service.regions.eligibility import PLANNER, uses_gcs

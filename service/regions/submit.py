@@ -3,8 +3,7 @@
 from planning.domain.request.region_request import validate_one_turn
 from planning.errors import UnknownName
 from service.job_spec import spec_of
-from service.jobs.key import IdempotencyKey
-from service.jobs.tables import Job
+from service.jobs.job import IdempotencyKey, Job
 from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 
 
 def exit_with_parent(parent: Connection) -> None:
-    """Make this process end by SIGTERM at once, and when the other end of `leash` closes."""
+    """Make this process end by SIGTERM at once, and when the other end of `lifeline` closes."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides what an interrupt ends
     signal.signal(signal.SIGIO, signal.SIG_DFL)

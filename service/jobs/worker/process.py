@@ -15,7 +15,7 @@ from service.jobs.worker.protocol import HEADER_SIZE, Message, unpack_header
 
 # multiprocessing's bookkeeping of children is not thread-safe, and starting one takes
 # milliseconds: one thread of its own does all of it.
-_PROCESSES = ThreadPoolExecutor(1, "slot-processes")
+_PROCESSES = ThreadPoolExecutor(1, "worker-processes")
 # A process that has closed its end is about to end; one that does not is made to.
 _LINGER = 0.5
 
@@ -53,7 +53,7 @@ class WorkerProcess:
 
     @classmethod
     async def start(cls, context: Any, warm_up: str | None, terms: Terms) -> "WorkerProcess":
-        """Start a process; it is ready once it has sent its first frame.
+        """Start a process; it is ready once it has sent its first message.
 
         Raises:
             OSError: There are no more processes or files to be had.
@@ -63,7 +63,7 @@ class WorkerProcess:
         held, lifeline = context.Pipe(duplex=False)
         try:
             process = context.Process(
-                target=serve, args=(far, held, warm_up, terms), daemon=True, name="wayproof-slot"
+                target=serve, args=(far, held, warm_up, terms), daemon=True, name="wayproof-worker"
             )
             await asyncio.get_running_loop().run_in_executor(_PROCESSES, process.start)
         except BaseException:
@@ -77,13 +77,13 @@ class WorkerProcess:
         worker._reader, worker._writer = await asyncio.open_unix_connection(sock=near)
         return worker
 
-    def send(self, frame: Message) -> None:
-        """Send a frame; to a process that is gone it is lost."""
+    def send(self, message: Message) -> None:
+        """Send a message; to a process that is gone it is lost."""
         if not self._is_gone:
-            self._writer.write(frame.packed())
+            self._writer.write(message.packed())
 
     async def receive(self) -> Message | None:
-        """Return the next frame, None once the process is gone."""
+        """Return the next message, None once the process is gone."""
         try:
             header = await self._reader.readexactly(HEADER_SIZE)
             length, kind, token = unpack_header(header)
@@ -114,7 +114,7 @@ class WorkerProcess:
         self._reaping = loop.create_task(self._reap())
 
     async def _reap(self) -> None:
-        # If it is the forkserver that died, the process still runs: the leash ends it.
+        # If it is the forkserver that died, the process still runs: the lifeline ends it.
         self._lifeline.close()
         loop = asyncio.get_running_loop()
         self.exit_code = await loop.run_in_executor(_PROCESSES, _joined, self._process)

@@ -1,13 +1,11 @@
-"""Slot: one warm process that runs one task at a time and can be ended at any moment."""
+"""ProcessWorker: one warm process that runs one task at a time, and can be killed at any moment."""
 
 import asyncio
 import json
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
-from service.jobs.error_text import load_error
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,
@@ -18,88 +16,21 @@ from service.jobs.outcome import (
     Terminated,
     returned,
 )
+from service.jobs.worker.assignment import Assignment, EventSink
 from service.jobs.worker.main import Terms
 from service.jobs.worker.memory import MemoryWatch, resident
 from service.jobs.worker.process import WorkerProcess, forkserver
-from service.jobs.worker.protocol import Message, MessageKind, two_parts
+from service.jobs.worker.protocol import Message, MessageKind, load_error, two_parts
 from service.jobs.worker.termination import Termination
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.05, 5.0
+# What a task sends before it ends.
+_ON_THE_WAY = (MessageKind.EVENT, MessageKind.UPDATE, MessageKind.DEADLINE, MessageKind.WATCH)
 _log = logging.getLogger(__name__)
 
 
-class EventSink(Protocol):
-    """Where the events of a run go."""
-
-    def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
-        """Take an event; an update may replace the one of its type before it."""
-        ...
-
-    async def wait_for_space(self) -> None:
-        """Wait while too many events have been taken and not been dealt with."""
-        ...
-
-
-@dataclass(frozen=True)
-class Assignment:
-    """One run of a task.
-
-    Attributes:
-        task: `module:function`.
-        payload: What it is called with.
-        sink: Told of each of its events, in the event loop's thread.
-        time_limit: Seconds after which it is told to end, and a little later made to; or None. A
-            task that knows better may change them while it runs.
-        controls: What is asked of it when it begins; `Slot.control` tells what is asked later.
-    """
-
-    task: str
-    payload: dict[str, Any]
-    sink: EventSink
-    time_limit: float | None = None
-    controls: Mapping[str, Any] = field(default_factory=dict)
-
-
-class Worker(Protocol):
-    """Where tasks run, one at a time."""
-
-    @property
-    def generation(self) -> int:
-        """A number that changes with the process: another one has no scene loaded."""
-        ...
-
-    @property
-    def fault(self) -> str | None:
-        """Why no run would begin at once, or would not end well; None if all is well."""
-        ...
-
-    async def open(self, warm_up: str | None) -> None:
-        """Begin to get ready; every process of the slot runs the task `warm_up` first."""
-        ...
-
-    async def ready(self) -> None:
-        """Wait until a run would begin at once."""
-        ...
-
-    async def run(self, run: Assignment) -> Outcome:
-        """Run a task to its end, whatever that is."""
-        ...
-
-    def cancel(self, grace: float) -> None:
-        """Ask the present run to end; end it by force after `grace` seconds."""
-        ...
-
-    def control(self, controls: Mapping[str, Any]) -> None:
-        """Tell the present run all that is asked of it by now."""
-        ...
-
-    async def close(self) -> None:
-        """End the slot and what runs in it."""
-        ...
-
-
 class ProcessWorker:
-    """A slot that is a process of its own, forked off a server that has imported what it needs.
+    """A worker that is a process of its own, forked off a server that has imported what it needs.
 
     The process is replaced as soon as it has ended, also while it had nothing to do.
     """
@@ -137,12 +68,13 @@ class ProcessWorker:
 
     async def run(self, run: Assignment) -> Outcome:
         """Run a task to its end."""
-        stop = self._termination = Termination(run.time_limit)
+        termination = self._termination = Termination(run.time_limit)
         try:
             await self._is_ready.wait()
-            return Terminated() if stop.is_canceled else await self._supervise_run(run, stop)
+            is_canceled = termination.is_canceled
+            return Terminated() if is_canceled else await self._run(run, termination)
         finally:
-            stop.disarm()
+            termination.disarm()
             self._termination = None
 
     def cancel(self, grace: float) -> None:
@@ -162,129 +94,125 @@ class ProcessWorker:
             self._supervisor.cancel()
             await asyncio.gather(self._supervisor, return_exceptions=True)
 
-    async def _supervise_run(self, run: Assignment, stop: Termination) -> Outcome:
+    async def _run(self, run: Assignment, termination: Termination) -> Outcome:
         """Send the task and deal with what the process says until it has ended."""
-        worker = self._process
-        assert worker is not None  # noqa: S101  (that is what ready means)
+        process = self._process
+        assert process is not None  # noqa: S101  (that is what ready means)
         self._token += 1
         cancel = Message(MessageKind.CANCEL, self._token)
-        stop.begin(lambda: worker.send(cancel), lambda: self._kill(worker))
+        termination.begin(lambda: process.send(cancel), lambda: self._kill(process))
         body = two_parts(run.task, json.dumps(run.payload))
-        worker.send(Message(MessageKind.TASK, self._token, body))
-        self._running_in = worker
+        process.send(Message(MessageKind.TASK, self._token, body))
+        self._running_in = process
         if run.controls:
             self.control(run.controls)
         bound = self._terms.memory
-        watch = MemoryWatch(worker.pid, bound, lambda: stop.cancel(self._terms.memory_grace))
+        grace = self._terms.memory_grace
+        watch = MemoryWatch(process.pid, bound, lambda: termination.cancel(grace))
         try:
-            outcome = await self._read_messages(worker, run, stop)
+            outcome = await self._read_messages(process, run, termination)
         except (ValueError, KeyError, TypeError):
-            self._kill(worker)
-            outcome = stop.classify(Crashed(await worker.end(), "it spoke nonsense"))
+            self._kill(process)
+            outcome = termination.classify(Crashed(await process.end(), "it spoke nonsense"))
         except BaseException:
-            self._kill(worker)
+            self._kill(process)
             raise
         finally:
             watch.end()
             self._running_in = None
-        return outcome if bound is None else self._check_memory(bound, watch, outcome, worker)
+        return outcome if bound is None else self._check_memory(bound, watch, outcome, process)
 
     def _check_memory(
-        self, bound: int, watch: MemoryWatch, outcome: Outcome, worker: WorkerProcess
+        self, bound: int, watch: MemoryWatch, outcome: Outcome, process: WorkerProcess
     ) -> Outcome:
         """Return what an outcome means where memory has a bound [bytes]."""
-        if resident(worker.pid) > bound / 2:  # what it keeps must not be held against the next
-            self._kill(worker)
+        if resident(process.pid) > bound / 2:  # what it keeps must not be held against the next
+            self._kill(process)
         is_refused = isinstance(outcome, Crashed) and outcome.reason == "MemoryError"
         if is_refused or (watch.is_exceeded and not isinstance(outcome, Returned)):
             return MemoryExceeded(watch.used, bound)
         return outcome
 
     async def _read_messages(
-        self, worker: WorkerProcess, run: Assignment, stop: Termination
+        self, process: WorkerProcess, run: Assignment, termination: Termination
     ) -> Outcome:
         reason = ""
-        while (frame := await worker.receive()) is not None:
-            stop.heard()
-            match frame.kind:
-                case (
-                    MessageKind.EVENT
-                    | MessageKind.UPDATE
-                    | MessageKind.DEADLINE
-                    | MessageKind.WATCH
-                ):
-                    await _apply(frame, run.sink, stop)
+        while (message := await process.receive()) is not None:
+            termination.heard()
+            match message.kind:
+                case kind if kind in _ON_THE_WAY:
+                    await _apply(message, run.sink, termination)
                 case MessageKind.RESULT:
-                    return returned(*frame.parts)
+                    return returned(*message.parts)
                 case MessageKind.FAILURE:
-                    return stop.classify(Raised(load_error(frame.body.decode())))
+                    return termination.classify(Raised(load_error(message.body.decode())))
                 case MessageKind.CRASH:
-                    reason = frame.body.decode()
+                    reason = message.body.decode()
                 case _:
-                    self._kill(worker)
-                    reason = f"it spoke out of turn: {frame.kind.name}"
+                    self._kill(process)
+                    reason = f"it spoke out of turn: {message.kind.name}"
         self._is_ready.clear()
-        return stop.classify(Crashed(await worker.end(), reason))
+        return termination.classify(Crashed(await process.end(), reason))
 
-    def _kill(self, worker: WorkerProcess) -> None:
+    def _kill(self, process: WorkerProcess) -> None:
         """End a process; nothing is to be run in it any more."""
-        if worker is self._process:
+        if process is self._process:
             self._is_ready.clear()
-        worker.kill()
+        process.kill()
 
     async def _supervise(self, warm_up: str | None) -> None:
         """Have a process, always."""
         context = forkserver(self._preload)
         pause = _FIRST_PAUSE
         while True:
-            worker = await self._spawn(context, warm_up)
-            if worker is None:
+            process = await self._spawn(context, warm_up)
+            if process is None:
                 await asyncio.sleep(pause)
                 pause = min(2 * pause, _LONGEST_PAUSE)
                 continue
             pause = _FIRST_PAUSE
-            self._process = worker
+            self._process = process
             self.generation += 1
             self._is_ready.set()
             try:
-                await worker.ended.wait()
+                await process.ended.wait()
             finally:
                 self._is_ready.clear()
-                worker.kill()
-                await asyncio.shield(worker.end())
+                process.kill()
+                await asyncio.shield(process.end())
 
     async def _spawn(self, context: Any, warm_up: str | None) -> WorkerProcess | None:
         """Return a new process that is ready, None if that did not work."""
         try:
-            worker = await WorkerProcess.start(context, warm_up, self._terms)
+            process = await WorkerProcess.start(context, warm_up, self._terms)
         except (OSError, EOFError):
             _log.exception("a worker process could not be started")
             return None
         try:
-            frame = await worker.receive()
+            message = await process.receive()
         except asyncio.CancelledError:
-            worker.kill()
-            await asyncio.shield(worker.end())
+            process.kill()
+            await asyncio.shield(process.end())
             raise
-        if frame is None or frame.kind is not MessageKind.READY:
-            code = await worker.end()
+        if message is None or message.kind is not MessageKind.READY:
+            code = await process.end()
             _log.error("a worker process died before it was ready, with exit code %s", code)
             return None
-        self._warm_up_fault = frame.body.decode()[:2000] or None
+        self._warm_up_fault = message.body.decode()[:2000] or None
         if self._warm_up_fault is not None:
             _log.warning("the warm-up %s failed: %s", warm_up, self._warm_up_fault)
-        return worker
+        return process
 
 
-async def _apply(frame: Message, sink: EventSink, stop: Termination) -> None:
+async def _apply(message: Message, sink: EventSink, termination: Termination) -> None:
     """Deal with what a task says on its way."""
-    match frame.kind:
+    match message.kind:
         case MessageKind.DEADLINE:
-            stop.set_deadline(float(frame.body))
+            termination.set_deadline(float(message.body))
         case MessageKind.WATCH:
-            stop.limit_silence(float(frame.body))
+            termination.limit_silence(float(message.body))
         case kind:
-            event_type, data = frame.parts
+            event_type, data = message.parts
             is_update = kind is MessageKind.UPDATE
             sink.put(event_type, Encoded(data), is_update=is_update)
             if not is_update:

@@ -1,14 +1,20 @@
-"""Frames: what a slot and its process say to each other over a socket.
+"""Messages: what a worker and its process say to each other over a socket.
 
 Both ends speak JSON texts, never pickles: a process whose memory native code has damaged cannot
 make the server run anything.
 """
 
+import json
 import select
 import socket
 import struct
+import sys
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
+
+from planning.errors import PlanningFailure, StageFailure, WayproofError
+from service.jobs.json_text import encode_leniently
 
 _HEADER = struct.Struct(">IBQ")
 HEADER_SIZE = _HEADER.size
@@ -17,9 +23,9 @@ MAX_BODY = 512 * 1024 * 1024
 
 
 class MessageKind(IntEnum):
-    """What a frame says; TASK, CANCEL and CONTROLS go to the process, the others come from it.
+    """What a message says; TASK, CANCEL and CONTROLS go to the process, the others come from it.
 
-    CONTROLS carries all that is asked of the run, as JSON. READY carries how the warm-up failed, if
+    CONTROLS carries all controls of the run, as JSON. READY carries how the warm-up failed, if
     it did; TERM how many seconds the run has from now on; WATCH how long it may be silent [s].
     UPDATE is an event that a later one of its type may replace.
     """
@@ -58,12 +64,12 @@ class Message:
         return first, rest
 
     def packed(self) -> bytes:
-        """Return the bytes of the frame."""
+        """Return the bytes of the message."""
         return _HEADER.pack(len(self.body), self.kind, self.token) + self.body
 
 
 def two_parts(first: str, rest: str) -> bytes:
-    """Return the body that `Frame.parts` takes apart; `first` loses its line feeds."""
+    """Return the body that `Message.parts` takes apart; `first` loses its line feeds."""
     return f"{first.replace('\n', ' ')}\n{rest}".encode()
 
 
@@ -89,17 +95,17 @@ class MessagePipe:
         self._poll = select.poll()
         self._poll.register(end, select.POLLIN)
 
-    def send(self, frame: Message) -> None:
-        """Send a frame."""
-        self._end.sendall(frame.packed())
+    def send(self, message: Message) -> None:
+        """Send a message."""
+        self._end.sendall(message.packed())
 
     @property
-    def has_news(self) -> bool:
+    def has_message(self) -> bool:
         """Whether something has come; takes a microsecond."""
         return bool(self._poll.poll(0))
 
     def receive(self) -> Message | None:
-        """Return the next frame, None if the other end is gone."""
+        """Return the next message, None if the other end is gone."""
         header = self._exactly(HEADER_SIZE)
         if header is None:
             return None
@@ -116,3 +122,42 @@ class MessagePipe:
             parts.append(part)
             count -= len(part)
         return b"".join(parts)
+
+
+class RemoteFailure(PlanningFailure):
+    """An error whose class the server does not know; it keeps its code, stage and timings."""
+
+    def __init__(self, code: str, stage: str, detail: str, evidence: dict[str, Any]) -> None:
+        super().__init__(detail, evidence)
+        self.code = code  # pyright: ignore[reportAttributeAccessIssue]
+        self.stage = stage
+
+
+def dump_error(error: WayproofError) -> str:
+    """Return the text of an error."""
+    kind = type(error)
+    fields = {
+        "module": kind.__module__,
+        "name": kind.__qualname__,
+        "code": error.code,
+        "stage": str(getattr(error, "stage", "")),
+        "timings": dict(getattr(error, "timings", {})),
+        "detail": error.detail,
+    }
+    evidence = encode_leniently(error.evidence)
+    return f'{encode_leniently(fields)[:-1]},"evidence":{evidence}}}'
+
+
+def load_error(text: str) -> WayproofError:
+    """Return the error in a text, of its own class if the server has loaded it."""
+    fields = json.loads(text)
+    evidence = dict(fields["evidence"])
+    kind = getattr(sys.modules.get(fields["module"]), fields["name"], None)
+    error: WayproofError
+    if isinstance(kind, type) and issubclass(kind, WayproofError) and kind.code == fields["code"]:
+        error = kind(fields["detail"], evidence)
+    else:
+        error = RemoteFailure(fields["code"], fields["stage"], fields["detail"], evidence)
+    if isinstance(error, StageFailure):
+        error.in_stage(fields["stage"]).timings = dict(fields["timings"])
+    return error

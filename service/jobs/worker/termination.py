@@ -1,4 +1,4 @@
-"""Stop: whether, why and how a run is to end."""
+"""Termination: whether, why and how a run is to end."""
 
 import asyncio
 from collections.abc import Callable
@@ -7,12 +7,12 @@ from service.jobs.outcome import Crashed, Outcome, Raised, Silent, Terminated, T
 
 # How long a task that ran out of time may take to end by itself [s].
 DEADLINE_GRACE = 0.25
-# How often in its longest silence a run is listened for.
+# How often a run is checked within the longest silence that it may keep.
 _CHECKS_PER_SILENCE = 4
 
 
 class Termination:
-    """First a run is told to end, and if it has not ended in time it is made to."""
+    """Deadline, cancel and silence of one run: it is told to end, and if it does not, killed."""
 
     def __init__(self, time_limit: float | None) -> None:
         """Let it run.
@@ -29,22 +29,22 @@ class Termination:
         self._deadline_timer: asyncio.TimerHandle | None = None
         self._silence_timer: asyncio.TimerHandle | None = None
         self._kill_timer: asyncio.TimerHandle | None = None
-        self._tell: Callable[[], None] | None = None
-        self._force: Callable[[], None] | None = None
+        self._ask: Callable[[], None] | None = None
+        self._kill: Callable[[], None] | None = None
 
-    def begin(self, tell: Callable[[], None], force: Callable[[], None]) -> None:
+    def begin(self, ask: Callable[[], None], kill: Callable[[], None]) -> None:
         """Count the time from now on, and know how to end the run."""
-        self._tell, self._force = tell, force
+        self._ask, self._kill = ask, kill
         if self._time_limit is not None:
             self.set_deadline(self._time_limit)
 
     def set_deadline(self, seconds: float) -> None:
-        """Let it run for so long from now on, whatever was said before; too late if it is to end.
+        """Let it run for so long from now on, whatever the limit was; too late if it is to end.
 
         Args:
             seconds: [s].
         """
-        if self._tell is None or self.is_canceled or self._is_late:
+        if self._ask is None or self.is_canceled or self._is_late:
             return
         if self._deadline_timer is not None:
             self._deadline_timer.cancel()
@@ -53,7 +53,7 @@ class Termination:
 
     def limit_silence(self, silence: float) -> None:
         """End the run by force once it has said nothing for so long [s], even if it is to end."""
-        if self._tell is None:
+        if self._ask is None:
             return
         self._silence = silence
         self.heard()
@@ -74,7 +74,7 @@ class Termination:
 
     def disarm(self) -> None:
         """Do no more; the run has ended."""
-        self._tell = None
+        self._ask = None
         for timer in (self._deadline_timer, self._silence_timer, self._kill_timer):
             if timer is not None:
                 timer.cancel()
@@ -90,7 +90,7 @@ class Termination:
             return outcome
         if isinstance(outcome, Raised):
             return Terminated(outcome.error)
-        # What moves a robot has not ended as it was asked to if it died on the way to rest.
+        # What moves a robot has not ended as it should if it died on the way to rest.
         return Terminated() if self._silence is None else outcome
 
     def _on_deadline(self) -> None:
@@ -100,20 +100,20 @@ class Termination:
             self._terminate(DEADLINE_GRACE)
 
     def _check_silence(self) -> None:
-        # Looks are counted, not seconds: while this loop itself stood still, it heard nothing.
+        # Checks are counted, not seconds: while this loop itself stood still, it heard nothing.
         self._num_silent_checks += 1
-        if self._silence is None or self._force is None:
+        if self._silence is None or self._kill is None:
             return
         if self._num_silent_checks > _CHECKS_PER_SILENCE:
             self._is_silent = True
-            self._force()
+            self._kill()
         else:
             self._silence_timer = _after(self._silence / _CHECKS_PER_SILENCE, self._check_silence)
 
     def _terminate(self, grace: float) -> None:
-        if self._tell is not None and self._force is not None:
-            self._tell()
-            self._kill_timer = _after(grace, self._force)
+        if self._ask is not None and self._kill is not None:
+            self._ask()
+            self._kill_timer = _after(grace, self._kill)
 
 
 def _after(seconds: float, act: Callable[[], None]) -> asyncio.TimerHandle:

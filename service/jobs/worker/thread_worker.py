@@ -1,7 +1,7 @@
-"""InlineSlot: tasks in a thread of this process, for tests that want no processes.
+"""ThreadWorker: tasks in a thread of this process, for tests that want no processes.
 
 Nothing can be forced here: a task that does not heed a cancel or its deadline keeps its thread,
-and a crash of native code ends everything. What was asked for is answered in time all the same.
+and a crash of native code ends everything. A run is given up in time all the same.
 """
 
 import asyncio
@@ -11,12 +11,11 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from service.jobs.error_text import load_error
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, Outcome, Raised, Terminated, returned
 from service.jobs.task import TaskEnd, event_text, run_task
-from service.jobs.worker.process_worker import Assignment, EventSink
-from service.jobs.worker.protocol import MessageKind
+from service.jobs.worker.assignment import Assignment, EventSink
+from service.jobs.worker.protocol import MessageKind, load_error
 from service.jobs.worker.termination import Termination
 
 # Drake worlds are kept per process and OMPL's random numbers are global to it: one task at a time.
@@ -25,14 +24,16 @@ _GIVEN_UP = TaskEnd(MessageKind.CRASH, "it does not end")
 
 
 class _ThreadContext:
-    """A channel within the process."""
+    """A task's events, limits and controls within the process."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, run: Assignment, stop: Termination) -> None:
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, run: Assignment, termination: Termination
+    ) -> None:
         self._loop = loop
         self._sink: EventSink = run.sink
-        self._termination = stop
+        self._termination = termination
         self.canceled = threading.Event()
-        # Replaced whole, so that the thread sees either all or nothing of what is asked.
+        # Replaced whole, so that the thread sees either all or none of the controls.
         self.controls_set: dict[str, Any] = dict(run.controls)
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
@@ -48,15 +49,15 @@ class _ThreadContext:
         self._loop.call_soon_threadsafe(self._termination.limit_silence, silence)
 
     def controls(self) -> dict[str, Any]:
-        """Return all that was asked of this run."""
+        """Return all controls that were set for this run."""
         return self.controls_set
 
     def allow(self, seconds: float) -> None:
-        """Have this run given up after so many seconds from now on, and not before."""
+        """Have this run given up after some seconds from now on, and not before."""
         self._loop.call_soon_threadsafe(self._termination.set_deadline, seconds)
 
     def is_canceled(self) -> bool:
-        """Return whether the end of this run was asked for."""
+        """Return whether the end of this run was requested."""
         return self.canceled.is_set()
 
     def _put(self, event_type: str, data: dict[str, Any], *, is_update: bool) -> None:
@@ -70,13 +71,13 @@ class _ThreadContext:
 
 
 class ThreadWorker:
-    """A slot that is a thread."""
+    """A worker that is a thread."""
 
     def __init__(self, *, is_exclusive: bool) -> None:
         """Prepare.
 
         Args:
-            is_exclusive: Whether its tasks and those of other exclusive slots take turns.
+            is_exclusive: Whether its tasks and those of other exclusive workers take turns.
         """
         self.generation = 0
         self.fault: str | None = None
@@ -95,12 +96,12 @@ class ThreadWorker:
 
     async def run(self, run: Assignment) -> Outcome:
         """Run a task to its end, or until it is given up."""
-        stop = self._termination = Termination(run.time_limit)
+        termination = self._termination = Termination(run.time_limit)
         try:
             await self._is_free.wait()
-            return Terminated() if stop.is_canceled else await self._watch(run, stop)
+            return Terminated() if termination.is_canceled else await self._run(run, termination)
         finally:
-            stop.disarm()
+            termination.disarm()
             self._termination = self._context = None
 
     def cancel(self, grace: float) -> None:
@@ -117,47 +118,47 @@ class ThreadWorker:
         """Tell the present task to end; its thread does not keep this process alive."""
         self.cancel(0.0)
 
-    async def _watch(self, run: Assignment, stop: Termination) -> Outcome:
+    async def _run(self, run: Assignment, termination: Termination) -> Outcome:
         loop = asyncio.get_running_loop()
-        channel = self._context = _ThreadContext(loop, run, stop)
+        context = self._context = _ThreadContext(loop, run, termination)
         done: asyncio.Future[TaskEnd] = loop.create_future()
-        stop.begin(channel.canceled.set, lambda: _settle(done, _GIVEN_UP))
+        termination.begin(context.canceled.set, lambda: _settle(done, _GIVEN_UP))
         self._is_free.clear()
-        work = (loop, run, channel, done)
-        threading.Thread(target=self._work, args=work, name="inline-slot", daemon=True).start()
+        work = (loop, run, context, done)
+        threading.Thread(target=self._work, args=work, name="thread-worker", daemon=True).start()
         try:
             end = await done
         except asyncio.CancelledError:
-            channel.canceled.set()
+            context.canceled.set()
             raise
         match end.kind:
             case MessageKind.RESULT:
                 return returned(end.summary, end.text)
             case MessageKind.FAILURE:
-                return stop.classify(Raised(load_error(end.text)))
+                return termination.classify(Raised(load_error(end.text)))
             case _:
-                return stop.classify(Crashed(None, end.text))
+                return termination.classify(Crashed(None, end.text))
 
     def _work(
         self,
         loop: asyncio.AbstractEventLoop,
         run: Assignment,
-        channel: _ThreadContext,
+        context: _ThreadContext,
         done: asyncio.Future[TaskEnd],
     ) -> None:
         """Run the task, in the thread."""
         payload = json.dumps(run.payload)
         if self._is_exclusive:
             with _ONE_AT_A_TIME:
-                end = run_task(run.task, payload, channel)
+                end = run_task(run.task, payload, context)
         else:
-            end = run_task(run.task, payload, channel)
+            end = run_task(run.task, payload, context)
 
         def finish() -> None:
             self._is_free.set()
             _settle(done, end)
 
-        with suppress(RuntimeError):  # the loop is closed: nobody waits
+        with suppress(RuntimeError):  # the loop is closed
             loop.call_soon_threadsafe(finish)
 
 

@@ -10,8 +10,8 @@ from service.api.models import ResponseModel
 from service.api.responses import passed_on, whole
 from service.jobs import json_steps
 from service.jobs.database import is_in_loop
+from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
-from service.jobs.tables import JobSpec
 from service.plans.models.job import Job
 from service.plans.models.trajectory import Trajectory
 from service.plans.tasks import PLAN

@@ -9,8 +9,8 @@ from service.errors import RobotBusy, StartMismatch
 from service.executions import submit
 from service.executions.models import ExecutionRequest
 from service.jobs.errors import Overtaken
+from service.jobs.job import JobSpec
 from service.jobs.states import JobState
-from service.jobs.tables import JobSpec
 from service.scenes.models.scene import SceneSummary
 from service.scenes.models.summary import Group, Joint
 from service.scenes.record_cache import Latest

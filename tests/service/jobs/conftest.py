@@ -6,11 +6,12 @@ from pathlib import Path
 
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
+from service.jobs.job import JobSpec
 from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue, Share
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec
-from service.jobs.worker.process_worker import ProcessWorker, Worker
+from service.jobs.worker.assignment import Worker
+from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
 from tests.service.jobs.databases import FullDisk
@@ -28,7 +29,7 @@ def spec(task: str, /, **options: object) -> JobSpec:
 async def running(  # noqa: PLR0913  (what a test may vary)
     folder: Path,
     *,
-    slots: int = 1,
+    workers: int = 1,
     inline: bool = False,
     max_waiting: int = 100,
     cancel_grace: float = 0.25,
@@ -42,12 +43,12 @@ async def running(  # noqa: PLR0913  (what a test may vary)
         disks.append(FullDisk(engine))
     store = JobStore(engine, {"tests": version})
 
-    def slot() -> Worker:
+    def worker() -> Worker:
         return ThreadWorker(is_exclusive=False) if inline else ProcessWorker([TASKS])
 
-    pool = WorkerPool([slot() for _ in range(slots)])
-    lanes = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
-    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes)
+    pool = WorkerPool([worker() for _ in range(workers)])
+    queues = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), queues)
     await dispatcher.start(f"{TASKS}:warm")
     try:
         yield dispatcher, store

@@ -6,8 +6,8 @@ import pytest
 
 from planning.errors import Canceled
 from service.jobs.errors import IdempotencyConflict, Overtaken
+from service.jobs.job import JobSpec
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec
 
 NUM_SERVERS = 6
 

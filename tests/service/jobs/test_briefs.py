@@ -12,11 +12,12 @@ from sqlalchemy import event, insert, select, update
 from planning.errors import Canceled, NoPathFound
 from service.executions.tasks import EXECUTE
 from service.jobs.database import open_engine
+from service.jobs.job import JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec, JobSummary, bodies, jobs, metadata, summaries
+from service.jobs.tables import bodies, jobs, metadata, summaries
 from service.jobs.tasks import outline_of
 from service.plans.tasks import PLAN as PLAN_TASK
 from service.plans.tasks import REVERSE as REVERSE_TASK

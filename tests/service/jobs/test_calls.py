@@ -1,11 +1,11 @@
-"""Short calls share slots with jobs, and leave nothing behind."""
+"""Short calls share workers with jobs, and leave nothing behind."""
 
 import asyncio
 import signal
 
 import pytest
 
-from service.jobs.calls import Question
+from service.jobs.calls import Call
 from service.jobs.errors import InternalError, QueueFull, QueueTimeout, WorkerCrashed
 from service.jobs.queue import Share
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
@@ -17,7 +17,7 @@ async def call(dispatcher, task, payload=None, **given):
 
 
 def answer(dispatcher, task, payload=None, allowed=GUARD, patience=GUARD, **about):
-    question = Question(f"{TASKS}:{task}", payload or {}, "plan", allowed, patience, **about)
+    question = Call(f"{TASKS}:{task}", payload or {}, "plan", allowed, patience, **about)
     return dispatcher.call(question)
 
 
@@ -65,7 +65,7 @@ def test_large_scenes_do_not_keep_short_questions_waiting(tmp_path):
     """While one scene is loaded and others wait to be, two workers answer what is short."""
 
     async def story():
-        async with running(tmp_path, slots=2, share=Share(2, reserved=1)) as (dispatcher, _):
+        async with running(tmp_path, workers=2, share=Share(2, reserved=1)) as (dispatcher, _):
             file, begun = tmp_path / "go", tmp_path / "begun"
             payload = {"file": str(file), "begun": str(begun)}
             loads = [

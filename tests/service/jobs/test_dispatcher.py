@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from planning.errors import DeadlineExceeded, GoalUnreachable
-from service.jobs.calls import Question
+from service.jobs.calls import Call
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull, UnknownJob
+from service.jobs.job import Job
 from service.jobs.states import JobState
-from service.jobs.tables import Job
 from tests.service.jobs.conftest import GUARD, TASKS, running, spec
 
 
@@ -199,8 +199,8 @@ def test_admission_is_limited(tmp_path: Path) -> None:
     asyncio.run(story())
 
 
-def asked(task: str, payload: dict | None = None, allowed: float = GUARD) -> Question:
-    return Question(f"{TASKS}:{task}", payload or {}, "plan", allowed, GUARD)
+def asked(task: str, payload: dict | None = None, allowed: float = GUARD) -> Call:
+    return Call(f"{TASKS}:{task}", payload or {}, "plan", allowed, GUARD)
 
 
 def test_short_calls_return_raise_and_time_out(tmp_path: Path) -> None:

@@ -10,8 +10,7 @@ from planning.errors import Canceled
 from service.jobs.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseUnavailable
-from service.jobs.leader import DispatcherLock
-from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.leader import DatabaseTimeouts, DispatcherLock
 from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
@@ -29,8 +28,8 @@ async def serving(folder, told=None, timeouts=None):
     if told is not None:
         event.listen(engine, "before_cursor_execute", lambda *said: told.append(said[2]))
     store = JobStore(engine)
-    lanes = {"plan": JobQueue("plan", [ThreadWorker(is_exclusive=False)], 100)}
-    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes, timeouts=timeouts)
+    queues = {"plan": JobQueue("plan", [ThreadWorker(is_exclusive=False)], 100)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), queues, timeouts=timeouts)
     await dispatcher.start()
     try:
         yield dispatcher, store

@@ -7,8 +7,9 @@ import pytest
 from sqlalchemy import event, text
 
 from service.jobs.database import open_engine
+from service.jobs.job import JobSpec
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec, jobs
+from service.jobs.tables import jobs
 from service.scenes.store import SceneStore
 
 # Every way in which lists are asked for.

@@ -11,8 +11,7 @@ from service.cli.server import TAKEN
 from service.jobs.database import open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
-from service.jobs.leader import DispatcherLock
-from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.leader import DatabaseTimeouts, DispatcherLock
 from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
@@ -60,13 +59,13 @@ def url(server):
 
 @asynccontextmanager
 async def serving(url, timeouts=None):
-    """A dispatcher with an execution-like lane, its store, and its engine."""
+    """A dispatcher with an execution-like queue, its store, and its engine."""
     engine = open_engine(url)
     store = JobStore(engine)
-    lanes = {"plan": JobQueue("plan", [ProcessWorker([TASKS])], 100, cancel_grace=GUARD)}
+    queues = {"plan": JobQueue("plan", [ProcessWorker([TASKS])], 100, cancel_grace=GUARD)}
     taken = threading.Event()
     dispatcher = Dispatcher(
-        store, DispatcherLock(engine), lanes, on_taken=taken.set, timeouts=timeouts
+        store, DispatcherLock(engine), queues, on_taken=taken.set, timeouts=timeouts
     )
     await dispatcher.start(f"{TASKS}:warm")
     try:
@@ -92,8 +91,8 @@ def place(live):
 async def run_jobs(engine):
     """Jobs, a crash, a cancel, events, keys and a rival, on one database."""
     store = JobStore(engine)
-    lanes = {"plan": JobQueue("plan", [ProcessWorker([TASKS])], 100)}
-    dispatcher = Dispatcher(store, DispatcherLock(engine), lanes)
+    queues = {"plan": JobQueue("plan", [ProcessWorker([TASKS])], 100)}
+    dispatcher = Dispatcher(store, DispatcherLock(engine), queues)
     await dispatcher.start(f"{TASKS}:warm")
     try:
         good = await dispatcher.submit(

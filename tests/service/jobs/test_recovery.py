@@ -27,7 +27,7 @@ from pathlib import Path
 from tests.service.jobs.conftest import running, spec
 
 async def main(folder):
-    async with running(folder, slots=2) as (dispatcher, store):
+    async with running(folder, workers=2) as (dispatcher, store):
         busy = [await dispatcher.submit(spec("wait_for_file", payload={"file": str(folder / "go")}))
                 for _ in range(2)]
         once = await dispatcher.submit(spec("hang", max_attempts=1, priority=9))
@@ -71,7 +71,7 @@ def test_a_server_killed_with_many_jobs_ends_all_of_them_after_a_restart(tmp_pat
     (tmp_path / "go").touch()
 
     async def story():
-        async with running(tmp_path, slots=2) as (dispatcher, store):
+        async with running(tmp_path, workers=2) as (dispatcher, store):
             jobs = store.page("plan", limit=100)
             ended = [await dispatcher.wait(job.id, GUARD) for job in jobs]
             assert Counter(job.state.value for job in ended) == {"succeeded": 22, "failed": 1}
@@ -88,7 +88,7 @@ def test_a_server_killed_with_many_jobs_ends_all_of_them_after_a_restart(tmp_pat
 
 def test_a_server_that_stops_queues_again_what_ran_and_does_not_count_it(tmp_path):
     async def first():
-        async with running(tmp_path, slots=2) as (dispatcher, _):
+        async with running(tmp_path, workers=2) as (dispatcher, _):
             again = await dispatcher.submit(
                 spec("wait_for_file", payload={"file": str(tmp_path / "go")})
             )
@@ -158,7 +158,7 @@ def test_what_was_to_be_canceled_is_canceled_and_unknown_lanes_fail(tmp_path):
 
 def test_jobs_survive_workers_that_are_killed_at_random(tmp_path):
     async def story():
-        async with running(tmp_path, slots=2) as (dispatcher, store):
+        async with running(tmp_path, workers=2) as (dispatcher, store):
             ids = [(await dispatcher.submit(spec("spin", max_attempts=50))).id for _ in range(2)]
             echoes = [
                 (await dispatcher.submit(spec("echo", max_attempts=50))).id for _ in range(20)

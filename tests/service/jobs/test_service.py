@@ -8,9 +8,9 @@ from planning.errors import Canceled
 from service.errors import RobotBusy
 from service.executions.position import require_at_rest
 from service.jobs.database import open_engine
+from service.jobs.job import JobSpec
 from service.jobs.service import JobService
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec
 
 MOVING = {
     "library": {"model_roots": [], "allow_paths": False, "copies": ""},

@@ -126,7 +126,7 @@ def test_what_is_asked_of_a_run_is_obeyed_first_and_recorded_later(
 
 def test_what_was_asked_of_a_job_that_waits_outlives_the_server(tmp_path: Path) -> None:
     async def first() -> str:
-        async with running(tmp_path, slots=1, cancel_grace=GUARD) as (dispatcher, store):
+        async with running(tmp_path, workers=1, cancel_grace=GUARD) as (dispatcher, store):
             busy = await dispatcher.submit(moving(tmp_path))
             await eventually(lambda: store.last_event(busy.id, "status"))
             waits = await dispatcher.submit(moving(tmp_path))
@@ -146,7 +146,7 @@ def test_what_was_asked_of_a_job_that_waits_outlives_the_server(tmp_path: Path) 
 def test_a_result_is_kept_until_the_database_takes_it(tmp_path: Path, kind: str) -> None:
     async def story() -> None:
         disks: list = []
-        async with running(tmp_path, slots=2, disks=disks) as (dispatcher, store):
+        async with running(tmp_path, workers=2, disks=disks) as (dispatcher, store):
             payload = {"file": str(tmp_path / "go"), "begun": str(tmp_path / "begun")}
             job = await dispatcher.submit(
                 spec("wait_for_file", payload=payload | {"count": 100_000})

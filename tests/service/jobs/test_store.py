@@ -11,10 +11,10 @@ from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, rule
 from planning.errors import Canceled, NoPathFound
 from service.jobs.database import open_engine
 from service.jobs.errors import IdempotencyConflict, UnknownJob
+from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec
 from tests.profiles import num_cases
 from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time
 

@@ -13,9 +13,9 @@ from sqlalchemy import create_engine, event, insert, select
 
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.database import open_engine
+from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
 from service.jobs.store import JobStore
-from service.jobs.tables import JobSpec
 from service.scenes.models.scene import SceneSummary
 from service.scenes.record_cache import RecentScenes
 from service.scenes.records import scenes

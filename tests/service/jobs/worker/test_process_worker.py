@@ -1,4 +1,4 @@
-"""A slot outlives whatever its process does, and its process never outlives what it should."""
+"""A worker outlives whatever its process does, and its process never outlives what it should."""
 
 import asyncio
 import json
@@ -12,8 +12,9 @@ import pytest
 from planning.errors import Canceled, GoalUnreachable
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, MemoryExceeded, Raised, Returned, Terminated, TimedOut
+from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
-from service.jobs.worker.process_worker import Assignment, ProcessWorker
+from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS
 from tests.service.servers import until
 
@@ -35,14 +36,14 @@ class Sink:
 
 @asynccontextmanager
 async def open_slot(warm_up=f"{TASKS}:warm", terms=None):
-    slot = ProcessWorker([TASKS], terms)
-    await slot.open(warm_up)
+    worker = ProcessWorker([TASKS], terms)
+    await worker.open(warm_up)
     try:
         async with asyncio.timeout(GUARD):
-            await slot.ready()
-            yield slot
+            await worker.ready()
+            yield worker
     finally:
-        await slot.close()
+        await worker.close()
 
 
 def run_of(task, sink=None, allowed=None, **payload):
@@ -56,16 +57,16 @@ def is_alive(pid):
         return False
 
 
-async def pid_of(slot):
-    outcome = await slot.run(run_of("wait_for_file", file="/"))
+async def pid_of(worker):
+    outcome = await worker.run(run_of("wait_for_file", file="/"))
     assert isinstance(outcome, Returned)
     return int(outcome.result.text.split(":")[1].strip("}"))
 
 
 def test_a_worker_looks_for_garbage_and_not_among_what_was_imported():
     async def story():
-        async with open_slot() as slot:
-            outcome = await slot.run(run_of("garbage"))
+        async with open_slot() as worker:
+            outcome = await worker.run(run_of("garbage"))
             assert isinstance(outcome, Returned)
             told = json.loads(outcome.result.text)
             assert told["looks"]
@@ -89,49 +90,49 @@ CRASHES = {
 @pytest.mark.parametrize("task", CRASHES)
 def test_a_crash_is_told_and_the_next_task_runs(task):
     async def story():
-        async with open_slot() as slot:
-            outcome = await slot.run(run_of(task))
+        async with open_slot() as worker:
+            outcome = await worker.run(run_of(task))
             assert outcome == CRASHES[task]
-            assert isinstance(await slot.run(run_of("echo")), Returned)
+            assert isinstance(await worker.run(run_of("echo")), Returned)
 
     asyncio.run(story())
 
 
 def test_a_process_that_speaks_nonsense_has_crashed_and_the_next_task_runs():
     async def story():
-        async with open_slot() as slot:
-            assert isinstance(await slot.run(run_of("babble")), Crashed)
-            assert isinstance(await slot.run(run_of("echo")), Returned)
+        async with open_slot() as worker:
+            assert isinstance(await worker.run(run_of("babble")), Crashed)
+            assert isinstance(await worker.run(run_of("echo")), Returned)
 
     asyncio.run(story())
 
 
 def test_what_a_task_raises_keeps_the_process():
     async def story():
-        async with open_slot() as slot:
-            before = await pid_of(slot)
-            outcome = await slot.run(run_of("refuse"))
+        async with open_slot() as worker:
+            before = await pid_of(worker)
+            outcome = await worker.run(run_of("refuse"))
             assert isinstance(outcome, Raised)
             assert isinstance(outcome.error, GoalUnreachable)
-            assert await pid_of(slot) == before
+            assert await pid_of(worker) == before
 
     asyncio.run(story())
 
 
 def test_a_process_killed_while_idle_is_replaced_at_once():
     async def story():
-        async with open_slot() as slot:
-            pid = await pid_of(slot)
+        async with open_slot() as worker:
+            pid = await pid_of(worker)
             os.kill(pid, signal.SIGKILL)
-            while (now := await _pid_or_crash(slot)) in {pid, None}:
+            while (now := await _pid_or_crash(worker)) in {pid, None}:
                 pass
             assert is_alive(now)
 
     asyncio.run(story())
 
 
-async def _pid_or_crash(slot):
-    outcome = await slot.run(run_of("wait_for_file", file="/"))
+async def _pid_or_crash(worker):
+    outcome = await worker.run(run_of("wait_for_file", file="/"))
     return int(outcome.result.text[7:-1]) if isinstance(outcome, Returned) else None
 
 
@@ -140,32 +141,32 @@ async def _pid_or_crash(slot):
 )
 def test_cancel_asks_first_and_then_ends(task, grace, is_kept):
     async def story():
-        async with open_slot() as slot:
-            pid = await pid_of(slot)
+        async with open_slot() as worker:
+            pid = await pid_of(worker)
             sink = Sink()
-            running = asyncio.create_task(slot.run(run_of(task, sink)))
+            running = asyncio.create_task(worker.run(run_of(task, sink)))
             await sink.seen.wait()
-            slot.cancel(grace)
-            slot.cancel(grace)
+            worker.cancel(grace)
+            worker.cancel(grace)
             outcome = await running
             assert isinstance(outcome, Terminated)
             assert isinstance(outcome.error, Canceled) is is_kept
-            assert (await pid_of(slot) == pid) is is_kept
+            assert (await pid_of(worker) == pid) is is_kept
 
     asyncio.run(story())
 
 
 def test_a_cancel_at_any_moment_is_noticed():
     async def story():
-        async with open_slot() as slot:
+        async with open_slot() as worker:
             for steps in range(20):
-                running = asyncio.create_task(slot.run(run_of("spin")))
+                running = asyncio.create_task(worker.run(run_of("spin")))
                 for _ in range(steps):
                     await asyncio.sleep(0)
-                slot.cancel(5.0)
+                worker.cancel(5.0)
                 if steps == 0:  # it had not begun: there was nothing to cancel
                     await asyncio.sleep(0)
-                    slot.cancel(5.0)
+                    worker.cancel(5.0)
                 assert isinstance(await running, Terminated)
 
     asyncio.run(story())
@@ -173,11 +174,11 @@ def test_a_cancel_at_any_moment_is_noticed():
 
 def test_a_cancel_while_the_process_is_replaced_is_noticed(tmp_path):
     async def story():
-        async with open_slot() as slot:
-            await slot.run(run_of("segfault"))
-            running = asyncio.create_task(slot.run(run_of("touch", file=str(tmp_path / "ran"))))
+        async with open_slot() as worker:
+            await worker.run(run_of("segfault"))
+            running = asyncio.create_task(worker.run(run_of("touch", file=str(tmp_path / "ran"))))
             await asyncio.sleep(0)
-            slot.cancel(GUARD)
+            worker.cancel(GUARD)
             assert await running == Terminated()
             assert not (tmp_path / "ran").exists()
 
@@ -186,13 +187,13 @@ def test_a_cancel_while_the_process_is_replaced_is_noticed(tmp_path):
 
 def test_a_stale_cancel_ends_nothing():
     async def story():
-        async with open_slot() as slot:
+        async with open_slot() as worker:
             for _ in range(20):
-                running = asyncio.create_task(slot.run(run_of("echo")))
+                running = asyncio.create_task(worker.run(run_of("echo")))
                 await asyncio.sleep(0.002)
-                slot.cancel(5.0)
+                worker.cancel(5.0)
                 await running
-                outcome = await slot.run(run_of("wait_for_file", file="/"))
+                outcome = await worker.run(run_of("wait_for_file", file="/"))
                 assert isinstance(outcome, Returned)
 
     asyncio.run(story())
@@ -201,11 +202,11 @@ def test_a_stale_cancel_ends_nothing():
 @pytest.mark.parametrize("task", ["spin", "hang"])
 def test_the_deadline_ends_what_does_not_end(task):
     async def story():
-        async with open_slot() as slot:
+        async with open_slot() as worker:
             began = asyncio.get_running_loop().time()
-            assert await slot.run(run_of(task, allowed=0.2)) == TimedOut(0.2)
+            assert await worker.run(run_of(task, allowed=0.2)) == TimedOut(0.2)
             assert asyncio.get_running_loop().time() - began >= 0.2
-            assert isinstance(await slot.run(run_of("echo", allowed=GUARD)), Returned)
+            assert isinstance(await worker.run(run_of("echo", allowed=GUARD)), Returned)
 
     asyncio.run(story())
 
@@ -215,21 +216,21 @@ def test_the_deadline_ends_what_does_not_end(task):
 )
 def test_a_task_may_say_by_when_it_has_to_end(terms, allowed):
     async def story():
-        async with open_slot() as slot:
+        async with open_slot() as worker:
             late = run_of("reckon", allowed=GUARD, terms=terms)
-            assert await slot.run(late) == TimedOut(allowed)
-            assert isinstance(await slot.run(run_of("echo", allowed=GUARD)), Returned)
+            assert await worker.run(late) == TimedOut(allowed)
+            assert isinstance(await worker.run(run_of("echo", allowed=GUARD)), Returned)
 
     asyncio.run(story())
 
 
 def test_large_events_are_cut_and_large_results_are_not():
     async def story():
-        async with open_slot() as slot:
+        async with open_slot() as worker:
             sink = Sink()
-            await slot.run(run_of("chatter", sink, count=3, size=200_000))
+            await worker.run(run_of("chatter", sink, count=3, size=200_000))
             assert [text for _, text in sink.events] == ['{"truncated":true,"bytes":200017}'] * 3
-            outcome = await slot.run(run_of("vast", count=300_000))
+            outcome = await worker.run(run_of("vast", count=300_000))
             assert isinstance(outcome, Returned)
             assert len(outcome.result.text) > 2_000_000
             assert outcome.result.text.endswith('"none":null}')
@@ -239,9 +240,9 @@ def test_large_events_are_cut_and_large_results_are_not():
 
 def test_a_flood_of_events_arrives_whole_and_in_order():
     async def story():
-        async with open_slot() as slot:
+        async with open_slot() as worker:
             sink = Sink()
-            await slot.run(run_of("chatter", sink, count=3000, size=10))
+            await worker.run(run_of("chatter", sink, count=3000, size=10))
             numbers = [int(text.split(",")[0].split(":")[1]) for _, text in sink.events]
             assert numbers == list(range(3000))
 
@@ -250,16 +251,16 @@ def test_a_flood_of_events_arrives_whole_and_in_order():
 
 def test_closing_ends_the_process_and_giving_up_the_wait_ends_the_task():
     async def story():
-        async with open_slot() as slot:
-            pid = await pid_of(slot)
+        async with open_slot() as worker:
+            pid = await pid_of(worker)
             sink = Sink()
-            running = asyncio.create_task(slot.run(run_of("hang", sink)))
+            running = asyncio.create_task(worker.run(run_of("hang", sink)))
             await sink.seen.wait()
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
-            assert isinstance(await slot.run(run_of("echo")), Returned)
+            assert isinstance(await worker.run(run_of("echo")), Returned)
             assert not is_alive(pid)
-            last = await pid_of(slot)
+            last = await pid_of(worker)
         assert not is_alive(last)
 
     asyncio.run(story())
@@ -267,14 +268,14 @@ def test_closing_ends_the_process_and_giving_up_the_wait_ends_the_task():
 
 def test_a_warm_up_that_fails_or_kills_its_process_is_survived(caplog):
     async def story():
-        async with open_slot(f"{TASKS}:blunder") as slot:
-            assert isinstance(await slot.run(run_of("echo")), Returned)
-            assert "KeyError" in slot.fault
-        slot = ProcessWorker([TASKS])
-        assert slot.fault == "no process is ready"
-        await slot.open(f"{TASKS}:segfault")
+        async with open_slot(f"{TASKS}:blunder") as worker:
+            assert isinstance(await worker.run(run_of("echo")), Returned)
+            assert "KeyError" in worker.fault
+        worker = ProcessWorker([TASKS])
+        assert worker.fault == "no process is ready"
+        await worker.open(f"{TASKS}:segfault")
         await asyncio.to_thread(until, lambda: "died before it was ready" in caplog.text)
-        await slot.close()
+        await worker.close()
 
     asyncio.run(story())
     assert "KeyError" in caplog.text
@@ -288,25 +289,25 @@ def test_what_takes_too_much_memory_is_ended_and_says_so(chunk):
     """Bit by bit, which the server sees, or at once, which the kernel refuses."""
 
     async def story():
-        async with open_slot(terms=Terms(memory=BOUND)) as slot:
-            outcome = await slot.run(run_of("grow", chunk=chunk))
+        async with open_slot(terms=Terms(memory=BOUND)) as worker:
+            outcome = await worker.run(run_of("grow", chunk=chunk))
             assert isinstance(outcome, MemoryExceeded)
             assert outcome.bound == BOUND
             assert (outcome.used > BOUND) is (chunk < BOUND)
-            assert isinstance(await slot.run(run_of("echo")), Returned)
+            assert isinstance(await worker.run(run_of("echo")), Returned)
 
     asyncio.run(story())
 
 
 def test_a_worker_that_keeps_much_is_replaced_before_the_next_task():
     async def story():
-        async with open_slot(terms=Terms(memory=BOUND)) as slot:
-            pid, generation = await pid_of(slot), slot.generation
-            assert await pid_of(slot) == pid
-            assert isinstance(await slot.run(run_of("keep", count=BOUND * 3 // 4)), Returned)
-            assert await pid_of(slot) != pid
-            assert slot.generation == generation + 1
-            assert slot.fault is None
+        async with open_slot(terms=Terms(memory=BOUND)) as worker:
+            pid, generation = await pid_of(worker), worker.generation
+            assert await pid_of(worker) == pid
+            assert isinstance(await worker.run(run_of("keep", count=BOUND * 3 // 4)), Returned)
+            assert await pid_of(worker) != pid
+            assert worker.generation == generation + 1
+            assert worker.fault is None
 
     asyncio.run(story())
 
@@ -314,9 +315,9 @@ def test_a_worker_that_keeps_much_is_replaced_before_the_next_task():
 def test_a_task_that_exceeds_its_memory_may_come_to_rest_first(tmp_path):
     async def story():
         terms = Terms(memory=BOUND, memory_grace=GUARD)
-        async with open_slot(terms=terms) as slot:
+        async with open_slot(terms=terms) as worker:
             rest = tmp_path / "rest"
-            outcome = await slot.run(run_of("grow", chunk=2**22, most=BOUND, rest=str(rest)))
+            outcome = await worker.run(run_of("grow", chunk=2**22, most=BOUND, rest=str(rest)))
             assert isinstance(outcome, MemoryExceeded)
             assert rest.exists()
 
@@ -325,8 +326,8 @@ def test_a_task_that_exceeds_its_memory_may_come_to_rest_first(tmp_path):
 
 def test_a_worker_lets_others_go_before():
     async def story():
-        async with open_slot(terms=Terms(niceness=7)) as slot:
-            outcome = await slot.run(run_of("niceness"))
+        async with open_slot(terms=Terms(niceness=7)) as worker:
+            outcome = await worker.run(run_of("niceness"))
             assert json.loads(outcome.result.text) == {"niceness": os.nice(0) + 7}
 
     asyncio.run(story())

@@ -23,10 +23,10 @@ FRAMES = st.builds(
 
 
 @given(st.lists(FRAMES, max_size=5), st.integers(1, 50))
-def test_frames_arrive_as_they_were_sent(frames, piece):
+def test_frames_arrive_as_they_were_sent(messages, piece):
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        stream = b"".join(frame.packed() for frame in frames)
+        stream = b"".join(message.packed() for message in messages)
         link = MessagePipe(theirs)
 
         def send():
@@ -36,10 +36,10 @@ def test_frames_arrive_as_they_were_sent(frames, piece):
 
         thread = threading.Thread(target=send)
         thread.start()
-        received = [link.receive() for _ in frames]
+        received = [link.receive() for _ in messages]
         thread.join()
-        assert received == frames
-        assert link.has_news  # the end is news too
+        assert received == messages
+        assert link.has_message  # the end is news too
         assert link.receive() is None
 
 

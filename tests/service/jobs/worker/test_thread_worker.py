@@ -1,4 +1,4 @@
-"""A slot that is a thread answers in time, whatever its task does."""
+"""A worker that is a thread answers in time, whatever its task does."""
 
 import asyncio
 
@@ -13,25 +13,25 @@ from tests.service.jobs.worker.test_process_worker import Sink, run_of
 
 def test_outcomes():
     async def story():
-        slot = ThreadWorker(is_exclusive=True)
+        worker = ThreadWorker(is_exclusive=True)
         sink = Sink()
-        assert isinstance(await slot.run(run_of("echo", sink)), Returned)
+        assert isinstance(await worker.run(run_of("echo", sink)), Returned)
         assert [kind for kind, _ in sink.events] == ["stage"]
-        assert isinstance(await slot.run(run_of("refuse")), Raised)
-        assert await slot.run(run_of("leave")) == Crashed(None, "SystemExit: 3")
-        assert await slot.run(run_of("spin", allowed=0.1)) == TimedOut(0.1)
-        await slot.close()
+        assert isinstance(await worker.run(run_of("refuse")), Raised)
+        assert await worker.run(run_of("leave")) == Crashed(None, "SystemExit: 3")
+        assert await worker.run(run_of("spin", allowed=0.1)) == TimedOut(0.1)
+        await worker.close()
 
     asyncio.run(story())
 
 
 def test_cancel():
     async def story():
-        slot = ThreadWorker(is_exclusive=True)
+        worker = ThreadWorker(is_exclusive=True)
         sink = Sink()
-        running = asyncio.create_task(slot.run(run_of("spin", sink)))
+        running = asyncio.create_task(worker.run(run_of("spin", sink)))
         await sink.seen.wait()
-        slot.cancel(GUARD)
+        worker.cancel(GUARD)
         outcome = await running
         assert isinstance(outcome, Terminated)
         assert isinstance(outcome.error, Canceled)
@@ -42,32 +42,32 @@ def test_cancel():
 @pytest.mark.parametrize("allowed", [None, 0.1])
 def test_what_does_not_end_is_given_up_and_its_thread_is_not_used(tmp_path, allowed):
     async def story():
-        slot = ThreadWorker(is_exclusive=False)
+        worker = ThreadWorker(is_exclusive=False)
         sink = Sink()
         file = tmp_path / "end"
         work = run_of("wait_for_file", sink, allowed, file=str(file))
-        running = asyncio.create_task(slot.run(work))
+        running = asyncio.create_task(worker.run(work))
         await sink.seen.wait()
         if allowed is None:
-            slot.cancel(0.1)
+            worker.cancel(0.1)
         outcome = await running
         assert outcome == (Terminated() if allowed is None else TimedOut(0.1))
-        waiting = asyncio.create_task(slot.ready())
+        waiting = asyncio.create_task(worker.ready())
         await asyncio.sleep(0.02)
         assert not waiting.done()
         file.touch()
         await waiting
-        assert isinstance(await slot.run(run_of("echo")), Returned)
+        assert isinstance(await worker.run(run_of("echo")), Returned)
 
     asyncio.run(story())
 
 
 def test_a_task_may_say_by_when_it_has_to_end():
     async def story():
-        slot = ThreadWorker(is_exclusive=False)
+        worker = ThreadWorker(is_exclusive=False)
         late = run_of("reckon", allowed=GUARD, terms=[(0.1, 0.6)])
-        assert await slot.run(late) == TimedOut(0.1)
-        await slot.ready()
+        assert await worker.run(late) == TimedOut(0.1)
+        await worker.ready()
 
     asyncio.run(story())
 

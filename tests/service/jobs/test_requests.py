@@ -11,8 +11,8 @@ import pytest
 
 from service.jobs.database import open_engine
 from service.jobs.errors import DatabaseUnavailable, IdempotencyConflict
-from service.jobs.intake import Intake
-from service.jobs.ownership_watch import DatabaseTimeouts
+from service.jobs.leader import DatabaseTimeouts
+from service.jobs.requests import JobSubmission
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from tests.service.jobs.conftest import GUARD, spec
@@ -177,7 +177,7 @@ def test_a_flush_has_the_disk_take_the_log(tmp_path, monkeypatch):
     JobStore(open_engine("sqlite://")).flush()
 
 
-def test_a_job_is_on_its_way_to_a_slot_before_the_writer_is_asked():
+def test_a_job_is_on_its_way_to_a_worker_before_the_writer_is_asked():
     """They share an interpreter: what is sent first does not wait for the other's turn."""
 
     async def story():
@@ -201,7 +201,7 @@ def test_a_job_is_on_its_way_to_a_slot_before_the_writer_is_asked():
             runs.append(asyncio.create_task(send()))
             return Run()
 
-        await Intake(Recording(), seat, lambda _: None, GUARD).submit(spec("touch"))
+        await JobSubmission(Recording(), seat, lambda _: None, GUARD).submit(spec("touch"))
         assert told == ["sent", "asked to write", "entered"]
 
     asyncio.run(story())

@@ -6,7 +6,7 @@ import pytest
 
 from planning import errors as planning_errors
 from planning.errors import UnknownName, WayproofError
-from service.jobs.error_text import RemoteFailure, dump_error, load_error
+from service.jobs.worker.protocol import RemoteFailure, dump_error, load_error
 
 
 def classes_below(base):

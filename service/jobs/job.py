@@ -1,0 +1,141 @@
+"""A job as a value: what it does, what became of it, and its events."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from service.jobs.json_text import Encoded
+from service.jobs.states import JobState
+
+FINISHED = "finished"
+
+# Type and data of an event that is not recorded yet.
+type PendingEvent = tuple[str, Encoded]
+
+
+@dataclass(frozen=True)
+class IdempotencyKey:
+    """An idempotency key, or none, and all that must be the same where it is used again.
+
+    Attributes:
+        text: As the client chose it, or None.
+        fingerprint: All that tells this request from another one of its queue, JSON-compatible: the
+            body as it was sent, and what its address named.
+    """
+
+    text: str | None
+    fingerprint: Mapping[str, Any]
+
+    @property
+    def digest(self) -> str:
+        """Return the sha256 of what it stands for."""
+        return hashlib.sha256(json.dumps(self.fingerprint, sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class JobSpec:
+    """What a job does.
+
+    Attributes:
+        queue: Which workers may run it.
+        task: Importable function, `module:function`, called with the payload and a channel.
+        payload: JSON-compatible; `cancel_grace` in it stands for the queue's [s].
+        prefix: Of the job's id.
+        scene: Id of the scene it is about, for listing.
+        world_digest: Workers that ran this key lately are preferred.
+        priority: Larger comes first.
+        time_limit: Seconds after which it is told to end, and soon after killed; None without one.
+        max_attempts: How often it may be run if its process dies.
+        key: Idempotency key within the queue, or None.
+        request_digest: What a second request with the same key must match.
+        follows: Sequence of the newest job of its queue in its scene, 0 for none, as the request
+            knows it: the job is refused if there is another one by now. None if that is no matter.
+    """
+
+    queue: str
+    task: str
+    payload: dict[str, Any]
+    prefix: str = "job"
+    scene: str | None = None
+    world_digest: str | None = None
+    priority: int = 0
+    time_limit: float | None = None
+    max_attempts: int = 2
+    key: str | None = None
+    request_digest: str = ""
+    follows: int | None = None
+
+
+@dataclass(frozen=True)
+class JobSummary:
+    """A job as lists have it: its payload, result and failure lack what is large."""
+
+    id: str
+    sequence: int
+    queue: str
+    task: str
+    payload: dict[str, Any]
+    scene: str | None
+    world_digest: str | None
+    priority: int
+    time_limit: float | None
+    max_attempts: int
+    attempts: int
+    key: str | None
+    request_digest: str
+    state: JobState
+    stage: str
+    progress: float
+    is_cancel_requested: bool
+    num_events: int
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    result: dict[str, Any] | None
+    failure: dict[str, Any] | None
+    made_by: dict[str, str] | None
+
+
+@dataclass(frozen=True)
+class Job(JobSummary):
+    """A job as the tables have it, whole."""
+
+
+@dataclass(frozen=True)
+class JobText:
+    """A job whose result is passed on as it is: it may be megabytes, and is not read here.
+
+    Attributes:
+        summary: As lists have it.
+        result: Whole, None where there is none.
+    """
+
+    summary: JobSummary
+    result: Encoded | None
+
+
+@dataclass(frozen=True)
+class LoggedEvent:
+    """An event of a job; numbers count from 1 without gaps."""
+
+    job: str
+    number: int
+    type: str
+    data: dict[str, Any]
+    at: str
+
+    @property
+    def is_last(self) -> bool:
+        """Whether nothing happens to the job after it."""
+        return self.type == FINISHED
+
+
+@dataclass(frozen=True)
+class JobPage:
+    """Some jobs of a queue, newest first, and the number before which the next page begins."""
+
+    jobs: list[JobSummary]
+    following: int | None
