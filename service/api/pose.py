@@ -7,7 +7,8 @@ from pydantic import ConfigDict, Field, model_validator
 
 from planning.domain.geometry import pose as domain
 from planning.domain.goals.goal import PoseTarget
-from service.api.models import Name, RequestModel
+from service.api.models import RequestModel
+from service.api.names import FrameName
 from service.api.numbers import Quadruple, Triple
 
 
@@ -44,7 +45,7 @@ class Pose(RequestModel):
     rpy: Triple | None = Field(
         default=None, description="Rotation as roll, pitch, yaw about fixed x, y, z [rad]"
     )
-    frame: Name = Field(
+    frame: FrameName = Field(
         default="world", description="The frame that the pose is given in: any frame of the scene"
     )
 

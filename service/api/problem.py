@@ -7,6 +7,16 @@ from pydantic import BaseModel, ConfigDict, Field
 from planning.errors import WayproofError
 
 
+class ProblemError(BaseModel):
+    """One thing that is wrong with a request, and where."""
+
+    pointer: str = Field(
+        description="JSON pointer into the body; empty for its root and for parameters"
+    )
+    message: str = Field(description="What is wrong there, for a person")
+    nearest: list[str] = Field(description="Names that were perhaps meant, the nearest first")
+
+
 class Problem(BaseModel):
     """Why a request was refused (`application/problem+json`, RFC 9457)."""
 
@@ -16,10 +26,17 @@ class Problem(BaseModel):
                 {
                     "type": "urn:wayproof:problem:unknown_name",
                     "title": "Unknown name",
-                    "status": 409,
+                    "status": 422,
                     "code": "unknown_name",
                     "detail": "frame 'pik' does not exist; did you mean 'pick'? frames: ['pick']",
                     "evidence": {"kind": "frame", "name": "pik", "known": ["pick"]},
+                    "errors": [
+                        {
+                            "pointer": "/goal/poses/0/frame",
+                            "message": "frame 'pik' does not exist",
+                            "nearest": ["pick"],
+                        }
+                    ],
                 }
             ]
         }
@@ -31,6 +48,10 @@ class Problem(BaseModel):
     code: str = Field(description="Stable machine-readable name of the kind")
     detail: str = Field(description="What is wrong with this request, for a person")
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+    errors: list[ProblemError] = Field(
+        default=[],
+        description="What is wrong in the body, at most 20; absent where no place of it is",
+    )
 
 
 class Failure(BaseModel):

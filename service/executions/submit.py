@@ -11,7 +11,7 @@ from service.plans.resource import polynomial_of
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
-from service.scenes.validation import require_group
+from service.scenes.validation import find_group
 
 TASK = "service.executions.worker:execute"
 PROOF = "service.executions.proof:certify_again"
@@ -44,7 +44,7 @@ async def submit_execution(
         # Before the scene is read: what ends until then is in it.
         await require_at_rest(desk, wanted["scene"])
         record = await scenes.fresh(wanted["scene"])
-        group = require_group(record, wanted["group"])
+        group = find_group(record, wanted["group"])
         require_at_start(group, (plan.result or {})["result"]["start"])
         await _require_proven(desk, record, plan, polynomial)
         payload = {

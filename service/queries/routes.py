@@ -10,14 +10,7 @@ from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse
 from service.queries.tasks import CHECK, FK, IK, LINE, QueryWork
-from service.scenes.validation import (
-    require_constraints,
-    require_count,
-    require_frames,
-    require_goal,
-    require_group,
-    require_joints,
-)
+from service.scenes.validation import check_request
 
 router = APIRouter(
     route_class=StrictRoute,
@@ -33,9 +26,7 @@ async def check(
 ) -> Response:
     """Check configurations: limits, and every pair of bodies that collides, with its depth."""
     record = await scenes.get(scene)
-    group = require_group(record, request.group)
-    for i, q in enumerate(request.configurations):
-        require_count(group, q, f"configurations.{i}")
+    check_request(record, request)
     work = QueryWork[CheckRequest].about(await desk.scene_work(record), request)
     return passed_on(await desk.call_text(CHECK, work, size=len(request.configurations)))
 
@@ -44,10 +35,7 @@ async def check(
 async def fk(scene: SceneId, request: FkRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Compute where frames are in given configurations."""
     record = await scenes.get(scene)
-    group = require_group(record, request.group)
-    require_frames(record, request.frames or [])
-    for i, q in enumerate(request.configurations):
-        require_count(group, q, f"configurations.{i}")
+    check_request(record, request)
     work = QueryWork[FkRequest].about(await desk.scene_work(record), request)
     return passed_on(await desk.call_text(FK, work, size=len(request.configurations)))
 
@@ -56,12 +44,7 @@ async def fk(scene: SceneId, request: FkRequest, scenes: ScenesDep, desk: JobsDe
 async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Find all distinct configurations that reach a goal, or say why there is none."""
     record = await scenes.get(scene)
-    group = require_group(record, request.group)
-    require_goal(record, group, request.goal)
-    require_constraints(record, group, request.path_constraints)
-    require_joints(group, request.ik.joint_weights)
-    if request.start is not None:
-        require_count(group, request.start, "start")
+    check_request(record, request)
     work = QueryWork[IkRequest].about(await desk.scene_work(record), request)
     return passed_on(await desk.call_text(IK, work))
 
@@ -70,10 +53,6 @@ async def ik(scene: SceneId, request: IkRequest, scenes: ScenesDep, desk: JobsDe
 async def line(scene: SceneId, request: LineRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
     record = await scenes.get(scene)
-    group = require_group(record, request.group)
-    ends = [end.frame for end in (request.pose, request.displacement) if end is not None]
-    require_frames(record, [*ends, *([] if request.frame is None else [request.frame])])
-    if request.start is not None:
-        require_count(group, request.start, "start")
+    check_request(record, request)
     work = QueryWork[LineRequest].about(await desk.scene_work(record), request)
     return passed_on(await desk.call_text(LINE, work))

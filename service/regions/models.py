@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field, Strict
 from planning.domain.planner import regions as domain
 from service.api.job_models import JobState
 from service.api.models import UNRECORDED, Name, RequestModel, ResponseModel
+from service.api.names import PositionName
 from service.api.numbers import WHOLE, NonNegative, Real
 from service.api.problem import Failure
 from service.plans.models.search import Interval
@@ -40,7 +41,7 @@ class RegionsRequest(RequestModel):
     iterations: Annotated[int, Strict(), Field(ge=1, le=20), WHOLE] = Field(
         default=3, description="How often a region grows anew around its largest ellipsoid"
     )
-    bounds: dict[Name, Interval] = Field(
+    bounds: dict[PositionName, Interval] = Field(
         default={},
         max_length=256,
         description="Lowest and highest value to grow in [rad or m], by position name, within the "

@@ -5,12 +5,10 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
-from planning.errors import UnknownName
 from service.api.raw_json import passed_on
 from service.api.responses import Cursor, Limit, Revision, SceneId, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
-from service.errors import UnknownInScene
 from service.executions.replay import executed_motions
 from service.scenes.edits import apply_edits
 from service.scenes.models.edits import SceneEdit
@@ -43,11 +41,7 @@ async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Re
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
     work = LoadWork(library=desk.library.library, text=text, media=media)
-    try:
-        loaded = await desk.load(LOAD_SCENE, work, size=len(text))
-    except UnknownName as fault:
-        raise UnknownInScene(fault.detail, fault.evidence) from fault
-    record = await scenes.add(loaded)
+    record = await scenes.add(await desk.load(LOAD_SCENE, work, size=len(text)))
     location = {"location": f"/v1/scenes/{record.id}"}
     return passed_on(scene_text(record), 201, location)
 

@@ -5,7 +5,8 @@ from typing import Annotated, Any, Self
 from pydantic import ConfigDict, Field, Strict, model_validator
 
 from service.api.models import Boolean, Identifier, Name, RequestModel, ResponseModel
-from service.api.numbers import WHOLE, NonNegative, Positions, Real
+from service.api.names import GroupPositions
+from service.api.numbers import WHOLE, NonNegative, Real
 from service.api.problem import Failure
 from service.plans.models.constraints import Constraint
 from service.plans.models.motion_limits import ScaledLimits
@@ -63,7 +64,7 @@ class RetimeRequest(MotionRequest):
 
     model_config = ConfigDict(json_schema_extra={"examples": [_PATH]})
 
-    waypoints: Annotated[list[Positions], Field(min_length=2, max_length=2000)] = Field(
+    waypoints: Annotated[list[GroupPositions], Field(min_length=2, max_length=2000)] = Field(
         description="The group's positions from start to goal, joined by straight lines in joint "
         "space [rad or m]"
     )
@@ -111,10 +112,10 @@ class CertifyMotionRequest(MotionRequest, ScaledLimits):
         "corners can keep. Positions are numbers, not angles on a circle: from 3 to -3 is a way of "
         "6 rad"
     )
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None, description="Where it shall begin [rad or m]; null for where it does"
     )
-    goal: Positions | None = Field(
+    goal: GroupPositions | None = Field(
         default=None, description="Where it shall end [rad or m]; null for where it does"
     )
     limit_jerk: Boolean = Field(

@@ -5,7 +5,8 @@ from typing import Annotated
 from pydantic import Field, Strict
 
 from planning.domain.request import options as domain
-from service.api.models import Name, RequestModel
+from service.api.models import RequestModel
+from service.api.names import JointName
 from service.api.numbers import WHOLE, NonNegative, Real
 
 
@@ -36,7 +37,7 @@ class Ik(RequestModel):
     max_trials: Annotated[int, Strict(), Field(ge=1, le=100_000), WHOLE] = Field(
         default=300, description="Stop after this many seeds of the solver, over all poses"
     )
-    joint_weights: dict[Name, NonNegative] = Field(
+    joint_weights: dict[JointName, NonNegative] = Field(
         default={},
         max_length=256,
         description="Factor on each joint's part of the distance from the start, by full name "

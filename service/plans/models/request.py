@@ -8,7 +8,8 @@ from planning.domain.request import options as domain
 from planning.domain.request.problem import PlanningProblem
 from service.api.arrays import vector
 from service.api.models import Boolean, Identifier, Name, RequestModel
-from service.api.numbers import WHOLE, NonNegative, Positions, Real
+from service.api.names import GroupPositions
+from service.api.numbers import WHOLE, NonNegative, Real
 from service.plans.models.constraints import Constraint, constraints_to_domain
 from service.plans.models.goals import Goal
 from service.plans.models.ik import Ik
@@ -145,7 +146,7 @@ class PlanRequest(RequestModel):
         default=None, description="Of the scene; null for its latest"
     )
     group: Name = Field(description="`robot` for its default group, or `robot::group`")
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None,
         description="The group's positions [rad or m]; null for the scene's current state",
     )

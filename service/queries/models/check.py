@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Self
 from pydantic import ConfigDict, Field
 
 from service.api.models import Name, RequestModel, ResponseModel
+from service.api.names import GroupPositions
 from service.api.number_conversion import finite
-from service.api.numbers import NonNegative, Positions
+from service.api.numbers import NonNegative
 from service.scenes.models.pairs import Pair
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ class CheckRequest(RequestModel):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    configurations: Annotated[list[Positions], Field(min_length=1, max_length=10_000)] = Field(
+    configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=10_000)] = Field(
         description="The group's positions, one row each [rad or m]"
     )
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(

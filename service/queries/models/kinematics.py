@@ -6,7 +6,8 @@ from pydantic import ConfigDict, Field, Strict
 
 from planning.domain.goals.configuration_quality import ConfigurationQuality
 from service.api.models import Name, RequestModel, ResponseModel
-from service.api.numbers import WHOLE, NonNegative, Positions, Real
+from service.api.names import FrameName, GroupPositions
+from service.api.numbers import WHOLE, NonNegative, Real
 from service.api.pose import Pose
 from service.api.problem import Failure
 from service.plans.models.constraints import Constraint
@@ -28,10 +29,10 @@ class FkRequest(RequestModel):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    configurations: Annotated[list[Positions], Field(min_length=1, max_length=10_000)] = Field(
+    configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=10_000)] = Field(
         description="The group's positions, one row each [rad or m]"
     )
-    frames: Annotated[list[Name], Field(min_length=1, max_length=1000)] | None = Field(
+    frames: Annotated[list[FrameName], Field(min_length=1, max_length=1000)] | None = Field(
         default=None, description="Any frames of the scene; null for the group's tool frames"
     )
 
@@ -66,7 +67,7 @@ class IkRequest(RequestModel):
     goal: PoseGoal | RegionGoal | RelativeGoal = Field(
         discriminator="type", description="Where the tool frame shall be"
     )
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None,
         description="What `nearest` is measured from [rad or m]; null for the scene's state",
     )

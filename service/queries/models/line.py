@@ -7,8 +7,9 @@ from pydantic import ConfigDict, Field
 from planning.api.trace_line import TraceResolution
 from planning.domain.goals import line_trace as domain
 from service.api.models import Boolean, Name, ResponseModel
+from service.api.names import GroupPositions
 from service.api.number_conversion import listed
-from service.api.numbers import NonNegative, Positions, Real
+from service.api.numbers import NonNegative, Real
 from service.api.pose import Pose
 from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
 from service.scenes.models.pairs import Pair
@@ -33,7 +34,7 @@ class LineRequest(LineEnd):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None,
         description="Where the group stands at first [rad or m]; null for the scene's state",
     )

@@ -213,18 +213,18 @@ def test_a_colliding_goal_comes_with_what_is_nearest_and_what_would_do(client, s
         ({"goal": {"type": "region", "pose": DOWN, "free_axes": ["yaw"]}}, 422, "rz"),
         ({"goal": {"type": "region"}}, 422, "pose"),
         ({"goal": {"type": "region", "pose": DOWN, "poses": [DOWN]}}, 422, "poses"),
-        ({"goal": {"type": "region", "pose": {**DOWN, "frame": "abov"}}}, 409, "above"),
+        ({"goal": {"type": "region", "pose": {**DOWN, "frame": "abov"}}}, 422, "above"),
         ({"goal": {"type": "relative", "displacement": {}}}, 422, "position"),
         ({"goal": {"type": "relative", "displacement": {"quaternion": [0] * 4}}}, 422, "zero"),
         (
             {"goal": {"type": "relative", "displacement": DOWN, "reference": "blok"}},
-            409,
+            422,
             "block",
         ),
         ({"goal": {"type": "configuration", "name": "home"}}, 422, "relative"),
         (
             {"goal": {"type": "pose", "poses": [DOWN]}, "ik": {"joint_weights": {"elbow": 1}}},
-            409,
+            422,
             "arm::elbow_joint",
         ),
         (
@@ -264,8 +264,8 @@ def test_a_line_says_how_far_it_goes_and_what_stops_it(client, scene):
     ("body", "status", "word"),
     [
         ({}, 422, "displacement"),
-        ({"displacement": {"vector": [0, 0, 1], "frame": "abve"}}, 409, "above"),
-        ({"displacement": {"vector": [0, 0, 1]}, "frame": "arm::tpc"}, 409, "arm::tcp"),
+        ({"displacement": {"vector": [0, 0, 1], "frame": "abve"}}, 422, "above"),
+        ({"displacement": {"vector": [0, 0, 1]}, "frame": "arm::tpc"}, 422, "arm::tcp"),
         ({"displacement": {"vector": [0, 0, 1]}, "start": [0.0]}, 409, "6 positions"),
         ({"displacement": {"vector": [0, 0, 1]}, "max_step": 0}, 422, "max_step"),
     ],
@@ -295,5 +295,5 @@ def test_ik_keeps_path_constraints(client, scene, group):
     assert refused["failure"]["code"] == "goal_violates_constraint"
     unknown = {"type": "locked_joints", "joints": ["elbow"]}
     problem = ask(client, scene, "ik", goal=goal, path_constraints=[unknown])
-    assert problem.status_code == 409
+    assert problem.status_code == 422
     assert "arm::elbow_joint" in str(problem.json()["evidence"])
