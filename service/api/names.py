@@ -14,33 +14,9 @@ from pydantic import BaseModel
 
 from planning.errors import UnknownName
 from planning.world.documents.document_faults import Fault
-from service.api.models import Name
-from service.api.numbers import Positions
+from service.api.models import COORDINATES, Mark
 
 type Steps = tuple[str | int, ...]
-
-
-@dataclass(frozen=True)
-class Mark:
-    """Mark of a type: its values name a part of a scene, or have a number for each coordinate.
-
-    Attributes:
-        kind: Of the part, as errors call it; `COORDINATES` for one number per coordinate.
-    """
-
-    kind: str
-
-
-COORDINATES = "coordinates of the group"
-
-BodyName = Annotated[Name, Mark("body")]
-ConfigurationName = Annotated[Name, Mark("configuration")]
-FrameName = Annotated[Name, Mark("frame")]
-JointName = Annotated[Name, Mark("joint")]
-JointOrBlockName = Annotated[Name, Mark("joint or block")]
-MobileJointName = Annotated[Name, Mark("planar or floating joint")]
-PositionName = Annotated[Name, Mark("position")]
-GroupPositions = Annotated[Positions, Mark(COORDINATES)]
 
 
 @dataclass(frozen=True)

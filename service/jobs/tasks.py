@@ -26,14 +26,7 @@ _FORMER_NAMES = {
     "service.tasks.execute:execute": "execute",
 }
 
-_PLAN = Outline(
-    payload=("motion",),
-    result=("result", "polynomial", "graph"),
-    failure=("evidence.graph",),
-)
 _OUTLINES: Mapping[str, Outline] = {
-    "service.plans.worker:plan_motion": _PLAN,
-    "service.plans.reverse_worker:reverse_motion": _PLAN,
     "service.executions.worker:execute": Outline(payload=("trajectory",)),
 }
 _NOTHING_LARGE = Outline()

@@ -2,8 +2,8 @@
 
 from fastapi import APIRouter, Response
 
-from service.api.raw_json import passed_on
-from service.api.responses import SceneId, problems
+from service.api.params import SceneId
+from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.queries.models.check import CheckRequest, CheckResponse

@@ -24,11 +24,10 @@ from planning.errors import (
     GoalViolatesConstraint,
     PlanningFailure,
 )
-from service.api.pose import Pose
-from service.api.problem import Failure
+from service.api.models import Failure, Pose
 from service.jobs.context import TaskContext
 from service.plans.models.constraints import constraints_to_domain
-from service.plans.models.funnel import IkFunnel
+from service.plans.models.ik import IkFunnel
 from service.queries.models.check import CheckRequest, CheckResponse, Verdict
 from service.queries.models.kinematics import (
     FkRequest,

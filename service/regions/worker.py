@@ -7,7 +7,7 @@ from pathlib import Path
 from planning import Deadline, Regions, grow_regions
 from planning.domain.report.motion_plan import Progress
 from service.jobs.context import TaskContext
-from service.plans.progress import StageLog
+from service.plans.progress import ProgressReporter
 from service.regions.models import RegionsResult
 from service.regions.tasks import GROW_REGIONS, RegionsOutcome, RegionsWork
 from service.scenes.world_cache import borrow_world
@@ -21,7 +21,7 @@ def grow(work: RegionsWork, context: TaskContext) -> RegionsOutcome:
         WayproofError: The group can have no regions, or the end was asked for.
     """
     request = work.request
-    progress = StageLog(context)
+    progress = ProgressReporter(context)
     progress(Progress("load", 0.0))
     begun = time.monotonic()
     with borrow_world(work) as world:

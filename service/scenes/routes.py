@@ -5,11 +5,12 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
-from service.api.raw_json import passed_on
-from service.api.responses import Cursor, Limit, Revision, SceneId, problems
+from service.api.params import Cursor, Limit, Revision, SceneId
+from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.executions.replay import executed_motions
+from service.plans.tasks import REPLAY_MOTIONS, ReplayWork
 from service.scenes.edits import apply_edits
 from service.scenes.models.edits import SceneEdit
 from service.scenes.models.scene import Scene, SceneBrief, ScenePage
@@ -79,8 +80,9 @@ async def get_scene_replay(
     """Replay in 3-D what executions moved in a scene, one motion after the other."""
     record = await scenes.stored(scene)
     motions = await executed_motions(desk, record.id, last)
-    page = await desk.ask("service.plans.output_worker:replay_scene", {"motions": motions})
-    return HTMLResponse(page["html"])
+    work = ReplayWork.model_validate({"motions": motions})
+    page = await desk.call(REPLAY_MOTIONS, work)
+    return HTMLResponse(page.html)
 
 
 @router.patch(

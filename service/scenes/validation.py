@@ -8,7 +8,8 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
 from planning.errors import ModelInvalid, UnknownName
-from service.api.names import COORDINATES, Mention, mentions
+from service.api.models import COORDINATES
+from service.api.names import Mention, mentions
 from service.errors import WrongCount
 from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord

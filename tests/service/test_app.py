@@ -28,11 +28,11 @@ def test_server_process_loads_no_engine():
 WARM = """
 import importlib, sys
 from types import SimpleNamespace
+from service.jobs.task import run_task
 from service.workers import PRELOAD, WARM_UP
 for name in PRELOAD:
     importlib.import_module(name)
-module, name = WARM_UP.split(":")
-print(getattr(sys.modules[module], name)({}, SimpleNamespace(is_canceled=bool))["proven"])
+print(run_task(WARM_UP, "{}", SimpleNamespace(is_canceled=bool)).text)
 print([name for name in ("scipy", "matplotlib", "trimesh") if name in sys.modules])
 """
 
@@ -40,7 +40,7 @@ print([name for name in ("scipy", "matplotlib", "trimesh") if name in sys.module
 def test_a_worker_is_warm_without_what_few_plans_need():
     """They take longer to import than all of Drake."""
     run = subprocess.run([sys.executable, "-c", WARM], capture_output=True, text=True, check=True)
-    assert run.stdout.splitlines() == ["True", "[]"]
+    assert run.stdout.splitlines() == ['{"proven":true}', "[]"]
 
 
 def test_entry_point_imports_nothing_until_it_runs():
@@ -95,6 +95,17 @@ def test_docs_need_no_other_host(client):
     assert page.status_code == 200
     assert page.headers["content-type"].startswith("text/html")
     assert not re.findall(r"https?://|(?:src|href)=\"//", page.text)
+    # The page would have another host check the document, and browsers are told to ask no other.
+    assert re.search(r'"validatorUrl": null', page.text)
+    policy = page.headers["content-security-policy"]
+    assert {word for word in policy.replace(";", " ").split() if ":" in word} == {"data:"}
+    assets = re.findall(r"(?:src|href)=\"([^\"]+)", page.text)
+    assert {asset.rpartition(".")[2] for asset in assets} == {"js", "css", "png"}
+    for asset in assets:
+        answer = client.get(page.url.join(asset).path)
+        assert answer.status_code == 200
+        assert len(answer.content) > 1000
+    assert client.get("/docs/__init__.py").status_code == 422
 
 
 @pytest.mark.parametrize("path", ["/v2", "/v1", "/v1/scenes/", "/v1/nothing", "/v1/plans/x/y"])

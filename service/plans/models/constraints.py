@@ -8,10 +8,17 @@ from pydantic import ConfigDict, Field, model_validator
 
 from planning.domain.request import constraint as domain
 from service.api.arrays import vector
-from service.api.models import RequestModel
-from service.api.names import BodyName, FrameName, JointName, PositionName
-from service.api.numbers import NonNegative, Real, Triple
-from service.api.pose import Pose
+from service.api.models import (
+    BodyName,
+    FrameName,
+    JointName,
+    NonNegative,
+    Pose,
+    PositionName,
+    Real,
+    RequestModel,
+    Triple,
+)
 
 type Side = Annotated[Real, Field(gt=0, le=1e6)]
 type BodyNames = Annotated[list[BodyName], Field(min_length=1, max_length=1000)]

@@ -10,10 +10,18 @@ from planning.domain.arrays import Array
 from planning.domain.geometry import pose as geometry
 from planning.domain.goals import goal as domain
 from service.api.arrays import vector
-from service.api.models import RequestModel
-from service.api.names import ConfigurationName, FrameName, GroupPositions
-from service.api.numbers import NonNegative, Quadruple, Real, Triple
-from service.api.pose import Pose, require_one_rotation
+from service.api.models import (
+    ConfigurationName,
+    FrameName,
+    GroupPositions,
+    NonNegative,
+    Pose,
+    Quadruple,
+    Real,
+    RequestModel,
+    Triple,
+    require_one_rotation,
+)
 from service.plans.models.line_goals import LineGoal, PathGoal, ToolFrame
 
 

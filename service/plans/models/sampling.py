@@ -1,5 +1,6 @@
 """How to sample the trajectory that is delivered."""
 
+from dataclasses import replace
 from typing import Annotated, Any
 
 from pydantic import Field, Strict, model_validator
@@ -7,8 +8,7 @@ from pydantic import Field, Strict, model_validator
 from planning.domain.curves import sampling as domain
 from planning.domain.curves.curve import TimedTrajectory
 from planning.errors import ProblemInvalid
-from service.api.models import Boolean, RequestModel
-from service.api.numbers import WHOLE, Real
+from service.api.models import WHOLE, Boolean, Real, RequestModel
 
 # Between samples [s].
 DEFAULT_PERIOD = 0.01
@@ -53,6 +53,20 @@ class Sampling(RequestModel):
         """At which instants to sample."""
         period = self.sample_period or DEFAULT_PERIOD
         return domain.Sampling(period, self.num_points, self.even_samples)
+
+    def sampling_with(
+        self, period: float | None, num_points: int | None, *, even: bool
+    ) -> domain.Sampling:
+        """Return at which instants to sample if a query asks for something else, or for nothing.
+
+        Raises:
+            ProblemInvalid: It asks for a period and for a number of points.
+        """
+        require_one_sampling(period, num_points, IN_QUERY)
+        own = self.sampling
+        if period is None and num_points is None:
+            return replace(own, is_even=even or own.is_even)
+        return domain.Sampling(period or own.period, num_points, even)
 
 
 def require_one_sampling(

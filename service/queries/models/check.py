@@ -4,10 +4,14 @@ from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Name, RequestModel, ResponseModel
-from service.api.names import GroupPositions
-from service.api.number_conversion import finite
-from service.api.numbers import NonNegative
+from service.api.models import (
+    GroupPositions,
+    Name,
+    NonNegative,
+    RequestModel,
+    ResponseModel,
+    finite,
+)
 from service.scenes.models.pairs import Pair
 
 if TYPE_CHECKING:

@@ -5,15 +5,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, Strict
 
 from planning.domain.goals.configuration_quality import ConfigurationQuality
-from service.api.models import Name, RequestModel, ResponseModel
-from service.api.names import FrameName, GroupPositions
-from service.api.numbers import WHOLE, NonNegative, Real
-from service.api.pose import Pose
-from service.api.problem import Failure
+from service.api.models import (
+    WHOLE,
+    Failure,
+    FrameName,
+    GroupPositions,
+    Name,
+    NonNegative,
+    Pose,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
 from service.plans.models.constraints import Constraint
-from service.plans.models.funnel import IkFunnel
 from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
-from service.plans.models.ik import Ik
+from service.plans.models.ik import Ik, IkFunnel
 
 if TYPE_CHECKING:
     import numpy as np

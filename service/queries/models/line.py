@@ -6,11 +6,16 @@ from pydantic import ConfigDict, Field
 
 from planning.api.trace_line import TraceResolution
 from planning.domain.goals import line_trace as domain
-from service.api.models import Boolean, Name, ResponseModel
-from service.api.names import GroupPositions
-from service.api.number_conversion import listed
-from service.api.numbers import NonNegative, Real
-from service.api.pose import Pose
+from service.api.models import (
+    Boolean,
+    GroupPositions,
+    Name,
+    NonNegative,
+    Pose,
+    Real,
+    ResponseModel,
+    listed,
+)
 from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
 from service.scenes.models.pairs import Pair
 

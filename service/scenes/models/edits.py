@@ -6,8 +6,7 @@ from pydantic import ConfigDict, Field, Strict, model_validator
 
 from planning.domain.scene import scene_operation as domain
 from planning.world.documents.scene_document import ObjectDocument, PoseDocument
-from service.api.models import Boolean, Name, RequestModel
-from service.api.numbers import WHOLE, Coordinate, Positions
+from service.api.models import WHOLE, Boolean, Coordinate, Name, Positions, RequestModel
 
 type BodyNames = Annotated[list[Name], Field(min_length=2, max_length=2)]
 

@@ -6,8 +6,8 @@ from typing import Annotated, TypeAliasType, get_args, get_origin
 import pytest
 from pydantic import BaseModel
 
-from service.api.models import Name
-from service.api.names import COORDINATES, Mark, mentions
+from service.api.models import COORDINATES, Mark, Name
+from service.api.names import mentions
 from service.plans.models.request import PlanRequest
 from service.queries.models.check import CheckRequest
 from service.queries.models.kinematics import FkRequest, IkRequest

@@ -5,15 +5,16 @@ import json
 
 import pytest
 
-from service.api import raw_json as whole_module
-from service.api.job_models import Job
+from service.api import responses as whole_module
 from service.api.models import ResponseModel
-from service.api.raw_json import passed_on, whole
+from service.api.responses import passed_on, whole
 from service.jobs import json_steps
 from service.jobs.database import is_in_loop
 from service.jobs.json_text import Encoded, encode
 from service.jobs.tables import JobSpec
+from service.plans.models.job import Job
 from service.plans.models.trajectory import Trajectory
+from service.plans.tasks import PLAN
 from service.regions.models import RegionsJob
 
 # A megabyte, in steps of which it has hundreds.
@@ -58,9 +59,7 @@ def vast(app, client, solved):
     """The id of a plan with a large result, recorded as if a worker had just told it."""
     store = app.state.desk._store
     payload = {"request": solved["request"], "revision": 1}
-    job, _ = store.insert(
-        JobSpec("plan", "service.plans.worker:plan_motion", payload, prefix="pln")
-    )
+    job, _ = store.insert(JobSpec("plan", PLAN.name, payload, prefix="pln"))
     store.start(job.id)
     brief = {"timings": RESULT["timings"], "digest": "d"}
     store.succeed(job.id, Encoded(encode({**RESULT, "digest": "d"})), Encoded(encode(brief)))
