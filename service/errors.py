@@ -133,6 +133,13 @@ class RevisionConflict(Refusal):
         return cls(message, {"revision": revision, "latest": latest})
 
 
+class RevisionMismatch(Refusal):
+    """The scene is not at the revision of `If-Match`; evidence: `revision`, `etag`, `asked`."""
+
+    code = "revision_mismatch"
+    status = 412
+
+
 class SceneNotKept(Refusal):
     """What a scene was made from is not there any more; evidence: `digest`."""
 

@@ -4,7 +4,6 @@ import pytest
 
 from planning import errors as planning_errors
 from planning.errors import AssetNotFound, SceneInvalid, UnknownName, WayproofError
-from service import errors
 from service.api.responses import problems
 from service.errors import Refusal, UnknownResource, problem_of, status_of
 
@@ -20,7 +19,7 @@ def refusals():
 def test_codes_are_distinct():
     own = {k for k in classes_below(WayproofError) if k.__module__.split(".")[0] == "planning"}
     codes = [kind.code for kind in own if "code" in vars(kind)]
-    codes += [kind.code for kind in refusals() if kind is not errors.UnknownInScene]
+    codes += [kind.code for kind in refusals()]
     assert len(codes) == len(set(codes))
 
 

@@ -86,6 +86,39 @@ def test_unreachable_poses_come_with_the_nearest_and_the_funnel(client, scene):
     assert found["funnel"]["tried"] == 20
 
 
+def test_a_question_is_asked_of_the_revision_that_it_names(client):
+    arm = {"name": "arm", "model": "ur5e", "positions": "home"}
+    block = {
+        "name": "block",
+        "shape": {"box": [0.1, 0.1, 0.1]},
+        "pose": {"position": [0.5, 0, 0.5]},
+    }
+    scene = client.post("/v1/scenes", json={"robots": [arm], "objects": [block]}).json()
+    away = {"op": "move", "object": "block", "pose": {"position": [5, 0, 0]}}
+    path = f"/v1/scenes/{scene['id']}"
+    client.patch(path, json={"operations": [away]})
+    q = scene["groups"][0]["positions"]
+    asked = {
+        "fk": {"configurations": [q], "frames": ["block"]},
+        "check": {"configurations": [q]},
+        "ik": {"goal": {"type": "relative", "displacement": {"position": [0, 0, 0.01]}}},
+        "line": {"displacement": {"vector": [0, 0, 0.01]}},
+    }
+    for verb, body in asked.items():
+        told = [
+            client.post(f"{path}/{verb}{query}", json={"group": "arm", **body})
+            for query in ("?revision=1", "?revision=2", "", "?revision=3")
+        ]
+        assert [one.status_code for one in told] == [200, 200, 200, 404], verb
+        assert told[1].json() == told[2].json()
+        if verb in {"fk", "check"}:
+            assert told[0].json() != told[1].json()
+    [first] = client.post(f"{path}/fk?revision=1", json={"group": "arm", **asked["fk"]}).json()[
+        "results"
+    ]
+    assert first["block"]["position"] == [0.5, 0.0, 0.5]
+
+
 def test_the_same_seed_gives_the_same_configurations(client, scene):
     goal = {"type": "pose", "poses": [{"position": [0.4, 0.3, 0.3], "rpy": [3.1, 0, 0]}]}
     first, second = (ask(client, scene, "ik", goal=goal, seed=5).content for _ in range(2))
