@@ -29,11 +29,6 @@ def test_every_refusal_can_be_declared(kind):
     assert kind.status in problems(kind.status)
 
 
-@pytest.mark.parametrize("kind", ["frame", "group", "configuration", "joint"])
-def test_what_a_scene_lacks_is_a_conflict(kind):
-    assert status_of(UnknownName.among(kind, "x", ["y"])) == 409
-
-
 def test_one_and_several_are_told_apart():
     assert "; bodies: ['y']" in UnknownName.among("body", "x", ["y"]).detail
     assert "; frames: ['y']" in UnknownName.among("frame", "x", ["y"]).detail
@@ -41,8 +36,8 @@ def test_one_and_several_are_told_apart():
     assert UnknownResource.of("plan", "x").detail == "there is no plan 'x'"
 
 
-@pytest.mark.parametrize("kind", ["robot", "planner", "parameter"])
-def test_what_nobody_has_is_a_fault_of_the_payload(kind):
+@pytest.mark.parametrize("kind", ["frame", "group", "joint", "robot", "planner", "parameter"])
+def test_a_name_that_does_not_exist_is_a_fault_of_the_payload(kind):
     assert status_of(UnknownName.among(kind, "x", ["y"])) == 422
 
 
