@@ -8,7 +8,7 @@ from http import HTTPStatus
 from typing import Any, ClassVar
 
 from planning import errors as planning_errors
-from planning.errors import Evidence, UnknownName, WayproofError
+from planning.errors import Evidence, WayproofError
 from service.jobs import errors as job_errors
 
 
@@ -133,6 +133,13 @@ class RevisionConflict(Refusal):
         return cls(message, {"revision": revision, "latest": latest})
 
 
+class RevisionMismatch(Refusal):
+    """The scene is not at the revision of `If-Match`; evidence: `revision`, `etag`, `asked`."""
+
+    code = "revision_mismatch"
+    status = 412
+
+
 class SceneNotKept(Refusal):
     """What a scene was made from is not there any more; evidence: `digest`."""
 
@@ -184,28 +191,6 @@ class ServerStopping(Refusal):
     status = 503
 
 
-class UnknownInScene(Refusal):
-    """A posted scene names what nobody has; evidence: `kind`, `name`, `known`, `nearest`."""
-
-    code = "unknown_name"
-    status = 422
-
-
-# What the scene does not have is impossible there (409); what nobody has is a fault of the payload.
-_IN_SCENE = frozenset({
-    "body",
-    "configuration",
-    "frame",
-    "group",
-    "joint",
-    "joint or block",
-    "object",
-    "planar joint",
-    "planar or floating joint",
-    "position",
-    "scene robot",
-})
-
 _STATUS: dict[type[WayproofError], int] = {
     planning_errors.SceneInvalid: 422,
     planning_errors.SceneEditImpossible: 409,
@@ -236,19 +221,30 @@ def status_of(error: WayproofError) -> int:
     """Return the HTTP status that an error is answered with."""
     if isinstance(error, Refusal):
         return error.status
-    if isinstance(error, UnknownName) and error.evidence.get("kind") in _IN_SCENE:
-        return 409
     return next(_STATUS[base] for base in type(error).__mro__ if base in _STATUS)
 
 
 def problem_of(code: str, status: int, detail: str, evidence: Evidence) -> dict[str, Any]:
-    """Return the problem document of a refusal."""
+    """Return the problem document of a refusal; `errors` says where in the body something is wrong.
+
+    They are the `errors` of the evidence, or its `faults`, which say more, or its one `pointer`.
+    """
     title = code.replace("_", " ").capitalize() if code else HTTPStatus(status).phrase
-    return {
+    problem = {
         "type": f"urn:wayproof:problem:{code}",
         "title": title,
         "status": status,
         "code": code,
         "detail": detail,
-        "evidence": dict(evidence),
+        "evidence": {name: fact for name, fact in evidence.items() if name != "errors"},
     }
+    faults = [evidence] if "pointer" in evidence else evidence.get("faults", ())
+    errors = evidence.get("errors") or [_error_of({"message": detail, **one}) for one in faults]
+    return {**problem, "errors": errors} if errors else problem
+
+
+def _error_of(fault: Any) -> dict[str, Any]:
+    """Return what `errors` says of a fault of the body or of a parameter."""
+    pointer, message = fault["pointer"], fault["message"]
+    shown = message if pointer else f"{fault['path']}: {message}"
+    return {"pointer": pointer, "message": shown, "nearest": fault.get("nearest", [])}

@@ -5,6 +5,7 @@ Numbers are finite, never text, never booleans; 1.0 is an integer, as JSON has i
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import (
@@ -49,6 +50,31 @@ type Name = Annotated[str, StringConstraints(min_length=1, max_length=256)]
 type Identifier = Annotated[str, StringConstraints(min_length=1, max_length=128)]
 # "no" and 0 are refused: some clients mean false by them, and JSON has a word for it.
 type Boolean = Annotated[bool, Strict()]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Mark of a type: its values name a part of a scene, or have a number for each coordinate.
+
+    `service/api/names.py` finds them in requests.
+
+    Attributes:
+        kind: Of the part, as errors call it; `COORDINATES` for one number per coordinate.
+    """
+
+    kind: str
+
+
+COORDINATES = "coordinates of the group"
+
+BodyName = Annotated[Name, Mark("body")]
+ConfigurationName = Annotated[Name, Mark("configuration")]
+FrameName = Annotated[Name, Mark("frame")]
+JointName = Annotated[Name, Mark("joint")]
+JointOrBlockName = Annotated[Name, Mark("joint or block")]
+MobileJointName = Annotated[Name, Mark("planar or floating joint")]
+PositionName = Annotated[Name, Mark("position")]
+GroupPositions = Annotated[Positions, Mark(COORDINATES)]
 
 UNRECORDED = (
     "What has happened and the database does not hold yet, because it is full, locked or away: "
@@ -105,7 +131,7 @@ class Pose(RequestModel):
     rpy: Triple | None = Field(
         default=None, description="Rotation as roll, pitch, yaw about fixed x, y, z [rad]"
     )
-    frame: Name = Field(
+    frame: FrameName = Field(
         default="world", description="The frame that the pose is given in: any frame of the scene"
     )
 
@@ -128,6 +154,16 @@ class Pose(RequestModel):
         return PoseTarget(self.to_domain(), self.frame)
 
 
+class ProblemError(BaseModel):
+    """One thing that is wrong with a request, and where."""
+
+    pointer: str = Field(
+        description="JSON pointer into the body; empty for its root and for parameters"
+    )
+    message: str = Field(description="What is wrong there, for a person")
+    nearest: list[str] = Field(description="Names that were perhaps meant, the nearest first")
+
+
 class Problem(BaseModel):
     """Why a request was refused (`application/problem+json`, RFC 9457)."""
 
@@ -137,10 +173,17 @@ class Problem(BaseModel):
                 {
                     "type": "urn:wayproof:problem:unknown_name",
                     "title": "Unknown name",
-                    "status": 409,
+                    "status": 422,
                     "code": "unknown_name",
                     "detail": "frame 'pik' does not exist; did you mean 'pick'? frames: ['pick']",
                     "evidence": {"kind": "frame", "name": "pik", "known": ["pick"]},
+                    "errors": [
+                        {
+                            "pointer": "/goal/poses/0/frame",
+                            "message": "frame 'pik' does not exist",
+                            "nearest": ["pick"],
+                        }
+                    ],
                 }
             ]
         }
@@ -152,6 +195,10 @@ class Problem(BaseModel):
     code: str = Field(description="Stable machine-readable name of the kind")
     detail: str = Field(description="What is wrong with this request, for a person")
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+    errors: list[ProblemError] = Field(
+        default=[],
+        description="What is wrong in the body, at most 20; absent where no place of it is",
+    )
 
 
 class Failure(BaseModel):

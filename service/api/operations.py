@@ -71,7 +71,7 @@ async def get_health() -> Health:
 async def get_readiness(desk: JobsDep, scenes: ScenesDep) -> Readiness:
     """Say whether jobs begin at once: the database answers, and workers have planned a motion."""
     desk.check_ready()
-    await scenes.page(1, None)
+    await scenes.page(1)
     counts = await desk.counts()
     return Readiness(status="ready", queued=counts["queued"], running=counts["running"])
 

@@ -22,6 +22,7 @@ _DESCRIPTIONS = {
     405: "The resource does not do that",
     408: "The body did not arrive in time",
     409: "Impossible in this scene or state",
+    412: "The resource is not what `If-Match` says",
     413: "The body is too large",
     415: "The body has a content type that is not read here",
     422: "The request has a fault by itself",

@@ -10,7 +10,9 @@ from fastapi.routing import APIRoute
 from pydantic import TypeAdapter
 from starlette.exceptions import HTTPException
 
+from planning.errors import UnknownName
 from service.api.json_body import RepeatedKey, decode_json
+from service.api.names import located
 from service.errors import Refusal, RequestInvalid, UnreadableBody, UnsupportedMediaType, status_of
 
 
@@ -60,9 +62,28 @@ class StrictRoute(APIRoute):
         async def strict(request: Request) -> Response:
             if takes_json and _has_body(request):
                 require_json(request.headers.get("content-type"))
-            return await handler(StrictRequest(request.scope, request.receive))
+            strict_request = StrictRequest(request.scope, request.receive)
+            try:
+                return await handler(strict_request)
+            except UnknownName as fault:
+                raise await _located(fault, strict_request) from fault
 
         return strict
+
+
+async def _located(fault: UnknownName, request: StrictRequest) -> UnknownName:
+    """Return an error that says where in the body the name stands, if it stands there."""
+    if "errors" in fault.evidence or not _has_body(request):
+        return fault
+    try:
+        document = decode_json(await request.body())
+        steps = tuple[str | int, ...]()
+        if "operation" in fault.evidence:  # of those of an edit
+            steps = ("operations", fault.evidence["operation"])
+            document = document["operations"][fault.evidence["operation"]]
+    except (RepeatedKey, ValueError, LookupError):
+        return fault
+    return located(fault, document, steps)
 
 
 def require_json(content_type: str | None) -> None:

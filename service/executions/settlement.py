@@ -12,9 +12,10 @@ from service.jobs.job import JobSummary
 from service.scene_jobs import SceneJobs
 from service.scenes.edits import load_edited
 from service.scenes.models.edits import SceneEdit, SetPositionsOperation
+from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
-from service.scenes.validation import Group, require_group
+from service.scenes.validation import find_group
 
 
 async def settled(
@@ -60,7 +61,7 @@ async def _pending(record: SceneRecord, job: JobSummary, desk: SceneJobs) -> Sce
     status = await last_status(desk, job)
     if status is None:  # it never moved
         return None
-    group = require_group(record, ExecutionOutline.model_validate(job.payload).group)
+    group = find_group(record, ExecutionOutline.model_validate(job.payload).group)
     robot = group.name.partition("::")[0]
     positions = _by_joint(group, robot, status.positions)
     operation = SetPositionsOperation(op="set_positions", robot=robot, positions=positions)

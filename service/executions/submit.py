@@ -16,7 +16,7 @@ from service.plans.resource import polynomial_of
 from service.scene_jobs import SceneJobs
 from service.scenes.store import SceneStore
 from service.scenes.tasks import SceneWork, StoredScene
-from service.scenes.validation import require_group
+from service.scenes.validation import find_group
 
 
 class _Plan(TaskModel):
@@ -67,7 +67,7 @@ async def submit_execution(
         # knows, whichever server it was asked of; then all is looked at once more.
         last = await require_at_rest(desk, plan.request.scene)
         record = await scenes.fresh(plan.request.scene)
-        group = require_group(record, plan.request.group)
+        group = find_group(record, plan.request.group)
         require_at_start(group, outcome.result.start)
         loaded = await desk.scene_work(record)
         await _check_proven(desk, loaded, plan, trajectory)

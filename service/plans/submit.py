@@ -29,17 +29,10 @@ from service.plans.tasks import (
 from service.regions.eligibility import check_eligible, own_cars, uses_gcs
 from service.regions.selection import SelectedRegions, regions_file, select_regions
 from service.scene_jobs import SceneJobs
+from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
-from service.scenes.validation import (
-    Group,
-    require_constraints,
-    require_count,
-    require_goal,
-    require_group,
-    require_joints,
-    require_motion_limits,
-)
+from service.scenes.validation import check_request
 
 # To load the scene as well [s]; once that is done the task itself says by when it has to end.
 SLACK = 15.0
@@ -68,16 +61,10 @@ async def submit_plan(
         QueueFull: The queue is full.
     """
     record = await scenes.get(request.scene, request.revision)
-    group = require_group(record, request.group)
-    if request.start is not None:
-        require_count(group, request.start, "start")
-    require_goal(record, group, request.goal)
-    require_constraints(record, group, request.path_constraints)
-    require_motion_limits(record, group, request.retime)
+    group = check_request(record, request)
+    request.retime.check_group(group)
     require_one_sampling(request.retime.sample_period, request.retime.num_points)
-    require_joints(group, request.ik.joint_weights)
     require_planner(await desk.planners(), request.search)
-    require_search_names(group, request.search)
     require_cars(group, request.search)
     regions = await select_regions(request, record, desk)
     folder = desk.regions_folder
@@ -161,25 +148,6 @@ def require_planner(planners: Sequence[Planner], search: Search) -> None:
     for parameter in search.parameters:
         if parameter not in known:
             raise UnknownName.among("parameter", parameter, known)
-
-
-def require_search_names(group: Group, search: Search) -> None:
-    """Go on only if the group has the joints and coordinates that the search names.
-
-    Raises:
-        UnknownName: It has not.
-    """
-    joints = {joint.name: joint.type for joint in group.joints}
-    bodies = [name for name, kind in joints.items() if kind in {"planar", "floating"}]
-    named = (
-        ("joint or block", search.weights, [*joints, *group.limits.blocks]),
-        ("position", search.bounds, group.position_names),
-        ("planar or floating joint", search.spaces, bodies),
-    )
-    for kind, names, known in named:
-        for name in names:
-            if name not in known:
-                raise UnknownName.among(kind, name, dict.fromkeys(known))
 
 
 def require_cars(group: Group, search: Search) -> None:

@@ -12,6 +12,7 @@ from service.api.models import (
     Failure,
     Name,
     NonNegative,
+    PositionName,
     Real,
     RequestModel,
     ResponseModel,
@@ -47,7 +48,7 @@ class RegionsRequest(RequestModel):
     iterations: Annotated[int, Strict(), Field(ge=1, le=20), WHOLE] = Field(
         default=3, description="How often a region grows anew around its largest ellipsoid"
     )
-    bounds: dict[Name, Interval] = Field(
+    bounds: dict[PositionName, Interval] = Field(
         default={},
         max_length=256,
         description="Lowest and highest value to grow in [rad or m], by position name, within the "

@@ -19,7 +19,7 @@ from service.regions.models import RegionsSummary
 from service.regions.tasks import RegionsOutline, RegionsWork
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
-from service.scenes.validation import require_group
+from service.scenes.validation import find_group
 
 _MAX_NAMED = 20
 # Some hundred files; many more than can be waited for at once.
@@ -58,7 +58,7 @@ async def select_regions(
     if not uses_gcs(request.search):
         _check_unnamed(request.search)
         return None
-    group = require_group(record, request.group).name
+    group = find_group(record, request.group).name
     margin = request.margin
     margin = float(record.document.get("margin") or 0.0) if margin is None else margin
     seen: list[dict[str, object]] = []

@@ -1,7 +1,6 @@
 """Queueing the growth of regions."""
 
 from planning.domain.request.region_request import validate_one_turn
-from planning.errors import UnknownName
 from service.job_spec import spec_of
 from service.jobs.job import IdempotencyKey, Job
 from service.regions.eligibility import check_eligible, own_cars
@@ -9,7 +8,7 @@ from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork
 from service.scene_jobs import SceneJobs
 from service.scenes.store import SceneStore
-from service.scenes.validation import joints_of, require_group
+from service.scenes.validation import check_request
 
 # Growth looks at its deadline between two regions; it ends this much too late at most [s].
 _SLACK = 60.0
@@ -28,12 +27,9 @@ async def submit_regions(
         QueueFull: The queue is full.
     """
     record = await scenes.get(scene, request.revision)
-    group = require_group(record, request.group)
+    group = check_request(record, request)
     check_eligible(group, own_cars(group), "group")
-    for name in request.bounds:
-        if name not in group.position_names:
-            raise UnknownName.among("position", name, group.position_names)
-    validate_one_turn(joints_of(group), request.bounds)
+    validate_one_turn(group.domain_joints, request.bounds)
     loaded = await desk.scene_work(record)
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision

@@ -4,6 +4,7 @@ from itertools import count
 
 from service.errors import RevisionConflict
 from service.scene_jobs import SceneJobs
+from service.scenes.etags import check_match
 from service.scenes.models.edits import SceneEdit
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
@@ -14,7 +15,11 @@ _MAX_ROUNDS = 10
 
 
 async def apply_edits(
-    identifier: str, request: SceneEdit, scenes: SceneStore, desk: SceneJobs
+    identifier: str,
+    request: SceneEdit,
+    if_match: str | None,
+    scenes: SceneStore,
+    desk: SceneJobs,
 ) -> SceneRecord:
     """Carry out operations and record what comes of them.
 
@@ -24,12 +29,13 @@ async def apply_edits(
     Raises:
         UnknownResource: There is no such scene or revision.
         RevisionConflict: The request names a revision that is not the latest.
+        RevisionMismatch: The header `If-Match` names none that is the latest.
         UnknownName: An operation names what the scene does not have.
         InputError: An operation cannot be done, or what comes of it does not load.
     """
     rounds = count(1)
     while True:
-        base = await scenes.get(identifier)
+        base = check_match(await scenes.get(identifier), if_match)
         if request.revision not in {None, base.revision}:
             wanted = await scenes.get(identifier, request.revision)
             raise RevisionConflict.of(identifier, wanted.revision, base.revision)

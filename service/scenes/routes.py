@@ -5,20 +5,27 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
-from planning.errors import UnknownName
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.params import Revision, SceneId
-from service.api.responses import passed_on, problems
+from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
-from service.errors import UnknownInScene
+from service.errors import RevisionConflict
 from service.executions.replay import executed_motions
 from service.plans.tasks import REPLAY_MOTIONS, ReplayWork
 from service.scenes.edits import apply_edits
+from service.scenes.etags import (
+    ETAG_HEADER,
+    IfMatch,
+    IfNoneMatch,
+    check_match,
+    etag_of,
+    is_known,
+)
 from service.scenes.models.edits import SceneEdit
 from service.scenes.models.scene import Scene, SceneBrief, ScenePage
 from service.scenes.request_body import REQUEST_BODY, read_scene_body
-from service.scenes.resource import scene_text
+from service.scenes.resource import scene_response
 from service.scenes.tasks import LOAD_SCENE, LoadWork
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes", tags=["scenes"])
@@ -29,6 +36,8 @@ _MOST_MOTIONS = 32
 type LastMotions = Annotated[
     int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
 ]
+_WITH_ETAG = {"headers": ETAG_HEADER}
+_UNCHANGED = {"description": "`If-None-Match` names this revision", "headers": ETAG_HEADER}
 _HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
@@ -38,29 +47,23 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     status_code=201,
     response_model=Scene,
     response_model_exclude_none=True,
-    responses=problems(400, 413, 415, 422, 429, 503),
+    responses={201: _WITH_ETAG, **problems(400, 413, 415, 422, 429, 503)},
     openapi_extra={"requestBody": REQUEST_BODY},
 )
 async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
     work = LoadWork(library=desk.library.library, text=text, media=media)
-    try:
-        loaded = await desk.load(LOAD_SCENE, work, size=len(text))
-    except UnknownName as fault:
-        raise UnknownInScene(fault.detail, fault.evidence) from fault
-    record = await scenes.add(loaded)
-    location = {"location": f"/v1/scenes/{record.id}"}
-    return passed_on(scene_text(record), 201, location)
+    record = await scenes.add(await desk.load(LOAD_SCENE, work, size=len(text)))
+    return scene_response(record, 201, f"/v1/scenes/{record.id}")
 
 
 @router.get("", operation_id="listScenes", responses=problems(422))
 async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = None) -> ScenePage:
     """List scenes, newest first."""
-    records = await scenes.page(limit + 1, before(cursor))
-    following = cursor_of(records[limit - 1].serial) if len(records) > limit else None
-    items = [SceneBrief.model_validate(record) for record in records[:limit]]
-    return ScenePage(items=items, next=following)
+    found, following = await scenes.page(limit, before(cursor))
+    items = [SceneBrief.model_validate(brief) for brief in found]
+    return ScenePage(items=items, next=cursor_of(following))
 
 
 @router.get(
@@ -68,11 +71,16 @@ async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = Non
     operation_id="getScene",
     response_model=Scene,
     response_model_exclude_none=True,
-    responses=problems(404, 422),
+    responses={200: _WITH_ETAG, 304: _UNCHANGED, **problems(404, 422)},
 )
-async def get_scene(scene: SceneId, scenes: ScenesDep, revision: Revision = None) -> Response:
+async def get_scene(
+    scene: SceneId, scenes: ScenesDep, revision: Revision = None, known: IfNoneMatch = None
+) -> Response:
     """Show a scene, by default its latest revision: document, groups, frames and bodies."""
-    return passed_on(scene_text(await scenes.get(scene, revision)))
+    record = await scenes.get(scene, revision)
+    if is_known(record, known):
+        return Response(status_code=304, headers={"ETag": etag_of(record)})
+    return scene_response(record)
 
 
 @router.get(
@@ -96,18 +104,30 @@ async def get_scene_replay(
     operation_id="editScene",
     response_model=Scene,
     response_model_exclude_none=True,
-    responses=problems(400, 404, 409, 413, 422, 429, 503),
+    responses={200: _WITH_ETAG, **problems(400, 404, 409, 412, 413, 422, 429, 503)},
 )
 async def edit_scene(
-    scene: SceneId, request: SceneEdit, scenes: ScenesDep, desk: JobsDep
+    scene: SceneId,
+    request: SceneEdit,
+    scenes: ScenesDep,
+    desk: JobsDep,
+    if_match: IfMatch = None,
 ) -> Response:
     """Edit a scene: its next revision, which plans use from now on; older ones stay."""
-    return passed_on(scene_text(await apply_edits(scene, request, scenes, desk)))
+    return scene_response(await apply_edits(scene, request, if_match, scenes, desk))
 
 
 @router.delete(
-    "/{scene}", operation_id="deleteScene", status_code=204, responses=problems(404, 422)
+    "/{scene}", operation_id="deleteScene", status_code=204, responses=problems(404, 412, 422)
 )
-async def delete_scene(scene: SceneId, scenes: ScenesDep) -> None:
+async def delete_scene(scene: SceneId, scenes: ScenesDep, if_match: IfMatch = None) -> None:
     """Forget a scene; plans that were made in it stay."""
-    await scenes.delete(scene)
+    if if_match in {None, "*"}:
+        await scenes.delete(scene)
+        return
+    try:
+        record = check_match(await scenes.get(scene), if_match)
+        await scenes.delete(scene, record.revision)
+    except RevisionConflict:  # an edit was quicker
+        check_match(await scenes.get(scene), if_match)
+        raise

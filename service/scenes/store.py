@@ -102,18 +102,25 @@ class SceneStore:
         """
         return await to_thread.run_sync(self._read, identifier, revision)
 
-    async def page(self, limit: int, before: int | None) -> list[SceneBrief]:
-        """Return scenes older than the serial `before`, newest first."""
-        return await to_thread.run_sync(self._page, limit, before)
+    async def page(
+        self, limit: int, before: int | None = None
+    ) -> tuple[list[SceneBrief], int | None]:
+        """Return scenes older than the serial `before`, newest first.
 
-    async def delete(self, identifier: str) -> None:
+        Also the `before` of the page that follows; None if this is the last one.
+        """
+        found = await to_thread.run_sync(self._page, limit + 1, before)
+        return found[:limit], found[limit - 1].serial if len(found) > limit else None
+
+    async def delete(self, identifier: str, revision: int | None = None) -> None:
         """Forget a scene; plans that were made in it stay.
 
         Raises:
             UnknownResource: There is none.
+            RevisionConflict: It is not at that revision, if one is given.
         """
         with self.latest.changing(identifier):
-            await self._write(self._delete, identifier)
+            await self._write(self._delete, identifier, revision)
         if self.on_delete is not None:
             self.on_delete()
 
@@ -178,8 +185,11 @@ class SceneStore:
         with self._engine.connect() as connection:
             return rows.read_page(connection, limit, before)
 
-    def _delete(self, identifier: str) -> None:
+    def _delete(self, identifier: str, revision: int | None) -> None:
         with self._durable() as connection:
+            latest = rows.latest_revision(connection, identifier)
+            if latest is not None and revision not in {None, latest}:
+                raise RevisionConflict.of(identifier, revision or 0, latest)
             rows.delete_rows(connection, identifier)
 
     def _sharing(self, base: SceneBrief, loaded: LoadedScene) -> tuple[LoadedScene, int | None]:

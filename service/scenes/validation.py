@@ -1,37 +1,53 @@
-"""Preflight: what a scene cannot do is refused before anything is queued, by its summary alone."""
+"""What a request asks of a scene that the scene does not have, by its summary alone.
 
-from collections.abc import Iterable, Sequence
+It is refused before anything is queued. Which fields name something, their types say
+(`service/api/names.py`): this is the one place where names are looked up, and positions counted.
+"""
 
-from planning.domain.request.motion_limits import missing_effort_limits, validate_signed_blocks
-from planning.domain.robot.joints import Joint, JointType
+from collections.abc import Collection, Mapping, Sequence
+from typing import Protocol
+
 from planning.errors import ModelInvalid, UnknownName
+from service.api.models import COORDINATES
+from service.api.names import Mention, mentions
 from service.errors import WrongCount
-from service.plans.models.constraints import (
-    Constraint,
-    DistanceBand,
-    JointLimits,
-    KeepIn,
-    KeepOut,
-    LockedJoints,
-    Orientation,
-    Position,
-)
-from service.plans.models.goals import (
-    ConfigurationGoal,
-    Goal,
-    JointGoal,
-    PoseGoal,
-    RegionGoal,
-    RelativeGoal,
-)
-from service.plans.models.line_goals import LineGoal, PathGoal
-from service.plans.models.motion_limits import MotionLimits
 from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
 
+_MAX_ERRORS = 20
 
-def require_group(scene: SceneRecord, name: str) -> Group:
-    """Return the summary of a group.
+
+class GroupRequest(Protocol):
+    """A request about a group of a scene."""
+
+    @property
+    def group(self) -> str:
+        """Its name."""
+        ...
+
+
+def check_request(scene: SceneRecord, request: GroupRequest) -> Group:
+    """Return the group that a request is about; it names only what the scene and the group have.
+
+    Raises:
+        UnknownName: It names something else; evidence: `errors` has all such names.
+        WrongCount: A list of positions does not fit the group.
+        ModelInvalid: The group is a robot's, none of whose joints moves.
+    """
+    group = find_group(scene, request.group)
+    known = _known_names(scene, group)
+    found = list(mentions(request))
+    unknown = [one for one in found if one.kind in known and one.value not in known[one.kind]]
+    if unknown:
+        raise _unknown_names(unknown, known)
+    for one in found:
+        if one.kind == COORDINATES:
+            _check_count(group, one)
+    return group
+
+
+def find_group(scene: SceneRecord, name: str) -> Group:
+    """Return a group of a scene.
 
     Raises:
         UnknownName: The scene has none of that name.
@@ -41,14 +57,15 @@ def require_group(scene: SceneRecord, name: str) -> Group:
     for group in groups:
         if name == group.name or name in group.aliases:
             if not group.joints:
-                raise _still(name, scene)
+                raise _immobile(name, scene)
             return group
     if name in (robot["name"] for robot in scene.document["robots"]):
-        raise _still(name, scene)
-    raise UnknownName.among("group", name, [group.name for group in groups])
+        raise _immobile(name, scene)
+    wrong = Mention(("group",), "group", name)
+    raise _unknown_names([wrong], {"group": [group.name for group in groups]})
 
 
-def _still(name: str, scene: SceneRecord) -> ModelInvalid:
+def _immobile(name: str, scene: SceneRecord) -> ModelInvalid:
     robot = name.partition("::")[0]
     models = {entry["name"]: entry["model"] for entry in scene.document["robots"]}
     reason = "no joint of it moves, so there is nothing to plan for: it can only be an obstacle"
@@ -56,134 +73,41 @@ def _still(name: str, scene: SceneRecord) -> ModelInvalid:
     return ModelInvalid(f"robot {robot!r}: {reason}", evidence)
 
 
-def joints_of(group: Group) -> list[Joint]:
-    """Return a group's joints as the domain has them."""
-    return [Joint(joint.name, JointType(joint.type)) for joint in group.joints]
+def _known_names(scene: SceneRecord, group: Group) -> Mapping[str, Collection[str]]:
+    """Return the names of each kind that a request about a group may mention."""
+    joints = {joint.name: joint.type for joint in group.joints}
+    # As dictionaries: of thousands of objects none is compared with each name.
+    return {
+        "body": dict.fromkeys(scene.summary.bodies),
+        "configuration": group.configurations,
+        "frame": dict.fromkeys(scene.summary.frames),
+        "joint": joints,
+        "joint or block": dict.fromkeys([*joints, *group.limits.blocks]),
+        "planar or floating joint": [
+            name for name, kind in joints.items() if kind in {"planar", "floating"}
+        ],
+        "position": group.position_names,
+    }
 
 
-def require_frames(scene: SceneRecord, names: Sequence[str]) -> None:
-    """Go on only if the scene has all these frames.
-
-    Raises:
-        UnknownName: It does not.
-    """
-    frames = scene.summary.frames
-    for name in names:
-        if name not in frames:
-            raise UnknownName.among("frame", name, frames)
-
-
-def require_count(group: Group, positions: Sequence[float], field: str) -> None:
-    """Go on only if there is one number per position coordinate of the group.
-
-    Raises:
-        WrongCount: There is not.
-    """
-    names: list[str] = group.position_names
-    if len(positions) != len(names):
-        message = f"{field}: {group.name} has {len(names)} positions, got {len(positions)}"
-        evidence = {"field": field, "expected": len(names), "got": len(positions), "names": names}
-        raise WrongCount(message, evidence)
+def _unknown_names(wrong: Sequence[Mention], known: Mapping[str, Collection[str]]) -> UnknownName:
+    """Return the error for names that do not exist; it says most of the first one."""
+    faults = [
+        UnknownName.among(one.kind, one.value, known[one.kind]) for one in wrong[:_MAX_ERRORS]
+    ]
+    errors = [
+        one.error(fault.evidence["nearest"]) for one, fault in zip(wrong, faults, strict=False)
+    ]
+    more = f" (and {len(wrong) - 1} more unknown names)" if len(wrong) > 1 else ""
+    return UnknownName(f"{faults[0].detail}{more}", {**faults[0].evidence, "errors": errors})
 
 
-def require_goal(scene: SceneRecord, group: Group, goal: Goal) -> None:
-    """Go on only if the goal can be meant in this scene.
-
-    Raises:
-        UnknownName: A frame or configuration does not exist.
-        WrongCount: A list of positions does not fit the group.
-    """
-    match goal:
-        case JointGoal():
-            for q in rows(goal.positions):
-                require_count(group, q, "goal.positions")
-        case ConfigurationGoal():
-            if goal.name not in group.configurations:
-                raise UnknownName.among("configuration", goal.name, group.configurations)
-        case _:
-            require_frames(scene, frames_of(goal))
-
-
-def frames_of(
-    goal: PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal,
-) -> list[str]:
-    """Return the frames that a goal names."""
-    match goal:
-        case RelativeGoal():
-            named = [goal.reference]
-        case RegionGoal():
-            named = [pose.frame for pose in goal.poses or [goal.pose] if pose is not None]
-        case PoseGoal():
-            named = [pose.frame for pose in goal.poses] + [goal.metric and goal.metric.frame]
-        case LineGoal():
-            named = [end.frame for end in (goal.pose, goal.displacement) if end is not None]
-        case PathGoal():
-            named = [pose.frame for pose in goal.poses]
-    return [name for name in [goal.frame, *named] if name is not None]
-
-
-def require_joints(group: Group, names: Iterable[str]) -> None:
-    """Go on only if the group has all these joints.
-
-    Raises:
-        UnknownName: It does not.
-    """
-    known: list[str] = [joint.name for joint in group.joints]
-    for name in names:
-        if name not in known:
-            raise UnknownName.among("joint", name, known)
-
-
-def rows(positions: Sequence[float] | Sequence[Sequence[float]]) -> list[list[float]]:
-    """Return one list of positions, or several, as several."""
-    several = [list(row) for row in positions if not isinstance(row, int | float)]
-    return several or [[float(x) for x in positions if isinstance(x, int | float)]]
-
-
-def require_constraints(
-    scene: SceneRecord, group: Group, constraints: Sequence[Constraint]
-) -> None:
-    """Go on only if the path constraints name what the scene has.
-
-    Raises:
-        UnknownName: A frame, body, joint or coordinate does not exist.
-    """
-    for constraint in constraints:
-        match constraint:
-            case DistanceBand():
-                names = [*(constraint.bodies or []), *(constraint.to or [])]
-                _require("body", names, scene.summary.bodies)
-            case KeepOut() | KeepIn():
-                require_frames(scene, [constraint.frame, constraint.box.pose.frame])
-            case Position():
-                require_frames(scene, [constraint.frame, constraint.pose.frame])
-            case Orientation():
-                require_frames(scene, [constraint.frame, constraint.reference])
-            case LockedJoints():
-                joints = [joint.name for joint in group.joints]
-                _require("joint", constraint.joints, joints)
-            case JointLimits():
-                _require("joint", list(constraint.limits), group.position_names)
-
-
-def _require(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
-    for name in names:
-        if name not in known:
-            raise UnknownName.among(kind, name, known)
-
-
-def require_motion_limits(scene: SceneRecord, group: Group, limits: MotionLimits) -> None:
-    """Go on only if the limits name what the scene has.
-
-    Raises:
-        UnknownName: A frame or joint does not exist, or has several coordinates.
-        ProblemInvalid: Efforts shall be kept, and no joint of the group has a limit on them.
-    """
-    if limits.effort and all(bound is None for bound in group.limits.effort):
-        raise missing_effort_limits(group.name)
-    require_frames(scene, [limit.frame for limit in limits.tool_limits])
-    for zone in limits.speed_zones:
-        require_frames(scene, [zone.frame, zone.box.pose.frame])
-    if limits.payload is not None:
-        require_frames(scene, [limits.payload.frame])
-    validate_signed_blocks(limits.acceleration_bounds, joints_of(group))
+def _check_count(group: Group, positions: Mention) -> None:
+    """Raise unless there is one number for each position coordinate of the group."""
+    names, count = group.position_names, len(positions.value)
+    if count != len(names):
+        field = positions.path
+        message = f"{field}: {group.name} has {len(names)} positions, got {count}"
+        evidence = {"field": field, "expected": len(names), "got": count, "names": names}
+        error = {"pointer": positions.pointer, "message": message, "nearest": []}
+        raise WrongCount(message, {**evidence, "errors": [error]})

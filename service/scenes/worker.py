@@ -14,9 +14,10 @@ from planning import (
     scene_document,
     scene_summary,
 )
-from planning.errors import SceneInvalid
+from planning.errors import SceneInvalid, UnknownName
 from planning.world.documents.scene_file import with_line
 from planning.world.files.trial_load import trial_load
+from service.api.names import located
 from service.jobs.context import TaskContext
 from service.scenes.document_text import SceneText, keep_text, kept_text, unchecked_text
 from service.scenes.models.scene import SceneSummary
@@ -47,6 +48,8 @@ def load_scene(work: LoadWork, _: TaskContext) -> LoadedScene:
             world = load_world(trial_load(document.value(), library), library)
         except SceneInvalid as fault:
             raise with_line(fault, work.text) from fault
+        except UnknownName as fault:
+            raise located(fault, document.model_dump(mode="json")) from fault
         return _loaded(world, library, SceneText.of(document))
 
 

@@ -8,10 +8,10 @@ from service.api.models import (
     WHOLE,
     Boolean,
     Failure,
+    GroupPositions,
     Identifier,
     Name,
     NonNegative,
-    Positions,
     Real,
     RequestModel,
     ResponseModel,
@@ -72,7 +72,7 @@ class RetimeRequest(MotionRequest):
 
     model_config = ConfigDict(json_schema_extra={"examples": [_PATH]})
 
-    waypoints: Annotated[list[Positions], Field(min_length=2, max_length=2000)] = Field(
+    waypoints: Annotated[list[GroupPositions], Field(min_length=2, max_length=2000)] = Field(
         description="The group's positions from start to goal, joined by straight lines in joint "
         "space [rad or m]"
     )
@@ -120,10 +120,10 @@ class CertifyMotionRequest(MotionRequest, ScaledLimits):
         "corners can keep. Positions are numbers, not angles on a circle: from 3 to -3 is a way of "
         "6 rad"
     )
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None, description="Where it shall begin [rad or m]; null for where it does"
     )
-    goal: Positions | None = Field(
+    goal: GroupPositions | None = Field(
         default=None, description="Where it shall end [rad or m]; null for where it does"
     )
     limit_jerk: Boolean = Field(

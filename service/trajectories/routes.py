@@ -10,12 +10,7 @@ from service.jobs.tasks import Task
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
-from service.scenes.validation import (
-    require_constraints,
-    require_count,
-    require_group,
-    require_motion_limits,
-)
+from service.scenes.validation import check_request
 from service.trajectories.models import (
     CertifyMotionRequest,
     CertifyMotionResponse,
@@ -41,10 +36,7 @@ router = APIRouter(
 async def retime(request: RetimeRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Time a path of your own as quickly as the limits allow, and prove the motion."""
     record = await scenes.get(request.scene, request.revision)
-    group = require_group(record, request.group)
-    for i, q in enumerate(request.waypoints):
-        require_count(group, q, f"waypoints.{i}")
-    require_motion_limits(record, group, request.retime)
+    request.retime.check_group(check_request(record, request))
     require_one_sampling(request.retime.sample_period, request.retime.num_points)
     return await _answer(desk, RETIME, record, request, len(request.waypoints))
 
@@ -53,11 +45,7 @@ async def retime(request: RetimeRequest, scenes: ScenesDep, desk: JobsDep) -> Re
 async def certify(request: CertifyMotionRequest, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Hold a trajectory of your own against limits and obstacles, between its samples too."""
     record = await scenes.get(request.scene, request.revision)
-    group = require_group(record, request.group)
-    for field, q in (("start", request.start), ("goal", request.goal)):
-        if q is not None:
-            require_count(group, q, field)
-    require_motion_limits(record, group, request)
+    request.check_group(check_request(record, request))
     return await _answer(desk, CERTIFY, record, request, len(request.trajectory.times))
 
 
@@ -80,9 +68,7 @@ async def splice(request: SpliceMotionRequest, scenes: ScenesDep, desk: JobsDep)
 def _check_transition(
     record: SceneRecord, request: StopMotionRequest | SpliceMotionRequest
 ) -> None:
-    group = require_group(record, request.group)
-    require_constraints(record, group, request.path_constraints)
-    require_motion_limits(record, group, request)
+    request.check_group(check_request(record, request))
     require_one_sampling(request.sample_period, request.num_points, IN_QUESTION)
 
 

@@ -4,7 +4,6 @@ import pytest
 
 from planning import errors as planning_errors
 from planning.errors import AssetNotFound, SceneInvalid, UnknownName, WayproofError
-from service import errors
 from service.api.responses import problems
 from service.errors import Refusal, UnknownResource, problem_of, status_of
 
@@ -20,7 +19,7 @@ def refusals():
 def test_codes_are_distinct():
     own = {k for k in classes_below(WayproofError) if k.__module__.split(".")[0] == "planning"}
     codes = [kind.code for kind in own if "code" in vars(kind)]
-    codes += [kind.code for kind in refusals() if kind is not errors.UnknownInScene]
+    codes += [kind.code for kind in refusals()]
     assert len(codes) == len(set(codes))
 
 
@@ -30,11 +29,6 @@ def test_every_refusal_can_be_declared(kind):
     assert kind.status in problems(kind.status)
 
 
-@pytest.mark.parametrize("kind", ["frame", "group", "configuration", "joint"])
-def test_what_a_scene_lacks_is_a_conflict(kind):
-    assert status_of(UnknownName.among(kind, "x", ["y"])) == 409
-
-
 def test_one_and_several_are_told_apart():
     assert "; bodies: ['y']" in UnknownName.among("body", "x", ["y"]).detail
     assert "; frames: ['y']" in UnknownName.among("frame", "x", ["y"]).detail
@@ -42,8 +36,8 @@ def test_one_and_several_are_told_apart():
     assert UnknownResource.of("plan", "x").detail == "there is no plan 'x'"
 
 
-@pytest.mark.parametrize("kind", ["robot", "planner", "parameter"])
-def test_what_nobody_has_is_a_fault_of_the_payload(kind):
+@pytest.mark.parametrize("kind", ["frame", "group", "joint", "robot", "planner", "parameter"])
+def test_a_name_that_does_not_exist_is_a_fault_of_the_payload(kind):
     assert status_of(UnknownName.among(kind, "x", ["y"])) == 422
 
 

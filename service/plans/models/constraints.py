@@ -8,10 +8,21 @@ from pydantic import ConfigDict, Field, model_validator
 
 from planning.domain.request import constraint as domain
 from service.api.arrays import vector
-from service.api.models import Name, NonNegative, Pose, Real, RequestModel, Triple
+from service.api.models import (
+    BodyName,
+    FrameName,
+    JointName,
+    NonNegative,
+    Pose,
+    PositionName,
+    Real,
+    RequestModel,
+    Triple,
+)
 
 type Side = Annotated[Real, Field(gt=0, le=1e6)]
-type Names = Annotated[list[Name], Field(min_length=1, max_length=1000)]
+type BodyNames = Annotated[list[BodyName], Field(min_length=1, max_length=1000)]
+type JointNames = Annotated[list[JointName], Field(min_length=1, max_length=1000)]
 
 _SHORTEST = 1e-9
 
@@ -46,10 +57,10 @@ class DistanceBand(RequestModel):
     )
 
     type: Literal["distance_band"] = Field(description="Says which constraint this is")
-    bodies: Names | None = Field(
+    bodies: BodyNames | None = Field(
         default=None, description="Full names; null for all bodies that the group moves"
     )
-    to: Names | None = Field(
+    to: BodyNames | None = Field(
         default=None, description="Full names of the others; null for all not in `bodies`"
     )
     min: Annotated[NonNegative, Field(le=10)] = Field(
@@ -80,7 +91,7 @@ class KeepOut(RequestModel):
     """The origin of a frame stays out of a box."""
 
     type: Literal["keep_out"] = Field(description="Says which constraint this is")
-    frame: Name = Field(description="Whose origin")
+    frame: FrameName = Field(description="Whose origin")
     box: Box = Field(description="Where it must not be")
 
     def to_domain(self) -> domain.KeepOut:
@@ -92,7 +103,7 @@ class KeepIn(RequestModel):
     """The origin of a frame stays in a box."""
 
     type: Literal["keep_in"] = Field(description="Says which constraint this is")
-    frame: Name = Field(description="Whose origin")
+    frame: FrameName = Field(description="Whose origin")
     box: Box = Field(description="Where it must be")
 
     def to_domain(self) -> domain.KeepIn:
@@ -117,7 +128,7 @@ class Position(RequestModel):
     )
 
     type: Literal["position"] = Field(description="Says which constraint this is")
-    frame: Name = Field(description="Whose origin")
+    frame: FrameName = Field(description="Whose origin")
     size: Annotated[list[Side | None], Field(min_length=3, max_length=3)] = Field(
         description="How wide the band is along each axis of `pose` [m]; null for an axis that is "
         "free: one number is a plane, two are a line"
@@ -157,13 +168,13 @@ class Orientation(RequestModel):
     )
 
     type: Literal["orientation"] = Field(description="Says which constraint this is")
-    frame: Name = Field(description="Whose axis")
+    frame: FrameName = Field(description="Whose axis")
     axis: Triple = Field(description="In that frame; any length but zero")
     direction: Triple = Field(description="In `reference`; any length but zero")
     tolerance: Annotated[Real, Field(gt=0, le=math.pi)] = Field(
         description="Largest angle between them [rad]"
     )
-    reference: Name = Field(
+    reference: FrameName = Field(
         default="world",
         description="Whose axes `direction` counts in; of a frame that moves, as the start has it",
     )
@@ -191,7 +202,7 @@ class LockedJoints(RequestModel):
     """Some joints of the group stay where the start has them."""
 
     type: Literal["locked_joints"] = Field(description="Says which constraint this is")
-    joints: Names = Field(description="Full names")
+    joints: JointNames = Field(description="Full names")
 
     def to_domain(self) -> domain.LockedJoints:
         """Return the domain's constraint."""
@@ -208,7 +219,7 @@ class JointLimits(RequestModel):
     )
 
     type: Literal["joint_limits"] = Field(description="Says which constraint this is")
-    limits: dict[Name, Annotated[list[Real], Field(min_length=2, max_length=2)]] = Field(
+    limits: dict[PositionName, Annotated[list[Real], Field(min_length=2, max_length=2)]] = Field(
         min_length=1,
         max_length=256,
         description="Smallest and largest position by the name of a joint, or of a coordinate of "

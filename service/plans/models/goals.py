@@ -11,10 +11,11 @@ from planning.domain.geometry import pose as geometry
 from planning.domain.goals import goal as domain
 from service.api.arrays import vector
 from service.api.models import (
-    Name,
+    ConfigurationName,
+    FrameName,
+    GroupPositions,
     NonNegative,
     Pose,
-    Positions,
     Quadruple,
     Real,
     RequestModel,
@@ -44,9 +45,9 @@ class JointGoal(RequestModel):
     """Reach a configuration, or any of several."""
 
     type: Literal["joint"] = Field(description="Says which goal this is")
-    positions: Positions | Annotated[list[Positions], Field(min_length=1, max_length=1000)] = Field(
-        description="The group's positions, one list or several [rad or m]"
-    )
+    positions: (
+        GroupPositions | Annotated[list[GroupPositions], Field(min_length=1, max_length=1000)]
+    ) = Field(description="The group's positions, one list or several [rad or m]")
 
     def to_domain(self) -> domain.JointGoal:
         """Return the domain's goal."""
@@ -57,7 +58,7 @@ class ConfigurationGoal(RequestModel):
     """Reach a configuration that the scene or the robot names."""
 
     type: Literal["configuration"] = Field(description="Says which goal this is")
-    name: Name = Field(description="Of the configuration, for example `home`")
+    name: ConfigurationName = Field(description="Of the configuration, for example `home`")
 
     def to_domain(self) -> domain.ConfigurationGoal:
         """Return the domain's goal."""
@@ -77,7 +78,7 @@ class PoseBall(RequestModel):
         default=[1.0, 1.0, 1.0, 0.1],
         description="w_x, w_y, w_z [1/m] and w_r [1/rad]; what has no weight is free",
     )
-    frame: Name | None = Field(
+    frame: FrameName | None = Field(
         default=None,
         description="By whose axes the way from the target's origin is, as they stand at the "
         "start: any frame; null for the target's own",
@@ -255,7 +256,7 @@ class RelativeGoal(RequestModel):
     type: Literal["relative"] = Field(description="Says which goal this is")
     displacement: Displacement = Field(description="By how much")
     frame: ToolFrame = None
-    reference: Name | None = Field(
+    reference: FrameName | None = Field(
         default=None,
         description="The frame by whose axes, as they are at the start, the tool is shifted, and "
         "turned about its own origin; null for the tool frame itself",

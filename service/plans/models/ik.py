@@ -5,7 +5,14 @@ from typing import Annotated, Literal
 from pydantic import Field, Strict
 
 from planning.domain.request import options as domain
-from service.api.models import WHOLE, Name, NonNegative, Real, RequestModel, ResponseModel
+from service.api.models import (
+    WHOLE,
+    JointName,
+    NonNegative,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
 
 
 class PoseMetric(RequestModel):
@@ -35,7 +42,7 @@ class Ik(RequestModel):
     max_trials: Annotated[int, Strict(), Field(ge=1, le=100_000), WHOLE] = Field(
         default=300, description="Stop after this many seeds of the solver, over all poses"
     )
-    joint_weights: dict[Name, NonNegative] = Field(
+    joint_weights: dict[JointName, NonNegative] = Field(
         default={},
         max_length=256,
         description="Factor on each joint's part of the distance from the start, by full name "

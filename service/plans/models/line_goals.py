@@ -7,12 +7,12 @@ from pydantic import ConfigDict, Field, model_validator
 from planning.domain.goals import goal as domain
 from planning.domain.goals.linear_moves import Displacement
 from service.api.arrays import vector
-from service.api.models import Name, Pose, Real, RequestModel, Triple
+from service.api.models import FrameName, Pose, Real, RequestModel, Triple
 
 type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
 type Turn = Annotated[Real, Field(ge=1e-5, le=3)]
 type ToolFrame = Annotated[
-    Name | None,
+    FrameName | None,
     Field(description="The tool frame: any that the group moves; null for its default"),
 ]
 
@@ -28,7 +28,7 @@ class Way(RequestModel):
     """A way without a turn."""
 
     vector: Triple = Field(description="The way [m]")
-    frame: Name = Field(
+    frame: FrameName = Field(
         default="world", description="In whose axes, as they stand at the start: any frame"
     )
 

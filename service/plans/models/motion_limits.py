@@ -7,8 +7,18 @@ from pydantic import ConfigDict, Field, model_validator
 from planning.domain.request import motion_limits as domain
 from planning.domain.robot import payload as robot
 from planning.errors import ProblemInvalid
-from service.api.models import Boolean, Coordinate, Name, Real, RequestModel, Scale, Triple
+from service.api.models import (
+    Boolean,
+    Coordinate,
+    FrameName,
+    Name,
+    Real,
+    RequestModel,
+    Scale,
+    Triple,
+)
 from service.plans.models.constraints import Box
+from service.scenes.models.summary import Group
 
 type Speed = Annotated[Real, Field(ge=1e-3, le=1e3)]
 type AccelerationPair = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
@@ -28,7 +38,7 @@ class ToolLimit(RequestModel):
         json_schema_extra={"examples": [{"frame": "arm::tcp", "speed": 0.25, "acceleration": 1.0}]}
     )
 
-    frame: Name = Field(description="Any frame of the scene; each is limited once")
+    frame: FrameName = Field(description="Any frame of the scene; each is limited once")
     speed: Speed | None = Field(default=None, description="At most [m/s]; null for any")
     acceleration: Annotated[Real, Field(ge=1e-2, le=1e4)] | None = Field(
         default=None, description="At most, in any direction [m/s^2]; null for any"
@@ -63,7 +73,7 @@ class SpeedZone(RequestModel):
     )
 
     name: Name = Field(description="For the certificate's check; no two zones share one")
-    frame: Name = Field(description="Whose origin: any frame of the scene")
+    frame: FrameName = Field(description="Whose origin: any frame of the scene")
     box: Box = Field(description="Where")
     speed: Speed = Field(description="At most, in the box [m/s]")
 
@@ -77,7 +87,7 @@ class Payload(RequestModel):
 
     model_config = ConfigDict(title="Payload", json_schema_extra={"examples": [EXAMPLE_PAYLOAD]})
 
-    frame: Name = Field(description="What it follows; the group must move it")
+    frame: FrameName = Field(description="What it follows; the group must move it")
     mass: Annotated[Real, Field(gt=0, le=1e4)] = Field(description="[kg]")
     center_of_mass: Triple = Field(default=[0.0, 0.0, 0.0], description="In the frame [m]")
     inertia: Moments = Field(
@@ -150,6 +160,17 @@ class MotionLimits(RequestModel):
                 message = f"acceleration_bounds of {name!r}: the lowest must be below 0, "
                 raise ValueError(message + "the highest above")
         return self
+
+    def check_group(self, group: Group) -> None:
+        """Go on only if the group's motions can be limited so.
+
+        Raises:
+            UnknownName: A joint does not exist, or has several coordinates.
+            ProblemInvalid: Efforts shall be kept, and no joint of the group has a limit on them.
+        """
+        if self.effort and all(bound is None for bound in group.limits.effort):
+            raise domain.missing_effort_limits(group.name)
+        domain.validate_signed_blocks(self.acceleration_bounds, group.domain_joints)
 
 
 class ScaledLimits(MotionLimits):

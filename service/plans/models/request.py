@@ -10,10 +10,10 @@ from service.api.arrays import vector
 from service.api.models import (
     WHOLE,
     Boolean,
+    GroupPositions,
     Identifier,
     Name,
     NonNegative,
-    Positions,
     Real,
     RequestModel,
 )
@@ -153,7 +153,7 @@ class PlanRequest(RequestModel):
         default=None, description="Of the scene; null for its latest"
     )
     group: Name = Field(description="`robot` for its default group, or `robot::group`")
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None,
         description="The group's positions [rad or m]; null for the scene's current state",
     )

@@ -12,7 +12,10 @@ from service.api.models import (
     Coordinate,
     Identifier,
     Integer,
+    JointOrBlockName,
+    MobileJointName,
     Name,
+    PositionName,
     Real,
     RequestModel,
 )
@@ -104,19 +107,19 @@ class Search(RequestModel):
     num_states: Annotated[int, Strict(), Field(ge=2, le=100_000), WHOLE] | None = Field(
         default=None, description="Interpolate the path to at least this many waypoints"
     )
-    weights: dict[Name, Annotated[Real, Field(ge=1e-3, le=1e3)]] = Field(
+    weights: dict[JointOrBlockName, Annotated[Real, Field(ge=1e-3, le=1e3)]] = Field(
         default={},
         max_length=256,
         description="Factors of the metric that planners measure by [1], by name of a joint or of "
         "one of the group's `blocks`; 1 for what is not named",
     )
-    bounds: dict[Name, Interval] = Field(
+    bounds: dict[PositionName, Interval] = Field(
         default={},
         max_length=256,
         description="Lowest and highest value to search in [rad or m], by position name, within "
         "the limits",
     )
-    spaces: dict[Name, Space] = Field(
+    spaces: dict[MobileJointName, Space] = Field(
         default={},
         max_length=64,
         description="`position` keeps the rotation of a planar or floating joint, named here, as "

@@ -4,7 +4,14 @@ from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Name, NonNegative, Positions, RequestModel, ResponseModel, finite
+from service.api.models import (
+    GroupPositions,
+    Name,
+    NonNegative,
+    RequestModel,
+    ResponseModel,
+    finite,
+)
 from service.scenes.models.pairs import Pair
 
 if TYPE_CHECKING:
@@ -21,7 +28,7 @@ class CheckRequest(RequestModel):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    configurations: Annotated[list[Positions], Field(min_length=1, max_length=10_000)] = Field(
+    configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=10_000)] = Field(
         description="The group's positions, one row each [rad or m]"
     )
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(

@@ -8,10 +8,11 @@ from planning.domain.goals.configuration_quality import ConfigurationQuality
 from service.api.models import (
     WHOLE,
     Failure,
+    FrameName,
+    GroupPositions,
     Name,
     NonNegative,
     Pose,
-    Positions,
     Real,
     RequestModel,
     ResponseModel,
@@ -34,10 +35,10 @@ class FkRequest(RequestModel):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    configurations: Annotated[list[Positions], Field(min_length=1, max_length=10_000)] = Field(
+    configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=10_000)] = Field(
         description="The group's positions, one row each [rad or m]"
     )
-    frames: Annotated[list[Name], Field(min_length=1, max_length=1000)] | None = Field(
+    frames: Annotated[list[FrameName], Field(min_length=1, max_length=1000)] | None = Field(
         default=None, description="Any frames of the scene; null for the group's tool frames"
     )
 
@@ -72,7 +73,7 @@ class IkRequest(RequestModel):
     goal: PoseGoal | RegionGoal | RelativeGoal = Field(
         discriminator="type", description="Where the tool frame shall be"
     )
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None,
         description="What `nearest` is measured from [rad or m]; null for the scene's state",
     )

@@ -8,10 +8,10 @@ from planning.api.trace_line import TraceResolution
 from planning.domain.goals import line_trace as domain
 from service.api.models import (
     Boolean,
+    GroupPositions,
     Name,
     NonNegative,
     Pose,
-    Positions,
     Real,
     ResponseModel,
     listed,
@@ -39,7 +39,7 @@ class LineRequest(LineEnd):
     )
 
     group: Name = Field(description="`robot` or `robot::group`")
-    start: Positions | None = Field(
+    start: GroupPositions | None = Field(
         default=None,
         description="Where the group stands at first [rad or m]; null for the scene's state",
     )

@@ -80,6 +80,11 @@ class Group(ResponseModel):
     )
     positions: list[float] = Field(description="The current state [rad or m]")
 
+    @property
+    def domain_joints(self) -> list[domain.Joint]:
+        """Its joints as the domain has them."""
+        return [domain.Joint(joint.name, domain.JointType(joint.type)) for joint in self.joints]
+
     @classmethod
     def from_summary(cls, summary: GroupSummary, aliases: Sequence[str]) -> Self:
         """Return a group with its other names."""

@@ -143,7 +143,7 @@ REQUESTS = {
         b'{"goal": {"a": 1, "a": 2}, "goal": 1}', "request_invalid", "given twice"
     ),
     "lone surrogate": asked(plan(group="\ud800"), "request_invalid", "group"),
-    "group of a NUL": asked(plan(group="a\0b"), "unknown_name", "does not exist", 409),
+    "group of a NUL": asked(plan(group="a\0b"), "unknown_name", "does not exist", 422),
     "long name": asked(plan(group="g" * 257), "request_invalid", "group"),
     "endless time": asked(
         plan(search={"allowed_planning_time": INF}), "request_invalid", "allowed_planning_time"

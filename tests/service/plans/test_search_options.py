@@ -118,7 +118,7 @@ def test_misspelt_planners_are_refused_with_the_nearest(plan_in, name, meant):
 )
 def test_names_that_the_group_lacks_are_refused(plan_in, search, kind):
     answer = plan_in(search)
-    assert answer.status_code == (422 if kind == "parameter" else 409)
+    assert answer.status_code == 422
     assert answer.json()["code"] == "unknown_name"
     assert answer.json()["evidence"]["kind"] == kind
 

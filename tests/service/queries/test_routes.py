@@ -86,6 +86,39 @@ def test_unreachable_poses_come_with_the_nearest_and_the_funnel(client, scene):
     assert found["funnel"]["tried"] == 20
 
 
+def test_a_question_is_asked_of_the_revision_that_it_names(client):
+    arm = {"name": "arm", "model": "ur5e", "positions": "home"}
+    block = {
+        "name": "block",
+        "shape": {"box": [0.1, 0.1, 0.1]},
+        "pose": {"position": [0.5, 0, 0.5]},
+    }
+    scene = client.post("/v1/scenes", json={"robots": [arm], "objects": [block]}).json()
+    away = {"op": "move", "object": "block", "pose": {"position": [5, 0, 0]}}
+    path = f"/v1/scenes/{scene['id']}"
+    client.patch(path, json={"operations": [away]})
+    q = scene["groups"][0]["positions"]
+    asked = {
+        "fk": {"configurations": [q], "frames": ["block"]},
+        "check": {"configurations": [q]},
+        "ik": {"goal": {"type": "relative", "displacement": {"position": [0, 0, 0.01]}}},
+        "line": {"displacement": {"vector": [0, 0, 0.01]}},
+    }
+    for verb, body in asked.items():
+        told = [
+            client.post(f"{path}/{verb}{query}", json={"group": "arm", **body})
+            for query in ("?revision=1", "?revision=2", "", "?revision=3")
+        ]
+        assert [one.status_code for one in told] == [200, 200, 200, 404], verb
+        assert told[1].json() == told[2].json()
+        if verb in {"fk", "check"}:
+            assert told[0].json() != told[1].json()
+    [first] = client.post(f"{path}/fk?revision=1", json={"group": "arm", **asked["fk"]}).json()[
+        "results"
+    ]
+    assert first["block"]["position"] == [0.5, 0.0, 0.5]
+
+
 def test_the_same_seed_gives_the_same_configurations(client, scene):
     goal = {"type": "pose", "poses": [{"position": [0.4, 0.3, 0.3], "rpy": [3.1, 0, 0]}]}
     first, second = (ask(client, scene, "ik", goal=goal, seed=5).content for _ in range(2))
@@ -213,18 +246,18 @@ def test_a_colliding_goal_comes_with_what_is_nearest_and_what_would_do(client, s
         ({"goal": {"type": "region", "pose": DOWN, "free_axes": ["yaw"]}}, 422, "rz"),
         ({"goal": {"type": "region"}}, 422, "pose"),
         ({"goal": {"type": "region", "pose": DOWN, "poses": [DOWN]}}, 422, "poses"),
-        ({"goal": {"type": "region", "pose": {**DOWN, "frame": "abov"}}}, 409, "above"),
+        ({"goal": {"type": "region", "pose": {**DOWN, "frame": "abov"}}}, 422, "above"),
         ({"goal": {"type": "relative", "displacement": {}}}, 422, "position"),
         ({"goal": {"type": "relative", "displacement": {"quaternion": [0] * 4}}}, 422, "zero"),
         (
             {"goal": {"type": "relative", "displacement": DOWN, "reference": "blok"}},
-            409,
+            422,
             "block",
         ),
         ({"goal": {"type": "configuration", "name": "home"}}, 422, "relative"),
         (
             {"goal": {"type": "pose", "poses": [DOWN]}, "ik": {"joint_weights": {"elbow": 1}}},
-            409,
+            422,
             "arm::elbow_joint",
         ),
         (
@@ -264,8 +297,8 @@ def test_a_line_says_how_far_it_goes_and_what_stops_it(client, scene):
     ("body", "status", "word"),
     [
         ({}, 422, "displacement"),
-        ({"displacement": {"vector": [0, 0, 1], "frame": "abve"}}, 409, "above"),
-        ({"displacement": {"vector": [0, 0, 1]}, "frame": "arm::tpc"}, 409, "arm::tcp"),
+        ({"displacement": {"vector": [0, 0, 1], "frame": "abve"}}, 422, "above"),
+        ({"displacement": {"vector": [0, 0, 1]}, "frame": "arm::tpc"}, 422, "arm::tcp"),
         ({"displacement": {"vector": [0, 0, 1]}, "start": [0.0]}, 409, "6 positions"),
         ({"displacement": {"vector": [0, 0, 1]}, "max_step": 0}, 422, "max_step"),
     ],
@@ -295,5 +328,5 @@ def test_ik_keeps_path_constraints(client, scene, group):
     assert refused["failure"]["code"] == "goal_violates_constraint"
     unknown = {"type": "locked_joints", "joints": ["elbow"]}
     problem = ask(client, scene, "ik", goal=goal, path_constraints=[unknown])
-    assert problem.status_code == 409
+    assert problem.status_code == 422
     assert "arm::elbow_joint" in str(problem.json()["evidence"])

@@ -176,7 +176,7 @@ def test_a_cancel_ends_the_growth_and_the_stages_until_then_are_timed(client, sq
 def test_what_does_not_exist_is_named(client, square, scene):
     path = f"/v1/scenes/{square}/regions"
     answer = client.post(path, json={**REQUEST, "group": "leg"})
-    assert (answer.status_code, answer.json()["code"]) == (409, "unknown_name")
+    assert (answer.status_code, answer.json()["code"]) == (422, "unknown_name")
     answer = client.post(path, json={**REQUEST, "bounds": {"x": [0, 1]}})
     assert answer.json()["code"] == "unknown_name"
     answer = client.post(path, json={**REQUEST, "bounds": {"body::base_joint.yaw": [-4, 4]}})

@@ -1,5 +1,7 @@
 """Scenes over HTTP."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 
 from planning import bundled_folder
@@ -60,6 +62,93 @@ def test_pages_of_scenes_join_up(client):
     whole = walk(client, "/v1/scenes", limit=200)
     assert len({scene["id"] for scene in whole}) == len(whole) >= 3
     assert walk(client, "/v1/scenes", limit=3) == whole
+
+
+def test_the_last_page_of_scenes_has_no_next(client):
+    """Also where it is full: a client that follows `next` asks for no empty page."""
+    client.post("/v1/scenes", json=ARM)
+    num_scenes = len(walk(client, "/v1/scenes", limit=200))
+    page = client.get(f"/v1/scenes?limit={num_scenes}").json()
+    assert len(page["items"]) == num_scenes
+    assert page["next"] is None
+    if num_scenes > 1:
+        assert client.get(f"/v1/scenes?limit={num_scenes - 1}").json()["next"] is not None
+
+
+ETAG = {"operations": [{"op": "set_positions", "robot": "arm", "positions": [0.1] * 6}]}
+
+
+def posted(client):
+    answer = client.post("/v1/scenes", json=ARM)
+    return f"/v1/scenes/{answer.json()['id']}", answer.headers["etag"]
+
+
+def test_a_scene_has_a_strong_etag_of_its_revision(client):
+    path, etag = posted(client)
+    assert etag.startswith('"')
+    assert client.get(path).headers["etag"] == etag
+    second = client.patch(path, json=ETAG).headers["etag"]
+    assert second != etag
+    assert client.get(path).headers["etag"] == second
+    assert client.get(f"{path}?revision=1").headers["etag"] == etag
+    assert posted(client)[1] != etag  # another scene of the same content
+
+
+@pytest.mark.parametrize("match", ["{}", "*", '"other", {}'])
+def test_what_matches_is_edited_and_deleted(client, match):
+    path, etag = posted(client)
+    answer = client.patch(path, json=ETAG, headers={"If-Match": match.format(etag)})
+    assert (answer.status_code, answer.json()["revision"]) == (200, 2)
+    headers = {"If-Match": match.format(answer.headers["etag"])}
+    assert client.delete(path, headers=headers).status_code == 204
+
+
+@pytest.mark.parametrize("match", ['"other"', "W/{}", "other"])
+def test_what_does_not_match_changes_nothing(client, match):
+    path, etag = posted(client)
+    before = client.get(path).json()
+    for verb, body in (("PATCH", ETAG), ("DELETE", None)):
+        headers = {"If-Match": match.format(etag)}
+        answer = client.request(verb, path, json=body, headers=headers)
+        assert (answer.status_code, answer.json()["code"]) == (412, "revision_mismatch")
+        assert answer.json()["evidence"] == {
+            "revision": 1,
+            "etag": etag,
+            "asked": headers["If-Match"],
+        }
+    assert client.get(path).json() == before
+
+
+def test_an_edit_of_a_revision_that_is_not_the_latest_does_not_match(client):
+    path, etag = posted(client)
+    client.patch(path, json=ETAG)
+    for verb, body in (("PATCH", ETAG), ("DELETE", None)):
+        answer = client.request(verb, path, json=body, headers={"If-Match": etag})
+        assert (answer.status_code, answer.json()["code"]) == (412, "revision_mismatch")
+        assert answer.json()["evidence"]["revision"] == 2
+    gone = client.delete(f"{path}x", headers={"If-Match": etag})
+    assert gone.status_code == 404
+
+
+def test_of_edits_at_once_that_match_one_revision_one_is_made(client):
+    path, etag = posted(client)
+    with ThreadPoolExecutor(4) as pool:
+        asked = [
+            pool.submit(client.patch, path, json=ETAG, headers={"If-Match": etag}) for _ in range(4)
+        ]
+    assert sorted(one.result().status_code for one in asked) == [200, 412, 412, 412]
+    assert client.get(path).json()["revision"] == 2
+
+
+def test_an_unchanged_scene_is_not_sent_again(client):
+    path, etag = posted(client)
+    answer = client.get(path, headers={"If-None-Match": etag})
+    assert (answer.status_code, answer.content) == (304, b"")
+    assert answer.headers["etag"] == etag
+    assert client.get(path, headers={"If-None-Match": f"W/{etag}"}).status_code == 304
+    assert client.get(path, headers={"If-None-Match": '"other"'}).status_code == 200
+    client.patch(path, json=ETAG)
+    assert client.get(path, headers={"If-None-Match": etag}).status_code == 200
 
 
 def test_a_group_tells_everything_a_request_needs(client, scene):

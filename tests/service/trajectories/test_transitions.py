@@ -121,7 +121,7 @@ def test_what_cannot_be_meant_is_refused(client, scene, running):
         assert answer.json()["evidence"]["field"].startswith(f"{field}.")
     nobody = [{"type": "locked_joints", "joints": ["arm::nobody"]}]
     answer = post(client, scene, "stop", trajectory=running, time=0.0, path_constraints=nobody)
-    assert (answer.status_code, answer.json()["code"]) == (409, "unknown_name")
+    assert (answer.status_code, answer.json()["code"]) == (422, "unknown_name")
 
 
 @pytest.mark.parametrize(
