@@ -15,7 +15,7 @@ from service.api.params import require_known_query
 from service.catalog import routes as catalog
 from service.executions import routes as executions
 from service.lifespan import open_services
-from service.plans import output_routes
+from service.plans import outputs
 from service.plans import routes as plans
 from service.queries import routes as queries
 from service.regions import routes as regions
@@ -37,7 +37,7 @@ PARTS = (
     regions,
     catalog,
     plans,
-    output_routes,
+    outputs,
     trajectories,
     executions,
     operations,

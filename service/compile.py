@@ -12,7 +12,7 @@ from service.workers import PRELOAD
 _MORE = (
     "service.cli.server",
     "service.cli.app",
-    "service.plans.plot_worker",
+    "service.plans.charts",
     "trimesh",
     "trimesh.exchange.obj",
 )

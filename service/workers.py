@@ -17,12 +17,11 @@ PRELOAD = (
     "service.executions.proof",
     "service.queries.worker",
     "service.regions.worker",
-    "service.plans.reverse_worker",
     "service.scenes.worker",
     "service.plans.output_worker",
     "service.plans.warm_up",
 )
-WARM_UP = "service.plans.warm_up:warm_up"
+WARM_UP = "warm_up"
 
 
 def import_tasks() -> None:

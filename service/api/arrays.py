@@ -15,6 +15,11 @@ def vector(numbers: Sequence[float]) -> Array:
     return np.array(numbers, dtype=np.float64)
 
 
+def matrix(rows: Sequence[Sequence[float]]) -> Array:
+    """Return rows of numbers of a request as an array."""
+    return np.array(rows, dtype=np.float64)
+
+
 def _as_lists(numbers: Any) -> Any:
     is_array = isinstance(numbers, np.ndarray)
     return numbers.astype(np.float64, copy=False).tolist() if is_array else numbers

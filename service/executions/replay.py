@@ -3,12 +3,13 @@
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
-from service.executions.tasks import ExecutedMotion, ExecutionWork
+from service.executions.tasks import ExecutionWork
 from service.jobs.tables import JobSummary
+from service.plans.tasks import ShownWork
 from service.scene_jobs import SceneJobs
 
 
-async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[ExecutedMotion]:
+async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[ShownWork]:
     """Return the last motions that were carried out in a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
@@ -16,7 +17,7 @@ async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[Execu
     Raises:
         NotFinished: Nothing has moved in the scene yet.
     """
-    found: list[ExecutedMotion] = []
+    found: list[ShownWork] = []
     async for job in desk.newest("execution", scene=scene):
         if len(found) == most:
             break
@@ -29,12 +30,12 @@ async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[Execu
     return found[::-1]
 
 
-async def _motion(desk: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ExecutedMotion:
+async def _motion(desk: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
     job = await desk.job("execution", summary.id)  # lists have no trajectory
     work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"
     title = work.request.title or f"{work.group} moves"
-    return ExecutedMotion(
+    return ShownWork(
         library=work.library,
         scene=work.scene,
         group=work.group,

@@ -32,22 +32,6 @@ class ExecutionOutcome(TaskModel):
     timings: dict[str, float] = Field(default_factory=dict)
 
 
-class ExecutedMotion(SceneWork):
-    """A motion that was carried out, for a replay.
-
-    Attributes:
-        group: That moved.
-        trajectory: Its motion.
-        title: For people.
-        until: Instant of the motion at which it ended [s]; None for its end.
-    """
-
-    group: str
-    trajectory: Polynomial
-    title: str
-    until: float | None
-
-
 class Commands(TaskModel):
     """Commands to a running execution, the latest of each kind.
 

@@ -17,7 +17,7 @@ from planning.execute.states import ExecutionState
 from service.executions.models import Contact, ExecutionStatus
 from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
-from service.plans.progress import StageLog
+from service.plans.progress import ProgressReporter
 from service.scenes.world_cache import borrow_world
 
 # How long a tick takes, or works [s].
@@ -35,7 +35,7 @@ def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
         Canceled: The end was asked for; the robot came to rest on its path first.
         ExecutionFailure: The robot left its trajectory or touched something.
     """
-    log = StageLog(context)
+    log = ProgressReporter(context)
     watch = Stopwatch(time.monotonic, lambda stage: log(Progress(stage, 0.0)))
     with watch.timing_failures(), ExitStack() as stack:
         with watch.stage("load"):

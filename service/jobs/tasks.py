@@ -26,15 +26,6 @@ _FORMER_NAMES = {
     "service.tasks.execute:execute": "execute",
 }
 
-_PLAN = Outline(
-    payload=("motion",),
-    result=("result", "polynomial", "graph"),
-    failure=("evidence.graph",),
-)
-_OUTLINES: Mapping[str, Outline] = {
-    "service.plans.worker:plan_motion": _PLAN,
-    "service.plans.reverse_worker:reverse_motion": _PLAN,
-}
 _NOTHING_LARGE = Outline()
 
 
@@ -147,7 +138,7 @@ def is_declared(name: str) -> bool:
 def outline_of(task: str) -> Outline:
     """Return the outline of what a task is given and gives; nothing is large in one not known."""
     found = _tasks.get(_FORMER_NAMES.get(task, task))
-    return _OUTLINES.get(task, _NOTHING_LARGE) if found is None else found.outline
+    return _NOTHING_LARGE if found is None else found.outline
 
 
 def _json(content: BaseModel, **selection: Any) -> str:

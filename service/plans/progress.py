@@ -1,4 +1,4 @@
-"""StageLog: progress of a task as events of its job."""
+"""ProgressReporter: progress of a task as events of its job."""
 
 import time
 from typing import Any
@@ -10,15 +10,15 @@ from service.jobs.context import TaskContext
 _EVENT_PERIOD = 0.05
 
 
-class StageLog:
+class ProgressReporter:
     """Tells the server which stage a plan is in; drops events that come too thick.
 
     With a stage come the seconds of those before it: they are known even if the process is ended.
     """
 
-    def __init__(self, channel: TaskContext) -> None:
-        """Speak through `channel`."""
-        self._channel = channel
+    def __init__(self, context: TaskContext) -> None:
+        """Report to the server through `context`."""
+        self._context = context
         self._stage = ""
         self._last = 0.0
         self._begun = 0.0
@@ -27,22 +27,22 @@ class StageLog:
     def __call__(self, progress: Progress) -> None:
         """Emit `stage` when it changes, else `progress` now and then."""
         if progress.best_length is not None:
-            self._tell_best(progress)
+            self._report_best(progress)
             return
         now = time.monotonic()
         is_new = progress.stage != self._stage
         if not is_new and now - self._last < _EVENT_PERIOD:
             return
-        told: dict[str, Any] = {
+        data: dict[str, Any] = {
             "stage": progress.stage,
             "progress": progress.fraction,
             "detail": progress.detail,
         }
         if is_new:
             self._close(now)
-            told["timings"] = dict(self._timings)
+            data["timings"] = dict(self._timings)
         self._stage, self._last = progress.stage, now
-        self._channel.emit("stage" if is_new else "progress", told)
+        self._context.emit("stage" if is_new else "progress", data)
 
     def _close(self, now: float) -> None:
         """Count the time of the stage that ends."""
@@ -51,6 +51,6 @@ class StageLog:
             self._timings[self._stage] = round(spent, 6)
         self._begun = now
 
-    def _tell_best(self, progress: Progress) -> None:
-        told = {"detail": progress.detail, "length": progress.best_length}
-        self._channel.emit("best-so-far", told)
+    def _report_best(self, progress: Progress) -> None:
+        data = {"detail": progress.detail, "length": progress.best_length}
+        self._context.emit("best-so-far", data)

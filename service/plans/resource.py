@@ -1,21 +1,63 @@
-"""Plan jobs to the wire."""
+"""Plans as their jobs have them: what clients are shown, and the motion that was delivered."""
 
+import math
 from typing import Any
 
+from planning.domain.report.motion_plan import PlanPart
 from service.errors import NotFinished
 from service.jobs.outline import without
 from service.jobs.tables import Job, JobSummary
-from service.jobs.tasks import outline_of
-from service.plans.models.sampling import DEFAULT_PERIOD
-from service.plans.models.trajectory_conversion import IN_QUERY, require_one_sampling
+from service.jobs.tasks import TaskModel, outline_of
+from service.plans.models.job import JobBrief as Plan
+from service.plans.models.search_reports import PlannerGraph
+from service.plans.models.trajectory import Polynomial
+from service.plans.tasks import MotionWork
 from service.scene_jobs import SceneJobs
 
 
-def job_brief(desk: SceneJobs, job: JobSummary) -> dict[str, Any]:
+class ProvenClearance(TaskModel):
+    """What a stored certificate says of clearance."""
+
+    min_clearance: float | None
+    observed_clearance: float | None = None
+
+    @property
+    def proven_clearance(self) -> float:
+        """What no distance is below [m]."""
+        # Older versions stored the smallest distance that was seen: nothing is known to be proven.
+        if "observed_clearance" not in self.model_fields_set:
+            return -math.inf
+        return math.inf if self.min_clearance is None else self.min_clearance
+
+
+class Ends(TaskModel):
+    """The samples of a motion, of which the first and the last are needed."""
+
+    positions: list[list[float]]
+
+
+class DeliveredResult(TaskModel):
+    """What is needed of a `PlanResult`."""
+
+    start: list[float]
+    path: list[list[float]]
+    parts: tuple[PlanPart, ...] = ()
+    trajectory: Ends
+    certificate: ProvenClearance
+
+
+class DeliveredMotion(TaskModel):
+    """What is needed of a `PlanOutcome` to use its motion."""
+
+    polynomial: Polynomial
+    result: DeliveredResult
+
+
+def plan_resource(desk: SceneJobs, job: JobSummary) -> Plan:
     """Return a plan without its result; a graph is large and has an address of its own."""
-    request = job.payload["request"]
-    done = job.result or {}
-    return {
+    work: dict[str, Any] = job.payload["request"]
+    outcome = job.result or {}
+    return Plan.model_validate({
         "id": job.id,
         "state": job.state,
         "stage": job.stage,
@@ -23,24 +65,24 @@ def job_brief(desk: SceneJobs, job: JobSummary) -> dict[str, Any]:
         "created_at": job.created_at,
         "started_at": job.started_at,
         "finished_at": job.finished_at,
-        "request": request,
+        "request": work,
         "failure": without(job.failure, outline_of(job.task).failure),
-        "seed": request["seed"],
-        "digest": done.get("digest"),
+        "seed": work["seed"],
+        "digest": outcome.get("digest"),
         "versions": job.made_by or {},
-        "timings": timings_of(job),
+        # However it ended.
+        "timings": (job.result or job.failure or {}).get("timings") or {},
         "unrecorded": desk.unrecorded(job),
-    }
+    })
 
 
-def timings_of(job: JobSummary) -> dict[str, float]:
-    """Return the seconds per stage of a job that has ended, however it did."""
-    ended: dict[str, Any] = job.result or job.failure or {}
-    return dict(ended.get("timings") or {})
+def work_of(job: JobSummary) -> MotionWork:
+    """Return what a plan was made from."""
+    return MotionWork.model_validate(job.payload)
 
 
-def polynomial_of(job: Job) -> dict[str, Any]:
-    """Return the exact trajectory of a plan.
+def motion_of(job: Job) -> DeliveredMotion:
+    """Return the motion of a plan.
 
     Raises:
         NotFinished: It has none (yet).
@@ -48,53 +90,14 @@ def polynomial_of(job: Job) -> dict[str, Any]:
     if job.state != "succeeded" or job.result is None:
         evidence = {"id": job.id, "state": job.state, "failure": job.failure}
         raise NotFinished(f"plan {job.id} is {job.state}: it has no trajectory", evidence)
-    polynomial: dict[str, Any] = job.result["polynomial"]
-    return polynomial
+    return DeliveredMotion.model_validate(job.result)
 
 
-def motion_of(job: Job) -> dict[str, Any]:
-    """Return what tasks need to sample the motion of a plan and to prove the samples.
-
-    Raises:
-        NotFinished: It has none (yet).
-    """
-    polynomial = polynomial_of(job)
-    result = (job.result or {})["result"]
-    return {
-        **{part: job.payload[part] for part in ("scene", "library")},
-        "trajectory": polynomial,
-        # A way back was proven to keep what the way there was asked to.
-        "request": job.payload.get("origin", job.payload["request"]),
-        "parts": result.get("parts", []),
-        "certificate": result["certificate"],
-    }
-
-
-def sampling_of(
-    job: Job, period: float | None, num_points: int | None, *, even: bool
-) -> dict[str, Any]:
-    """Return at which instants to sample a plan: as asked for, or as it has it.
-
-    Raises:
-        ProblemInvalid: Both are asked for.
-    """
-    require_one_sampling(period, num_points, IN_QUERY)
-    own = job.payload["request"]["retime"]
-    if period is None and num_points is None:
-        num_points = own.get("num_points")
-        even = even or own.get("even_samples", False)
-    return {
-        "period": period or own["sample_period"] or DEFAULT_PERIOD,
-        "num_points": num_points,
-        "is_even": even,
-    }
-
-
-def graph_of(job: Job) -> dict[str, Any]:
+def graph_of(job: Job) -> PlannerGraph:
     """Return what the planner of a plan explored.
 
     Raises:
-        NotFinished: It has none: not yet, or nobody asked for it, or its planner tells none.
+        NotFinished: There is no graph: not yet, or it was not asked for, or its planner has none.
     """
     evidence = (job.failure or {}).get("evidence", {})
     graph: dict[str, Any] | None = (job.result or {}).get("graph") or evidence.get("graph")
@@ -104,4 +107,4 @@ def graph_of(job: Job) -> dict[str, Any]:
             "`keep_graph` is true and its planner tells it (AORRTC and BITstar do not)"
         )
         raise NotFinished(message, {"id": job.id, "state": job.state})
-    return graph
+    return PlannerGraph.model_validate(graph)

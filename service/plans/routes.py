@@ -3,7 +3,7 @@
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
 from collections.abc import AsyncIterator
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
@@ -15,12 +15,11 @@ from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
 from service.jobs.tables import JobText
-from service.plans.models.graph import PlannerGraph
-from service.plans.models.job import Job, JobBrief, JobPage, JobState
+from service.plans.models.job import Job, JobPage, JobState
 from service.plans.models.request import PlanRequest
-from service.plans.resource import graph_of, job_brief
-from service.plans.reversal import submit_reversal
-from service.plans.submit import submit_plan
+from service.plans.models.search_reports import PlannerGraph
+from service.plans.resource import graph_of, plan_resource
+from service.plans.submit import submit_plan, submit_reversed
 from service.scene_jobs import SceneJobs
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
@@ -35,27 +34,31 @@ type OfScene = Annotated[str | None, Query(max_length=128, description="Only tho
     response_model=Job,
     responses=accepted(Job, "the plan", 400, 404, 409, 413, 422, 429, 503),
 )
-async def create_plan(request: PlanRequest, asked: SubmissionDep, scenes: ScenesDep) -> Any:
+async def create_plan(
+    request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep
+) -> Response:
     """Ask for a plan: a job that is polled, streamed or waited for."""
-    job = await submit_plan(request, asked.key, scenes, asked.desk)
-    return await _whole(asked.desk, await asked.awaited(job, "/v1/plans"), asked.response)
+    job = await submit_plan(request, submission.key, scenes, submission.desk)
+    found = await submission.awaited(job, "/v1/plans")
+    return await _whole(submission.desk, found, submission.response)
 
 
-@router.get("", operation_id="listPlans", response_model=JobPage, responses=problems(422))
+@router.get("", operation_id="listPlans", responses=problems(422))
 async def list_plans(
     desk: JobsDep,
     state: State = None,
     scene: OfScene = None,
     limit: Limit = 50,
     cursor: Cursor = None,
-) -> Any:
+) -> JobPage:
     """List plans, newest first, without their results."""
     page = await desk.page("plan", limit, cursor, state=state, scene=scene)
-    return {"items": [job_brief(desk, job) for job in page.jobs], "next": page.following}
+    plans = [plan_resource(desk, job) for job in page.jobs]
+    return JobPage(items=plans, next=page.following)
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
-async def get_plan(found: PlanText, desk: JobsDep) -> Any:
+async def get_plan(found: PlanText, desk: JobsDep) -> Response:
     """Show a plan: how far it is, and its result once it succeeded."""
     return await _whole(desk, found)
 
@@ -77,10 +80,9 @@ async def stream_plan_events(
 @router.get(
     "/{plan}/graph",
     operation_id="getPlannerGraph",
-    response_model=PlannerGraph,
     responses=problems(404, 409, 422),
 )
-async def get_planner_graph(job: PlanJob) -> Any:
+async def get_planner_graph(job: PlanJob) -> PlannerGraph:
     """Show what the planner explored, if the request's `search.keep_graph` asked for it."""
     return graph_of(job)
 
@@ -92,16 +94,17 @@ async def get_planner_graph(job: PlanJob) -> Any:
     response_model=Job,
     responses=accepted(Job, "the plan", 404, 409, 422, 429, 503),
 )
-async def reverse_plan(job: PlanJob, asked: SubmissionDep, scenes: ScenesDep) -> Any:
+async def reverse_plan(job: PlanJob, submission: SubmissionDep, scenes: ScenesDep) -> Response:
     """Ask for the same motion from its end to its start: a plan of its own, proven anew."""
-    back = await submit_reversal(job, asked.key, scenes, asked.desk)
-    return await _whole(asked.desk, await asked.awaited(back, "/v1/plans"), asked.response)
+    reverse = await submit_reversed(job, submission.key, scenes, submission.desk)
+    found = await submission.awaited(reverse, "/v1/plans")
+    return await _whole(submission.desk, found, submission.response)
 
 
 @router.post(
     "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
 )
-async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Any:
+async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Response:
     """End a plan, in whatever state it is; asking again changes nothing.
 
     No database is waited for: `unrecorded` says what it does not hold yet.
@@ -109,7 +112,6 @@ async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Any:
     return await _whole(desk, await desk.text_of(await desk.cancel(job)))
 
 
-async def _whole(desk: SceneJobs, found: JobText, told: Response | None = None) -> Response:
+async def _whole(desk: SceneJobs, found: JobText, answer: Response | None = None) -> Response:
     """Return a plan in full."""
-    brief = JobBrief.model_validate(job_brief(desk, found.summary))
-    return await whole(brief, found.result, told)
+    return await whole(plan_resource(desk, found.summary), found.result, answer)

@@ -1,7 +1,6 @@
-"""Admission: what a plan request must satisfy before it becomes a job."""
+"""Plans and reversed plans become jobs, once everything that they name is there."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from anyio import to_thread
 
@@ -12,9 +11,22 @@ from service.catalog.models import Planner
 from service.job_spec import spec_of
 from service.jobs.key import IdempotencyKey
 from service.jobs.tables import Job
+from service.jobs.tasks import Task
+from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
+from service.plans.models.sampling import require_one_sampling
 from service.plans.models.search import Search
-from service.plans.models.trajectory_conversion import require_one_sampling
+from service.plans.resource import motion_of, work_of
+from service.plans.tasks import (
+    PLAN,
+    REVERSE,
+    Cores,
+    FirstMotion,
+    MotionWork,
+    PlanOutcome,
+    PlanWork,
+    ReverseWork,
+)
 from service.regions.eligibility import check_eligible, own_cars, uses_gcs
 from service.regions.selection import SelectedRegions, regions_file, select_regions
 from service.scene_jobs import SceneJobs
@@ -29,8 +41,6 @@ from service.scenes.validation import (
     require_group,
     require_joints,
 )
-
-TASK = "service.plans.worker:plan_motion"
 
 # To load the scene as well [s]; once that is done the task itself says by when it has to end.
 SLACK = 15.0
@@ -71,33 +81,70 @@ async def submit_plan(
     require_search_names(group, request.search)
     require_cars(group, request.search)
     regions = await select_regions(request, record, desk)
-    payload = {
-        **await desk.scene_payload(record),
-        "request": _settled(request, record, regions),
-        "revision": record.revision,
-        "roadmaps": desk.roadmaps,
-        "cores": desk.cores,
-    }
-    if regions is not None:
-        payload["regions"] = await to_thread.run_sync(regions_file, desk.regions_folder, regions)
-    if request.search.on_cancel == "best":
-        payload["cancel_grace"] = desk.best_grace
-    allowed = request.search.allowed_planning_time + SLACK
-    named = IdempotencyKey(key, request.model_dump(mode="json"))
+    folder = desk.regions_folder
+    scene = await desk.scene_work(record)
+    work = PlanWork(
+        library=scene.library,
+        scene=scene.scene,
+        request=_settled(request, record, regions),
+        revision=record.revision,
+        roadmaps=desk.roadmaps,
+        cores=None if desk.cores is None else Cores.model_validate(desk.cores),
+        regions=regions and await to_thread.run_sync(regions_file, folder, regions),
+        cancel_grace=desk.best_grace if request.search.on_cancel == "best" else None,
+    )
+    return await _queue(
+        desk, PLAN, work, record, IdempotencyKey(key, request.model_dump(mode="json"))
+    )
+
+
+async def submit_reversed(plan: Job, key: str | None, scenes: SceneShelf, desk: SceneJobs) -> Job:
+    """Queue the reversed motion of a plan, as a plan of its own.
+
+    Raises:
+        NotFinished: The plan has no trajectory.
+        UnknownResource: Its scene is gone.
+        IdempotencyConflict: The key was used for another request.
+        QueueFull: The queue is full.
+    """
+    motion, former = motion_of(plan), work_of(plan)
+    record = await scenes.get(former.request.scene, former.revision)
+    first, *_, last = motion.result.trajectory.positions
+    goal = JointGoal(type="joint", positions=first)
+    changes = {"revision": record.revision, "start": last, "goal": goal}
+    scene = await desk.scene_work(record)
+    work = ReverseWork(
+        library=scene.library,
+        scene=scene.scene,
+        request=former.request.model_copy(update=changes),
+        revision=record.revision,
+        # Reversed twice, a motion has the lines of the first one again.
+        origin=former.origin or former.request,
+        motion=FirstMotion(
+            polynomial=motion.polynomial, path=motion.result.path, parts=motion.result.parts
+        ),
+    )
+    # Two plans with the same ends have the same reversed request, but not the same motion.
+    return await _queue(desk, REVERSE, work, record, IdempotencyKey(key, {"reverse": plan.id}))
+
+
+async def _queue[W: MotionWork](
+    desk: SceneJobs, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
+) -> Job:
+    allowed = work.request.search.allowed_planning_time + SLACK
+    payload = work.model_dump(mode="json")
     return await desk.submit(
-        spec_of("plan", TASK, payload, scene=record, key=named, allowed=allowed)
+        spec_of("plan", task.name, payload, scene=record, key=key, allowed=allowed)
     )
 
 
 def _settled(
     request: PlanRequest, record: SceneRecord, regions: SelectedRegions | None
-) -> dict[str, Any]:
+) -> PlanRequest:
     """Return the request with what time would decide: asked again, it gives the same bytes."""
-    settled = request.model_dump(mode="json")
-    settled["revision"] = record.revision
-    if regions is not None:
-        settled["search"]["regions"] = regions.id
-    return settled
+    grown = {} if regions is None else {"regions": regions.id}
+    search = request.search.model_copy(update=grown)
+    return request.model_copy(update={"revision": record.revision, "search": search})
 
 
 def require_planner(planners: Sequence[Planner], search: Search) -> None:

@@ -1,7 +1,6 @@
 """What every worker does first, so that its first job is as quick as the next."""
 
 import time
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from planning import (
     plan,
 )
 from service.jobs.context import TaskContext
+from service.plans.tasks import WARM_UP, NoWork, WarmedUp
 
 _SCENE = "{name: warm-up, robots: [{name: body, model: planar_l, positions: [0, 0, 0]}]}"
 _GOAL = JointGoal(np.array([[0.2, 0.1, 0.3]]))
@@ -22,7 +22,8 @@ _GOAL = JointGoal(np.array([[0.2, 0.1, 0.3]]))
 _ALLOWED = 60.0
 
 
-def warm_up(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
+@WARM_UP.runs
+def warm_up(_: NoWork, context: TaskContext) -> WarmedUp:
     """Plan a motion, certificate included: whatever cannot be imported or run shows now.
 
     Raises:
@@ -30,6 +31,6 @@ def warm_up(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """
     world = load_world(parse_scene(_SCENE), ModelLibrary.bundled())
     problem = PlanningProblem("body", _GOAL, seed=1)
-    deadline = Deadline.after(_ALLOWED, time.monotonic, channel.is_canceled)
+    deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
     found = plan(problem, world, deadline=deadline)
-    return {"proven": found.certificate.proven}
+    return WarmedUp(proven=found.certificate.proven)

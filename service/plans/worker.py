@@ -1,99 +1,146 @@
-"""Planning, as a job."""
+"""Planning and reversing a motion, as jobs."""
 
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from functools import cache
+from pathlib import Path
 
-from planning import Deadline, PlanningProblem, World, plan
+from planning import Deadline, PlanningProblem, RoadmapCache, World, plan, reverse_plan
 from planning.api.sample_motion import sample_plan
+from planning.domain.curves.path import JointPath
 from planning.domain.curves.sampling import Sampling
 from planning.domain.report.motion_plan import MotionPlan, Progress
 from planning.errors import PlanningFailure
+from planning.parallel.core_leases import CoreLeases
+from planning.parallel.fork_pool import ForkPool
+from service.api.arrays import matrix
 from service.jobs.context import TaskContext
-from service.plans.cores import own_core
-from service.plans.models.goal_values import problem_value
-from service.plans.models.request import PlanRequest
-from service.plans.models.result_conversion import plan_wire
+from service.plans.models.result import PlanResult
 from service.plans.models.sampling import require_few
-from service.plans.models.trajectory import Trajectory
-from service.plans.models.trajectory_conversion import polynomial_wire
-from service.plans.progress import StageLog
-from service.plans.roadmaps import shelf_in
+from service.plans.models.search_reports import PlannerGraph
+from service.plans.models.trajectory import Polynomial, Trajectory
+from service.plans.progress import ProgressReporter
+from service.plans.tasks import PLAN, REVERSE, Cores, PlanOutcome, PlanWork, ReverseWork
 from service.regions.worker import read_regions
-from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
-# A plan minds its deadline by itself; a process that is this much too late hangs [s].
+# A plan observes its deadline itself; a process that is this much too late hangs [s].
 _PATIENCE = 5.0
 # To prove the samples that are delivered: at most, and at least, however late the plan is [s].
 PROVING, _LEAST_PROVING = 5.0, 0.25
-# To write down what was found [s].
+# To write the outcome down [s].
 _WRITING = 10.0
 
 
-def plan_motion(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
-    """Return a plan's `result`, exact `polynomial`, `timings` [s], `digest`, `cut_short`, `graph`.
+@PLAN.runs
+def plan_motion(work: PlanWork, context: TaskContext) -> PlanOutcome:
+    """Plan a motion.
 
     The allowed time begins once the scene is loaded; soon after it the process is ended.
 
     Raises:
         WayproofError: There is no motion; the error says why.
     """
-    request = PlanRequest.model_validate(payload["request"])
-    log = StageLog(channel)
-    log(Progress("load", 0.0))
+    request, report = work.request, ProgressReporter(context)
+    report(Progress("load", 0.0))
     begun = time.monotonic()
-    with (
-        borrow_world(SceneWork.model_validate(payload)) as world,
-        own_core(payload.get("cores")) as pool,
-    ):
+    with borrow_world(work) as world, reserve_core(work.cores) as pool:
         loaded = time.monotonic() - begun
-        allowed = request.search.allowed_planning_time
-        deadline = Deadline.after(allowed, time.monotonic, channel.is_canceled)
-        mind(channel, allowed)
-        problem = problem_value(request)
-        if "regions" in payload:
-            problem = replace(problem, regions=read_regions(payload["regions"]))
-        shelf = None if request.search.roadmap is None else shelf_in(payload["roadmaps"])
-        with loaded_in(loaded):
+        deadline = _enforce_deadline(context, request.search.allowed_planning_time)
+        problem = request.to_domain()
+        if work.regions is not None:
+            problem = replace(problem, regions=read_regions(work.regions))
+        roadmaps = None if request.search.roadmap is None else roadmaps_in(work.roadmaps)
+        with _timed_failures(loaded):
             found = plan(
-                problem, world, deadline=deadline, on_progress=log, roadmaps=shelf, pool=pool
+                problem, world, deadline=deadline, on_progress=report, roadmaps=roadmaps, pool=pool
             )
-        log(Progress("samples", 0.97))
-        mind_delivery(channel)
-        return delivered(found, problem, world, request.retime.sampling, deadline, loaded)
+        report(Progress("samples", 0.97))
+        _enforce_delivery(context)
+        return _plan_outcome(found, problem, world, request.retime.sampling, deadline, loaded)
 
 
-def mind(channel: TaskContext, allowed: float) -> None:
-    """Have the process ended soon after the allowed time [s], which begins now."""
-    channel.allow(allowed + _PATIENCE)
+@REVERSE.runs
+def reverse_motion(work: ReverseWork, context: TaskContext) -> PlanOutcome:
+    """Reverse the motion of a plan, and prove it anew.
 
-
-def mind_delivery(channel: TaskContext) -> None:
-    """Have the process ended if it does not deliver soon what it has found."""
-    channel.allow(PROVING + _WRITING)
+    Raises:
+        WayproofError: It cannot be proven; the error says why.
+    """
+    request, problem = work.request, (work.origin or work.request).to_domain()
+    report = ProgressReporter(context)
+    report(Progress("load", 0.0))
+    begun = time.monotonic()
+    with borrow_world(work) as world:
+        loaded = time.monotonic() - begun
+        report(Progress("certify", 0.5, "certifying the motion backwards"))
+        deadline = _enforce_deadline(context, request.search.allowed_planning_time)
+        with _timed_failures(loaded):
+            found = reverse_plan(
+                world,
+                problem,
+                JointPath(world.group(problem.group), matrix(work.motion.path)),
+                work.motion.polynomial.to_domain(),
+                work.motion.parts,
+                deadline,
+            )
+        report(Progress("samples", 0.97))
+        _enforce_delivery(context)
+        return _plan_outcome(found, problem, world, request.retime.sampling, deadline, loaded)
 
 
 @contextmanager
-def loaded_in(seconds: float) -> Generator[None]:
-    """Have failures from inside tell how long it took to load the scene [s]."""
+def reserve_core(cores: Cores | None) -> Generator[ForkPool | None]:
+    """Take a core for a plan, so that others see it busy, and yield the pool of the idle ones.
+
+    A plan runs whether there is a core for it or not.
+    """
+    if cores is None:
+        yield None
+        return
+    shared = CoreLeases(Path(cores.folder), cores.count)
+    with shared.lease(1):
+        yield ForkPool(shared)
+
+
+@cache
+def roadmaps_in(folder: str) -> RoadmapCache:
+    """Return this process's cache over a folder that all processes of a server share."""
+    return RoadmapCache(folder=Path(folder))
+
+
+def _enforce_deadline(context: TaskContext, allowed: float) -> Deadline:
+    """Return the deadline of a plan whose time [s] begins now; the process ends soon after it."""
+    deadline = Deadline.after(allowed, time.monotonic, context.is_canceled)
+    context.allow(allowed + _PATIENCE)
+    return deadline
+
+
+def _enforce_delivery(context: TaskContext) -> None:
+    """Have the process ended if it does not deliver soon."""
+    context.allow(PROVING + _WRITING)
+
+
+@contextmanager
+def _timed_failures(loaded: float) -> Generator[None]:
+    """Have failures from inside say how long it took to load the scene [s]."""
     try:
         yield
     except PlanningFailure as failure:
-        failure.timings = {"load": seconds, **failure.timings}
+        failure.timings = {"load": loaded, **failure.timings}
         raise
 
 
-def delivered(
+def _plan_outcome(
     found: MotionPlan,
     problem: PlanningProblem,
     world: World,
     sampling: Sampling,
     deadline: Deadline,
     loaded: float,
-) -> dict[str, Any]:
+) -> PlanOutcome:
     """Return what a job keeps of a plan.
 
     Args:
@@ -102,13 +149,13 @@ def delivered(
         world: The scene.
         sampling: At which instants to sample it.
         deadline: Of the plan: what is left of it is for the proof of the samples, a little at
-            least. What is not proven by then is told as not proven.
+            least. What is not proven by then is delivered as not proven.
         loaded: How long it took to load the scene [s].
     """
     require_few(found.trajectory, sampling)
     began, cuts = deadline.clock(), set[str]()
     until = min(max(deadline.expires_at, began + _LEAST_PROVING), began + PROVING)
-    # Who wants the best there is from a cancel wants it delivered as well.
+    # With `on_cancel: best` a cancel ends the search, and what it found is delivered all the same.
     wants_best = problem.search.on_cancel == "best"
     proving = replace(deadline.uncancelable if wants_best else deadline, expires_at=until)
     proven = sample_plan(
@@ -122,12 +169,12 @@ def delivered(
     )
     samples = deadline.clock() - began
     trajectory = Trajectory.from_samples(proven.samples, proven.interpolations)
-    result = plan_wire(found, trajectory, [*cuts])
-    return {
-        "result": result,
-        "polynomial": polynomial_wire(found.trajectory),
-        "timings": {"load": loaded, **found.timings, "samples": samples},
-        "digest": result["digest"],
-        "cut_short": result["cut_short"],
-        "graph": None if found.graph is None else found.graph.as_json,
-    }
+    result = PlanResult.from_domain(found, trajectory, cuts)
+    return PlanOutcome(
+        result=result,
+        polynomial=Polynomial.from_domain(found.trajectory),
+        timings={"load": loaded, **found.timings, "samples": samples},
+        digest=result.digest,
+        cut_short=result.cut_short or [],
+        graph=None if found.graph is None else PlannerGraph.model_validate(found.graph),
+    )

@@ -9,7 +9,7 @@ from planning import Deadline, Regions, grow_regions
 from planning.domain.report.motion_plan import Progress
 from planning.domain.request.stopwatch import Stopwatch
 from service.jobs.context import TaskContext
-from service.plans.progress import StageLog
+from service.plans.progress import ProgressReporter
 from service.regions.models import RegionsResult
 from service.regions.tasks import GROW_REGIONS, RegionsOutcome, RegionsWork
 from service.scenes.world_cache import borrow_world
@@ -23,7 +23,7 @@ def grow(work: RegionsWork, context: TaskContext) -> RegionsOutcome:
         WayproofError: The group can have no regions, or the end was asked for.
     """
     request = work.request
-    progress = StageLog(context)
+    progress = ProgressReporter(context)
     progress(Progress("load", 0.0))
     watch = Stopwatch(time.monotonic)
     with watch.timing_failures(), ExitStack() as stack:

@@ -12,6 +12,7 @@ from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.errors import UnknownInScene
 from service.executions.replay import executed_motions
+from service.plans.tasks import REPLAY_MOTIONS, ReplayWork
 from service.scenes.edit_models import SceneEdit
 from service.scenes.edits import revised
 from service.scenes.examples import REQUEST_BODY
@@ -84,10 +85,9 @@ async def get_scene_replay(
 ) -> HTMLResponse:
     """Replay in 3-D what executions moved in a scene, one motion after the other."""
     record = await scenes.stored(scene)
-    executed = await executed_motions(desk, record.id, last)
-    motions = [motion.model_dump(mode="json") for motion in executed]
-    page = await desk.ask("service.plans.output_worker:replay_scene", {"motions": motions})
-    return HTMLResponse(page["html"])
+    motions = await executed_motions(desk, record.id, last)
+    page = await desk.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
+    return HTMLResponse(page.html)
 
 
 @router.patch(

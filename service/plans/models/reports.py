@@ -7,7 +7,7 @@ from pydantic import Field
 from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.report.motion_plan import StageReports
 from service.api.models import ResponseModel
-from service.plans.models.funnel import IkFunnel
+from service.plans.models.ik import IkFunnel
 from service.plans.models.search_reports import SearchReport
 
 

@@ -1,5 +1,6 @@
 """How to sample the trajectory that is delivered."""
 
+from dataclasses import replace
 from typing import Annotated, Any
 
 from pydantic import Field, Strict, model_validator
@@ -52,6 +53,20 @@ class Sampling(RequestModel):
         """At which instants to sample."""
         period = self.sample_period or DEFAULT_PERIOD
         return domain.Sampling(period, self.num_points, self.even_samples)
+
+    def sampling_with(
+        self, period: float | None, num_points: int | None, *, even: bool
+    ) -> domain.Sampling:
+        """Return at which instants to sample if a query asks for something else, or for nothing.
+
+        Raises:
+            ProblemInvalid: It asks for a period and for a number of points.
+        """
+        require_one_sampling(period, num_points, IN_QUERY)
+        own = self.sampling
+        if period is None and num_points is None:
+            return replace(own, is_even=even or own.is_even)
+        return domain.Sampling(period or own.period, num_points, even)
 
 
 def require_one_sampling(

@@ -2,8 +2,9 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
+from service.api.arrays import Rows
 from service.api.models import ResponseModel
 
 
@@ -101,3 +102,21 @@ class SearchReport(ResponseModel):
         description="Whether the path has `num_states` waypoints, if they were asked for; false "
         "where `interpolate_time` was over before",
     )
+
+
+class PlannerGraph(ResponseModel):
+    """What a planner explored: trees or a roadmap, the first 2,000 vertices of it at most."""
+
+    model_config = ConfigDict(title="PlannerGraph")
+
+    planner: str = Field(description="OMPL's name; empty where a straight line was free")
+    vertices: Rows = Field(description="The group's positions, a row each [rad or m]")
+    edges: list[tuple[int, int]] = Field(description="Pairs of rows that motions join")
+    starts: list[int] = Field(description="Rows of starts")
+    goals: list[int] = Field(description="Rows of goals")
+    path: list[int] = Field(
+        description="Rows of the solution as the planner found it, before shortcutting, in order; "
+        "empty if it found none"
+    )
+    num_vertices: int = Field(description="How many there were, those left out included")
+    num_edges: int = Field(description="How many pairs there were, those left out included")

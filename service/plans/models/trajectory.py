@@ -10,7 +10,7 @@ from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation_proof import InterpolationProof
 from planning.domain.curves.sampling import SampledTrajectory
 from planning.domain.robot.joints import Joint, JointType
-from service.api.arrays import Row, Rows, vector
+from service.api.arrays import Row, Rows, matrix, vector
 from service.api.models import ResponseModel
 from service.queries.models.checked import Interpolation
 
@@ -49,7 +49,7 @@ class Polynomial(ResponseModel):
         return TimedTrajectory(
             tuple(Joint(name, JointType(kind)) for name, kind in joints),
             vector(self.breaks),
-            np.array(self.bases, dtype=np.float64),
+            matrix(self.bases),
             np.array(self.coefficients, dtype=np.float64),
         )
 

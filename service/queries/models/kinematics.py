@@ -16,9 +16,8 @@ from service.api.models import (
     ResponseModel,
 )
 from service.plans.models.constraints import Constraint
-from service.plans.models.funnel import IkFunnel
 from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
-from service.plans.models.ik import Ik
+from service.plans.models.ik import Ik, IkFunnel
 
 
 class FkRequest(RequestModel):

@@ -14,6 +14,7 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.tables import JobSpec
 from service.plans.models.job import Job
 from service.plans.models.trajectory import Trajectory
+from service.plans.tasks import PLAN
 from service.regions.models import RegionsJob
 
 # A megabyte, in steps of which it has hundreds.
@@ -58,9 +59,7 @@ def vast(app, client, solved):
     """The id of a plan with a large result, recorded as if a worker had just told it."""
     store = app.state.desk._store
     payload = {"request": solved["request"], "revision": 1}
-    job, _ = store.insert(
-        JobSpec("plan", "service.plans.worker:plan_motion", payload, prefix="pln")
-    )
+    job, _ = store.insert(JobSpec("plan", PLAN.name, payload, prefix="pln"))
     store.start(job.id)
     brief = {"timings": RESULT["timings"], "digest": "d"}
     store.succeed(job.id, Encoded(encode({**RESULT, "digest": "d"})), Encoded(encode(brief)))

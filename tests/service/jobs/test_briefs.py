@@ -18,11 +18,11 @@ from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.tables import JobSpec, JobSummary, bodies, jobs, metadata, summaries
 from service.jobs.tasks import outline_of
+from service.plans.tasks import PLAN as PLAN_TASK
+from service.plans.tasks import REVERSE as REVERSE_TASK
 from service.regions.tasks import GROW_REGIONS
 
-PLAN = "service.plans.worker:plan_motion"
-REVERSE = "service.plans.reverse_worker:reverse_motion"
-REGIONS = GROW_REGIONS.name
+PLAN, REVERSE, REGIONS = PLAN_TASK.name, REVERSE_TASK.name, GROW_REGIONS.name
 LARGE = [[0.1] * 7] * 50
 PAYLOAD = {"request": {"seed": 1}, "revision": 2, "motion": LARGE, "trajectory": LARGE}
 RESULTS = {

@@ -3,7 +3,7 @@
 import pytest
 
 from planning.domain.report.motion_plan import Progress
-from service.plans.progress import StageLog
+from service.plans.progress import ProgressReporter
 from tests.clocks import FakeClock
 
 
@@ -20,7 +20,7 @@ class TaskContext:
 def test_a_stage_comes_with_the_seconds_of_those_before(monkeypatch: pytest.MonkeyPatch) -> None:
     clock, channel = FakeClock(now=100.0), TaskContext()
     monkeypatch.setattr("time.monotonic", clock)
-    log = StageLog(channel)
+    log = ProgressReporter(channel)
     for stage, lasts in (("load", 0.5), ("search", 2.0), ("certify", 1.0), ("search", 0.25)):
         log(Progress(stage, 0.1))
         clock.advance(lasts / 2)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.plans.roadmaps import shelf_in
+from service.plans.worker import roadmaps_in
 from tests.service.plans.test_search_options import MAZE
 
 FEW = {"states": 300, "neighbours": 8}
@@ -42,7 +42,7 @@ def test_a_roadmap_is_built_once_and_changes_no_byte(posted, settings):
     assert "roadmap_build" not in second["timings"]
     # As in a worker that has just been started: what is in memory is gone, what is on disk is not.
     assert list((settings.data_dir / "roadmaps").glob("*.json"))
-    shelf_in.cache_clear()
+    roadmaps_in.cache_clear()
     third = plan(FEW)
     assert third["result"] == first["result"]
     assert "roadmap_build" not in third["timings"]

@@ -5,7 +5,11 @@ import json
 import pytest
 
 from planning.errors import DeadlineExceeded
+from service.jobs.task import run_task
+from service.jobs.worker.protocol import MessageKind
+from service.plans.models.request import PlanRequest
 from service.plans.submit import SLACK
+from service.plans.tasks import PLAN, PlanWork
 from service.plans.worker import plan_motion
 from service.scenes.worker import load_scene
 from tests.service.conftest import BLOCK_SCENE
@@ -44,12 +48,13 @@ def payload(tmp_path):
         "scene": {"digest": loaded["digest"], "document": str(file)},
         "library": library,
         "request": request,
+        "revision": 1,
     }
 
 
 def test_the_allowed_time_begins_once_the_scene_is_loaded(payload):
     channel = TaskContext()
-    assert plan_motion(payload, channel)["digest"]
+    assert plan_motion(PlanWork.model_validate(payload), channel).digest
     terms = [note for note in channel.notes if isinstance(note, float)]
     assert len(terms) == 2
     assert ALLOWED < terms[0] < ALLOWED + SLACK
@@ -63,7 +68,7 @@ def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload
     payload["request"]["search"]["allowed_planning_time"] = 1e-6
     channel = TaskContext()
     with pytest.raises(DeadlineExceeded) as caught:
-        plan_motion(payload, channel)
+        plan_motion(PlanWork.model_validate(payload), channel)
     stages = [note for note in channel.notes if isinstance(note, str)]
     assert caught.value.stage == stages[-1]
     assert {"load", caught.value.stage, "total"} <= set(caught.value.timings)
@@ -75,9 +80,29 @@ def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
 ):
     if is_late:
         monkeypatch.setattr("service.plans.worker.PROVING", 0.0)
-    done = plan_motion(payload, TaskContext())
+    done = plan_motion(PlanWork.model_validate(payload), TaskContext()).model_dump()
     assert done["result"]["certificate"]["proven"]
     assert done["result"]["cut_short"] == (["samples"] if is_late else [])
     proofs = done["result"]["trajectory"]["interpolations"]
     assert not (is_late and any(proof["proven"] for proof in proofs))
     assert {"load", "samples", "total"} <= set(done["timings"])
+
+
+@pytest.mark.parametrize("name", [PLAN.name, "service.tasks.plan:plan_motion"])
+def test_jobs_that_older_servers_queued_are_run(payload, name):
+    end = run_task(name, json.dumps({**payload, "roadmaps": "", "cores": None}), TaskContext())
+    assert end.kind is MessageKind.RESULT, end.text
+    outcome = json.loads(end.text)
+    assert outcome["result"]["certificate"]["proven"]
+    outline = {"timings", "digest", "cut_short"}
+    assert set(json.loads(end.summary)) == outline
+    assert set(outcome) == {*outline, "result", "polynomial", "graph"}
+
+
+def test_payloads_are_stored_without_what_they_lack(payload):
+    stored = PlanWork.model_validate(payload).model_dump(mode="json")
+    assert set(stored) == {*payload, "roadmaps", "cores"}
+    assert stored["request"] == PlanRequest.model_validate(payload["request"]).model_dump()
+    assert PlanWork.model_validate(stored) == PlanWork.model_validate(payload)
+    graced = PlanWork.model_validate({**payload, "cancel_grace": 0.9})
+    assert graced.model_dump(mode="json")["cancel_grace"] == 0.9

@@ -8,7 +8,7 @@ from planning.domain.goals import funnel
 from planning.domain.report import certificate, search_report, stop_report
 from planning.domain.report import stage_reports as report
 from planning.domain.request import robustness
-from service.plans.models import funnel as funnel_wire
+from service.plans.models import ik as funnel_wire
 from service.plans.models import reports as wire
 from service.plans.models import result
 from service.plans.models import search_reports as search_wire

@@ -1,6 +1,6 @@
 """/v1/plans/{id}/trajectory, replay.html, plots: what a plan delivered, to use and to look at."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
@@ -9,7 +9,16 @@ from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, PlanJob
 from service.plans.models.trajectory import Trajectory
-from service.plans.resource import motion_of, polynomial_of, sampling_of
+from service.plans.resource import motion_of, work_of
+from service.plans.tasks import (
+    PLOT,
+    REPLAY,
+    SAMPLE,
+    SAMPLE_TABLE,
+    DeliveredWork,
+    PlotWork,
+    SampleWork,
+)
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
 
@@ -99,19 +108,26 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     even: Even = False,
     scale: Slowness = 1.0,
     polynomial: Exact = False,
-) -> Any:
+) -> Response:
     """Sample the motion of a plan anew, slowed down if asked for, and prove the samples."""
-    payload = {
-        **motion_of(job),
-        "sampling": sampling_of(job, period, points, even=even),
-        "scale": scale,
-        "polynomial": polynomial,
-    }
+    motion, made = motion_of(job), work_of(job)
+    work = SampleWork(
+        library=made.library,
+        scene=made.scene,
+        group=made.request.group,
+        trajectory=motion.polynomial,
+        request=made.origin or made.request,
+        parts=motion.result.parts,
+        clearance=motion.result.certificate.proven_clearance,
+        sampling=made.request.retime.sampling_with(period, points, even=even),
+        scale=scale,
+        polynomial=polynomial and format == "json",
+    )
     if format == "json":
-        return passed_on(await desk.ask_text("service.plans.output_worker:sample", payload))
-    table = await desk.ask("service.plans.output_worker:sample_csv", payload)
-    told = {INTERPOLATION: table["proven"]}
-    return Response(table["text"], media_type="text/csv", headers=told)
+        return passed_on(await desk.call_text(SAMPLE, work))
+    table = await desk.call(SAMPLE_TABLE, work)
+    headers = {INTERPOLATION: table.proven}
+    return Response(table.text, media_type="text/csv", headers=headers)
 
 
 @router.get(
@@ -122,13 +138,15 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
 )
 async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
     """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
-    payload = {
-        **{part: job.payload[part] for part in ("scene", "library")},
-        "group": job.payload["request"]["group"],
-        "trajectory": polynomial_of(job),
-    }
-    page = await desk.ask("service.plans.output_worker:replay", payload)
-    return HTMLResponse(page["html"])
+    made = work_of(job)
+    work = DeliveredWork(
+        library=made.library,
+        scene=made.scene,
+        group=made.request.group,
+        trajectory=motion_of(job).polynomial,
+    )
+    page = await desk.call(REPLAY, work)
+    return HTMLResponse(page.html)
 
 
 @router.get(
@@ -139,12 +157,15 @@ async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
 )
 async def get_plot(job: PlanJob, desk: JobsDep, name: Chart) -> Response:
     """Draw the motion of a plan against its limits, or its clearance, over time."""
-    payload = {
-        **{part: job.payload[part] for part in ("scene", "library")},
-        "group": job.payload["request"]["group"],
-        "trajectory": polynomial_of(job),
-        **{part: job.payload["request"].get(part) for part in ("retime", "margin")},
-        "name": name,
-    }
-    drawing = await desk.ask("service.plans.plot_worker:plot", payload)
-    return Response(drawing["svg"], media_type="image/svg+xml")
+    made = work_of(job)
+    work = PlotWork(
+        library=made.library,
+        scene=made.scene,
+        group=made.request.group,
+        trajectory=motion_of(job).polynomial,
+        name=name,
+        retime=made.request.retime,
+        margin=made.request.margin,
+    )
+    drawing = await desk.call(PLOT, work)
+    return Response(drawing.svg, media_type="image/svg+xml")

@@ -1,0 +1,190 @@
+"""Tasks that plan motions, reverse them, and make what is delivered of them."""
+
+from typing import Annotated
+
+from pydantic import Field, PlainSerializer
+
+from planning.domain.curves.sampling import Sampling
+from planning.domain.report.motion_plan import PlanPart
+from service.jobs.outline import Outline
+from service.jobs.tasks import Task, TaskModel
+from service.plans.models.request import PlanRequest, Retime
+from service.plans.models.result import PlanResult
+from service.plans.models.search_reports import PlannerGraph
+from service.plans.models.trajectory import Polynomial, Trajectory
+from service.scenes.tasks import SceneWork
+
+# JSON has no infinity.
+type MaybeInfinite = Annotated[float, PlainSerializer(str, when_used="json")]
+
+
+def _is_none(value: object) -> bool:
+    return value is None
+
+
+class NoWork(TaskModel):
+    """Nothing."""
+
+
+class WarmedUp(TaskModel):
+    """Whether a worker plans as it should."""
+
+    proven: bool
+
+
+class Cores(TaskModel):
+    """Through which files the plans of a host share its processors.
+
+    Attributes:
+        folder: Of the lock files.
+        count: How many processors there are to share.
+    """
+
+    folder: str
+    count: int
+
+
+class MotionWork(SceneWork):
+    """What plans and reversed plans have in common, as jobs store it.
+
+    Attributes:
+        request: What was asked for, with what time would decide.
+        revision: Of the scene.
+        origin: Of a reversed plan, the request of the first motion: what both were made to keep.
+    """
+
+    request: PlanRequest
+    revision: int
+    origin: PlanRequest | None = Field(default=None, exclude_if=_is_none)
+
+
+class PlanWork(MotionWork):
+    """What a plan is made from.
+
+    Attributes:
+        roadmaps: The folder of roadmaps.
+        cores: None where attempts are made one after another.
+        regions: The file of the regions that it plans in, if any.
+        cancel_grace: How long it may go on once it is canceled, if that is not the usual [s].
+    """
+
+    roadmaps: str = ""
+    cores: Cores | None = None
+    regions: str | None = Field(default=None, exclude_if=_is_none)
+    cancel_grace: float | None = Field(default=None, exclude_if=_is_none)
+
+
+class FirstMotion(TaskModel):
+    """The motion that is to be reversed."""
+
+    polynomial: Polynomial
+    path: list[list[float]]
+    parts: tuple[PlanPart, ...]
+
+
+class ReverseWork(MotionWork):
+    """What a reversed plan is made from; its origin is always there."""
+
+    motion: FirstMotion
+
+
+class PlanOutcome(TaskModel):
+    """What a job keeps of a plan.
+
+    Attributes:
+        result: What clients are given.
+        polynomial: The exact trajectory.
+        timings: Seconds per stage.
+        digest: sha256 over the delivered numbers.
+        cut_short: Stages that the clock ended early.
+        graph: What the planner explored, if it was to be kept.
+    """
+
+    result: PlanResult
+    polynomial: Polynomial
+    timings: dict[str, float]
+    digest: str
+    cut_short: list[str]
+    graph: PlannerGraph | None
+
+
+class DeliveredWork(SceneWork):
+    """A delivered motion in its scene."""
+
+    group: str
+    trajectory: Polynomial
+
+
+class SampleWork(DeliveredWork):
+    """What a delivered motion is sampled anew from.
+
+    Attributes:
+        request: What it was made to keep.
+        parts: Of the motion.
+        clearance: What the certificate says that no distance is below [m].
+        sampling: At which instants.
+        scale: Factor on the speed of the whole motion.
+        polynomial: Whether to add the exact polynomial.
+    """
+
+    request: PlanRequest
+    parts: tuple[PlanPart, ...]
+    clearance: MaybeInfinite
+    sampling: Sampling
+    scale: float
+    polynomial: bool
+
+
+class Table(TaskModel):
+    """Samples as CSV, and a line that says what is proven of them."""
+
+    text: str
+    proven: str
+
+
+class PlotWork(DeliveredWork):
+    """What a chart is drawn from: the motion, and the limits that it was made to keep."""
+
+    name: str
+    retime: Retime
+    margin: float | None
+
+
+class Drawing(TaskModel):
+    """A chart as SVG."""
+
+    svg: str
+
+
+class ShownWork(DeliveredWork):
+    """A motion of a replay: what stands above it, and when it ended [s], if before its end."""
+
+    title: str
+    until: float | None
+
+
+class ReplayWork(TaskModel):
+    """Motions that are replayed one after the other, each in a scene of its own."""
+
+    motions: list[ShownWork]
+
+
+class Page(TaskModel):
+    """A page that needs nothing else."""
+
+    html: str
+
+
+_LARGE = Outline(
+    payload=("motion",),
+    result=("result", "polynomial", "graph"),
+    failure=("evidence.graph",),
+)
+PLAN = Task("plan", PlanWork, PlanOutcome, queue="plan", outline=_LARGE)
+REVERSE = Task("reverse", ReverseWork, PlanOutcome, queue="plan", outline=_LARGE)
+SAMPLE = Task("sample_plan", SampleWork, Trajectory)
+SAMPLE_TABLE = Task("sample_plan_as_table", SampleWork, Table)
+PLOT = Task("plot_plan", PlotWork, Drawing)
+REPLAY = Task("replay_plan", DeliveredWork, Page)
+REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)
+WARM_UP = Task("warm_up", NoWork, WarmedUp)
