@@ -4,7 +4,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from service.executions.models import ExecutionRequest
-from service.executions.position import require_at_rest, require_at_start
+from service.executions.position import check_at_start, require_at_rest
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
 from service.job_spec import spec_of
 from service.jobs.errors import Overtaken
@@ -47,7 +47,7 @@ async def submit_execution(
         last = await require_at_rest(desk, plan.request.scene)
         record = await scenes.fresh(plan.request.scene)
         group = require_group(record, plan.request.group)
-        require_at_start(group, motion.result.start)
+        check_at_start(group, motion.result.start)
         loaded = await desk.scene_work(record)
         await _check_proven(desk, loaded, plan, motion.polynomial)
         work = ExecutionWork(
