@@ -14,13 +14,13 @@ from service.plans.models.trajectory import Polynomial
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import MotionWork
 from service.scene_jobs import SceneJobs
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.scenes.tasks import SceneWork
 from service.scenes.validation import require_group
 
 
 async def submit_execution(
-    request: ExecutionRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+    request: ExecutionRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
 ) -> Job:
     """Queue an execution in the latest revision of the plan's scene.
 
@@ -55,7 +55,7 @@ async def submit_execution(
             scene=loaded.scene,
             request=request,
             scene_id=record.id,
-            group=group["name"],
+            group=group.name,
             trajectory=motion.polynomial,
             speed=request.speed,
         )

@@ -11,10 +11,12 @@ from service.executions.models import ExecutionRequest
 from service.jobs.errors import Overtaken
 from service.jobs.states import JobState
 from service.jobs.tables import JobSpec
-from service.scenes.latest import Latest
+from service.scenes.models.scene import SceneSummary
+from service.scenes.models.summary import Group, Joint
+from service.scenes.record_cache import Latest
 from service.scenes.tasks import SceneWork
 
-JOINT = {"name": "arm::j", "type": "revolute"}
+JOINT = Joint(name="arm::j", type="revolute")
 MOVING = {
     "library": {"model_roots": [], "allow_paths": False, "copies": ""},
     "scene": {"digest": "d", "document": "file"},
@@ -50,8 +52,9 @@ class Scene:
         self.positions = [to] if is_over else self.positions
 
     async def fresh(self, identifier):
-        group = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
-        summary = {"groups": [{**group, "positions": self.positions}]}
+        known = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
+        group = Group.model_construct(**known, positions=self.positions)
+        summary = SceneSummary.model_construct(groups=[group])
         return SimpleNamespace(id=identifier, digest="d", summary=summary)
 
     async def job(self, queue, identifier):
