@@ -40,7 +40,7 @@ class ExecutionRequest(RequestModel):
         default=1.0, description="Factor on the pace at which the simulation runs; 1 is real time"
     )
     title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
-        default=None, description="What it is, for people who watch the replay of the scene"
+        default=None, description="Title of the motion in replays of the scene"
     )
 
 
@@ -48,21 +48,23 @@ class Contact(ResponseModel):
     """Two bodies that touched during the motion."""
 
     bodies: tuple[str, str] = Field(description="Full names")
-    depth: float = Field(description="Of penetration [m]")
-    time: float = Field(description="When, along the motion [s]")
+    depth: float = Field(description="Depth of penetration [m]")
+    time: float = Field(description="Time along the motion [s]")
 
 
 class ExecutionStatus(ResponseModel):
     """How far an execution is; also the data of its events."""
 
-    state: ExecutionState = Field(description="Where it stands")
-    progress: float = Field(description="Along the motion, 0 to 1", ge=0, le=1)
-    time: float = Field(description="Along the motion [s]")
-    positions: list[float] = Field(description="Measured [rad or m]")
+    state: ExecutionState = Field(description="State of the execution")
+    progress: float = Field(
+        description="Time along the motion over its duration, 0 to 1", ge=0, le=1
+    )
+    time: float = Field(description="Time along the motion [s]")
+    positions: list[float] = Field(description="Measured positions [rad or m]")
     tracking_error: float = Field(
         description="Largest distance of a joint from where it should be, now [rad or m]"
     )
-    max_tracking_error: float = Field(description="The largest so far [rad or m]")
+    max_tracking_error: float = Field(description="Largest tracking error so far [rad or m]")
     lateness: float | None = Field(
         default=None,
         description="The longest so far that the controller was late to look at the clock [s]: "
@@ -127,15 +129,15 @@ type ExecutionEvent = Annotated[
 class Execution(ResponseModel):
     """An execution of a plan; poll it until its state is final."""
 
-    id: str = Field(description="Of the execution")
+    id: str = Field(description="Id of the execution")
     state: ExecutionState = Field(description="succeeded, canceled and aborted are final")
     created_at: datetime = Field(description="When it was asked for (UTC)")
     started_at: datetime | None = Field(description="When it began to move (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
-    request: ExecutionRequest = Field(description="What was asked for")
+    request: ExecutionRequest = Field(description="The request, defaults filled in")
     scene: str = Field(description="Id of the scene it moves in")
-    group: str = Field(description="What moves")
-    status: ExecutionStatus | None = Field(description="The latest; null before it began")
+    group: str = Field(description="Group that moves")
+    status: ExecutionStatus | None = Field(description="The latest status; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
     timings: dict[str, float] = Field(
         default={},
@@ -148,7 +150,7 @@ class Execution(ResponseModel):
 class ExecutionPage(ResponseModel):
     """Executions, newest first."""
 
-    items: list[Execution] = Field(description="On this page")
+    items: list[Execution] = Field(description="Executions on this page")
     next: str | None = Field(description="Cursor of the next page; null on the last one")
 
 

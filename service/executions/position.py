@@ -14,14 +14,14 @@ from service.scenes.models.summary import Group
 TOLERANCE = 0.02
 
 
-def require_at_start(group: Group, start: list[float]) -> None:
-    """Go on only if the group is at the start of a motion.
+def check_at_start(group: Group, start: list[float]) -> None:
+    """Check that the group is at the start of a motion.
 
     Raises:
         StartMismatch: It is elsewhere.
     """
     positions: list[float] = group.positions
-    distance = separation(group, start, positions)
+    distance = joint_distance(group, start, positions)
     if distance > TOLERANCE:
         message = (
             f"the plan starts {distance:.4g} rad or m from where {group.name} is; "
@@ -65,19 +65,19 @@ async def last_status(desk: SceneJobs, job: JobSummary) -> ExecutionStatus | Non
     return None if latest is None else ExecutionStatus.model_validate(latest)
 
 
-def separation(group: Group, a: list[float], b: list[float]) -> float:
+def joint_distance(group: Group, a: list[float], b: list[float]) -> float:
     """Return the largest coordinate of the difference [rad or m], whole turns aside."""
     largest = 0.0
     at = 0
     for joint in group.joints:
         kind = Joint(joint.name, JointType(joint.type))
         count = len(kind.position_names)
-        largest = max(largest, _separation(kind.type, a[at : at + count], b[at : at + count]))
+        largest = max(largest, _joint_distance(kind.type, a[at : at + count], b[at : at + count]))
         at += count
     return largest
 
 
-def _separation(kind: JointType, a: list[float], b: list[float]) -> float:
+def _joint_distance(kind: JointType, a: list[float], b: list[float]) -> float:
     gaps = [abs(x - y) for x, y in zip(a, b, strict=True)]
     match kind:
         case JointType.CONTINUOUS:

@@ -4,39 +4,18 @@ from contextlib import suppress
 from dataclasses import replace
 
 from service.executions.models import ExecutionRequest
-from service.executions.position import require_at_rest, require_at_start
+from service.executions.position import check_at_start, require_at_rest
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
 from service.job_spec import spec_of
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
-from service.jobs.tasks import TaskModel
-from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
-from service.plans.resource import polynomial_of
+from service.plans.resource import motion_of, work_of
+from service.plans.tasks import MotionWork
 from service.scene_jobs import SceneJobs
 from service.scenes.store import SceneStore
-from service.scenes.tasks import SceneWork, StoredScene
+from service.scenes.tasks import SceneWork
 from service.scenes.validation import find_group
-
-
-class _Plan(TaskModel):
-    """The part of a plan's stored work that its execution needs."""
-
-    scene: StoredScene
-    request: PlanRequest
-    origin: PlanRequest | None = None
-
-
-class _Motion(TaskModel):
-    """The part of a plan's result that its execution needs."""
-
-    start: list[float]
-
-
-class _PlanOutcome(TaskModel):
-    """The part of a plan's stored outcome that its execution needs."""
-
-    result: _Motion
 
 
 async def submit_execution(
@@ -54,8 +33,7 @@ async def submit_execution(
         QueueFull: The queue is full.
     """
     job = await desk.job("plan", request.plan)
-    trajectory = Polynomial.model_validate(polynomial_of(job))
-    plan, outcome = _Plan.model_validate(job.payload), _PlanOutcome.model_validate(job.result)
+    motion, plan = motion_of(job), work_of(job)
     idempotency = IdempotencyKey(key, request.model_dump(mode="json"))
     again = JobSpec(
         EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
@@ -68,16 +46,16 @@ async def submit_execution(
         last = await require_at_rest(desk, plan.request.scene)
         record = await scenes.fresh(plan.request.scene)
         group = find_group(record, plan.request.group)
-        require_at_start(group, outcome.result.start)
+        check_at_start(group, motion.result.start)
         loaded = await desk.scene_work(record)
-        await _check_proven(desk, loaded, plan, trajectory)
+        await _check_proven(desk, loaded, plan, motion.polynomial)
         work = ExecutionWork(
             library=loaded.library,
             scene=loaded.scene,
             request=request,
             scene_id=record.id,
             group=group.name,
-            trajectory=trajectory,
+            trajectory=motion.polynomial,
             speed=request.speed,
         )
         payload = work.model_dump(mode="json")
@@ -88,7 +66,7 @@ async def submit_execution(
 
 
 async def _check_proven(
-    desk: SceneJobs, scene: SceneWork, plan: _Plan, trajectory: Polynomial
+    desk: SceneJobs, scene: SceneWork, plan: MotionWork, trajectory: Polynomial
 ) -> None:
     """Check that the motion is proven in a scene, by the plan's own proof or by a new one.
 

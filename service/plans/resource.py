@@ -39,6 +39,7 @@ class Ends(TaskModel):
 class DeliveredResult(TaskModel):
     """What is needed of a `PlanResult`."""
 
+    start: list[float]
     path: list[list[float]]
     parts: tuple[PlanPart, ...] = ()
     trajectory: Ends
@@ -90,11 +91,6 @@ def motion_of(job: Job) -> DeliveredMotion:
         evidence = {"id": job.id, "state": job.state, "failure": job.failure}
         raise NotFinished(f"plan {job.id} is {job.state}: it has no trajectory", evidence)
     return DeliveredMotion.model_validate(job.result)
-
-
-def polynomial_of(job: Job) -> dict[str, Any]:
-    """Return the exact trajectory of a plan as JSON; raises as `motion_of`."""
-    return motion_of(job).polynomial.model_dump()
 
 
 def graph_of(job: Job) -> PlannerGraph:

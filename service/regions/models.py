@@ -1,4 +1,4 @@
-"""Regions: convex sets of free configurations, grown in the background."""
+"""Regions: convex sets of free configurations, grown in the background, as JSON."""
 
 from datetime import datetime
 from typing import Annotated, Literal, Self
@@ -31,10 +31,12 @@ class RegionsRequest(RequestModel):
         default=None, description="Of the scene; null for its latest"
     )
     num_regions: Annotated[int, Strict(), Field(ge=1, le=1000), WHOLE] = Field(
-        default=60, description="At most so many regions"
+        default=60, description="Largest number of regions"
     )
     coverage: Annotated[Real, Field(gt=0, le=1)] = Field(
-        default=0.9, description="Enough, as a share of the free configurations in the domain [1]"
+        default=0.9,
+        description="Coverage at which growth ends, as a share of the free configurations in the "
+        "domain [1]",
     )
     along: Literal["paths", "nothing"] = Field(
         default="paths",
@@ -43,10 +45,11 @@ class RegionsRequest(RequestModel):
     )
     num_free: Annotated[int, Strict(), Field(ge=100, le=1_000_000), WHOLE] = Field(
         default=5000,
-        description="So many random configurations of a region in a row must be free",
+        description="Number of consecutive random configurations of a region that must be free",
     )
     iterations: Annotated[int, Strict(), Field(ge=1, le=20), WHOLE] = Field(
-        default=3, description="How often a region grows anew around its largest ellipsoid"
+        default=3,
+        description="Number of times that a region is grown anew around its largest ellipsoid",
     )
     bounds: dict[PositionName, Interval] = Field(
         default={},
@@ -89,42 +92,42 @@ class Region(ResponseModel):
     offsets: list[float] = Field(description="One for each face [rad or m]")
     center: list[float] = Field(description="A configuration well inside [rad or m]")
     num_free: int = Field(
-        description="So many random configurations in a row were free: with 95 % confidence less "
-        "than 3 / num_free of its volume collides"
+        description="Number of consecutive random configurations that were free: with 95 % "
+        "confidence less than 3 / num_free of its volume collides"
     )
 
 
 class Portal(ResponseModel):
     """Where two regions overlap."""
 
-    regions: tuple[int, int] = Field(description="Their places in the list")
+    regions: tuple[int, int] = Field(description="Indices of the two in the list of regions")
     point: list[float] = Field(description="Center of the largest ball in both [rad or m]")
-    radius: float = Field(description="Of that ball [rad or m]")
+    radius: float = Field(description="Radius of that ball [rad or m]")
 
 
 class RegionsSummary(ResponseModel):
-    """What has grown."""
+    """Regions that were grown, without their faces."""
 
     digest: str = Field(description="sha256 over all numbers of the regions")
-    scene: str = Field(description="Digest of the scene that they are true for")
-    group: str = Field(description="Whose configurations they are")
+    scene: str = Field(description="Digest of the scene in which they are free of collision")
+    group: str = Field(description="Group of the configurations")
     margin: float = Field(description="Distance that they keep [m]")
-    seed: int = Field(description="Of all randomness")
-    num_regions: int = Field(description="How many there are")
-    num_portals: int = Field(description="How many pairs overlap")
+    seed: int = Field(description="Seed of all randomness")
+    num_regions: int = Field(description="Number of regions")
+    num_portals: int = Field(description="Number of pairs of regions that overlap")
     coverage: float = Field(
         description="Share of the domain's free configurations that some region holds, by sampling"
     )
-    coverage_error: float = Field(description="Its standard error")
+    coverage_error: float = Field(description="Standard error of `coverage`")
     stopped_by: str = Field(
         description="Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`"
     )
-    lower: list[float] = Field(description="Of the domain [rad or m]")
-    upper: list[float] = Field(description="Of the domain [rad or m]")
+    lower: list[float] = Field(description="Lowest configuration of the domain [rad or m]")
+    upper: list[float] = Field(description="Highest configuration of the domain [rad or m]")
 
 
 class RegionsResult(RegionsSummary):
-    """What has grown, in full."""
+    """Regions that were grown, with their faces."""
 
     regions: list[Region] = Field(description="In the order in which they were grown")
     portals: list[Portal] = Field(description="Where they overlap")
@@ -146,36 +149,42 @@ class RegionsResult(RegionsSummary):
 
 
 class RegionsBrief(ResponseModel):
-    """Regions that were asked for, without their faces."""
+    """A request for regions and its state, without faces."""
 
-    id: str = Field(description="Of the regions")
-    state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
+    id: str = Field(description="Id of the regions")
+    state: JobState = Field(
+        description="State of the growth; succeeded, failed and canceled are final"
+    )
     stage: str = Field(description="`load` or `regions`, or empty")
     progress: float = Field(description="0 to 1", ge=0, le=1)
     created_at: datetime = Field(description="When they were asked for (UTC)")
     started_at: datetime | None = Field(description="When a worker began (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
     scene: str = Field(description="Id of the scene")
-    revision: int = Field(description="Of the scene")
-    request: RegionsRequest = Field(description="What was asked for, defaults filled in")
+    revision: int = Field(description="Revision of the scene")
+    request: RegionsRequest = Field(description="The request, defaults filled in")
     failure: Failure | None = Field(description="Why there is no result")
     versions: dict[str, str] = Field(
         description="Of everything that the numbers depend on, in the server that ran it last; "
         "empty before it runs, and for regions of versions that did not keep it"
     )
-    timings: dict[str, float] = Field(description="Seconds by what took them [s]")
+    timings: dict[str, float] = Field(
+        description="Seconds per stage, once it has ended; of a failure those of `failure` [s]"
+    )
     unrecorded: list[str] = Field(description=UNRECORDED)
-    summary: RegionsSummary | None = Field(description="What has grown, once it succeeded")
+    summary: RegionsSummary | None = Field(
+        description="The regions without their faces, once it succeeded"
+    )
 
 
 class RegionsJob(RegionsBrief):
-    """Regions that were asked for; poll them until their state is final."""
+    """A request for regions with its result; poll it until its state is final."""
 
-    result: RegionsResult | None = Field(description="What has grown, once it succeeded")
+    result: RegionsResult | None = Field(description="The regions, once it succeeded")
 
 
 class RegionsPage(ResponseModel):
     """Regions, newest first."""
 
-    items: list[RegionsBrief] = Field(description="On this page, without their faces")
+    items: list[RegionsBrief] = Field(description="Regions on this page, without their faces")
     next: str | None = Field(description="Cursor of the next page; null on the last one")

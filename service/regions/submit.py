@@ -34,14 +34,13 @@ async def submit_regions(
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
     )
-    payload = work.model_dump(mode="json")
     return await desk.submit(
         spec_of(
             GROW_REGIONS.queue,
             GROW_REGIONS.name,
-            payload,
+            work.model_dump(mode="json"),
             scene=record,
-            key=IdempotencyKey(key, {"scene": record.id, **payload["request"]}),
+            key=IdempotencyKey(key, {"scene": record.id, **request.model_dump(mode="json")}),
             allowed=request.allowed_time + _SLACK,
         )
     )

@@ -23,7 +23,7 @@ SampleInterpolation = Literal["quintic", "cubic", "cubic_spline", "linear"]
 Interpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"]
 
 
-class OwnPolynomial(RequestModel):
+class PolynomialInput(RequestModel):
     """The exact motion, as `Trajectory.polynomial` has it."""
 
     breaks: Instants = Field(description="Instants between pieces, from 0, n + 1 of them [s]")
@@ -32,7 +32,7 @@ class OwnPolynomial(RequestModel):
         description="n pieces, powers from 0 up, a column per velocity coordinate"
     )
     joint_names: list[Name] | None = Field(default=None, description="The group's joints in order")
-    joint_types: list[Name] | None = Field(default=None, description="Ignored: the scene knows")
+    joint_types: list[Name] | None = Field(default=None, description="Ignored: the scene has them")
 
     def to_domain(self, group: JointGroup, field: str) -> TimedTrajectory:
         """Return the motion of a group.
@@ -74,8 +74,8 @@ class OwnPolynomial(RequestModel):
         )
 
 
-class OwnTrajectory(RequestModel):
-    """A timed motion as `Trajectory` has it: samples, or with `polynomial` exactly."""
+class TrajectoryInput(RequestModel):
+    """A timed motion as `Trajectory` has it: samples, or the exact `polynomial`."""
 
     times: Instants = Field(description="Instants of the samples, from 0 [s]")
     positions: Rows = Field(description="One row per instant [rad or m]")
@@ -87,26 +87,28 @@ class OwnTrajectory(RequestModel):
     )
     joint_names: list[Name] | None = Field(
         default=None,
-        description="Whose the columns are, those of the rates too; null: the group's, in order",
+        description="Names of the columns, those of the rates too; null for the group's order",
     )
     velocity_names: list[Name] | None = Field(
         default=None,
-        description="Whose the columns of the rates are; null: as those of the positions. Not "
-        "without `joint_names`, unless it is the group's order",
+        description="Names of the columns of the rates; null for the names of the positions' "
+        "columns. An order that is not the group's needs `joint_names` too",
     )
     interpolation: SampleInterpolation | None = Field(
         default=None,
-        description="What the samples stand for: the polynomials of degree 5 (`quintic`) or 3 "
+        description="Motion between the samples: the polynomials of degree 5 (`quintic`) or 3 "
         "(`cubic`) that meet what is given, the cubic spline with continuous acceleration that "
         "rests at both ends (`cubic_spline`), or straight lines (`linear`); null for the first of "
         "these that there are rates for",
     )
     interpolations: list[dict[str, Any]] | None = Field(
-        default=None, description="Ignored: what was proven of the samples where they come from"
+        default=None, description="Ignored: proofs of the samples, as answers have them"
     )
-    duration: Coordinate | None = Field(default=None, description="Ignored: the times tell it [s]")
-    polynomial: OwnPolynomial | None = Field(
-        default=None, description="The exact motion; if it is given the samples are not looked at"
+    duration: Coordinate | None = Field(
+        default=None, description="Ignored: it follows from the times [s]"
+    )
+    polynomial: PolynomialInput | None = Field(
+        default=None, description="The exact motion; with it the samples are ignored"
     )
 
     def to_domain(

@@ -23,7 +23,7 @@ from service.plans.models.request import Certify, Retime
 from service.plans.models.result import Certificate
 from service.plans.models.sampling import Sampling
 from service.plans.models.trajectory import Trajectory
-from service.trajectories.input import Interpolation, OwnTrajectory
+from service.trajectories.input import Interpolation, TrajectoryInput
 
 _SCENE = {"scene": "scn_3f0c5b1e9a7d4c62", "group": "arm"}
 _WAYPOINTS = [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]]
@@ -51,8 +51,8 @@ class MotionRequest(RequestModel):
 
     path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
         default=[],
-        description="What to keep on the way; what counts from the start counts from where the "
-        "given path or motion begins",
+        description="Constraints on the whole motion; those relative to the start are relative to "
+        "the first configuration of the given path or motion",
     )
     scene: Identifier = Field(description="Id of a scene")
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
@@ -78,13 +78,13 @@ class RetimeRequest(MotionRequest):
     )
     retime: Retime = Field(default_factory=Retime, description="How to time it")
     certify: Certify = Field(
-        default_factory=Certify, description="What to find out besides the proof"
+        default_factory=Certify, description="What to compute besides the proof"
     )
     polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
 
 
 class RetimeStages(ResponseModel):
-    """What the two stages did."""
+    """Reports of the two stages."""
 
     retime: RetimeReport = Field(description="How the path was timed")
     certify: CertifyReport = Field(description="How the motion was proven")
@@ -95,11 +95,13 @@ class RetimeResponse(ResponseModel):
 
     trajectory: Trajectory | None = Field(description="The motion; null if there is none")
     certificate: Certificate | None = Field(description="The proof; null if there is none")
-    stages: RetimeStages | None = Field(description="What was done; null if there is no motion")
+    stages: RetimeStages | None = Field(
+        description="Reports of the stages; null if there is no motion"
+    )
     cut_short: list[str] = Field(
         default=[],
-        description="What ended early because of the clock and may be something else another "
-        "time: `retime`, `certify`, `explain`, `samples`",
+        description="Stages that the clock ended early, whose results may differ another time: "
+        "`retime`, `certify`, `explain`, `samples`",
     )
     failure: Failure | None = Field(
         description="Why there is none: `not_certified` with the failed checks, "
@@ -112,7 +114,7 @@ class CertifyMotionRequest(MotionRequest, ScaledLimits):
 
     model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})
 
-    trajectory: OwnTrajectory = Field(
+    trajectory: TrajectoryInput = Field(
         description="The motion. Between samples it is taken to be the polynomial of degree 5 that "
         "meets positions, velocities and accelerations; of degree 3 without accelerations; "
         "without velocities the cubic spline with continuous acceleration that rests at both ends; "
@@ -130,27 +132,27 @@ class CertifyMotionRequest(MotionRequest, ScaledLimits):
         default=False, description="Hold it against the limits on jerk as well"
     )
     certify: Certify = Field(
-        default_factory=Certify, description="What to find out besides the proof"
+        default_factory=Certify, description="What to compute besides the proof"
     )
 
 
 class CertifyMotionResponse(ResponseModel):
     """The verdict on the motion, between its samples too."""
 
-    certificate: Certificate = Field(description="What was proven, and what failed")
+    certificate: Certificate = Field(description="Checks that passed and checks that failed")
     interpolation: Interpolation = Field(description="What the samples were taken for")
     unchecked: list[str] = Field(
         default=[],
         description="Checks that straight lines are not held to, as their velocity jumps",
     )
-    duration: float = Field(description="Of the motion [s]")
-    stage: CertifyReport = Field(description="What it took")
+    duration: float = Field(description="Duration of the motion [s]")
+    stage: CertifyReport = Field(description="Report of the proof")
 
 
 class _FromRunningMotion(MotionRequest, Sampling, ScaledLimits):
     """A running motion, the instant at which it is left, and what to keep on the way."""
 
-    trajectory: OwnTrajectory = Field(
+    trajectory: TrajectoryInput = Field(
         description="The running motion, read as `POST /trajectories/certify` reads one"
     )
     time: NonNegative = Field(description="When it is left, within its duration [s]")
@@ -158,7 +160,7 @@ class _FromRunningMotion(MotionRequest, Sampling, ScaledLimits):
 
 
 class StopMotionRequest(_FromRunningMotion):
-    """Stop a running motion; only what is told here is kept."""
+    """Stop a running motion; only the limits and constraints of this request are kept."""
 
     model_config = ConfigDict(
         json_schema_extra={"examples": [_STOP, {**_STOP, "along_path": True}]}
@@ -184,11 +186,11 @@ class StopMotionRequest(_FromRunningMotion):
 
 
 class SpliceMotionRequest(_FromRunningMotion):
-    """Go over from a running motion to another one; only what is told here is kept."""
+    """Go over to another motion; only the limits and constraints of this request are kept."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{**_STOP, "onto": _ONTO}]})
 
-    onto: OwnTrajectory = Field(description="The other motion, which is followed to its end")
+    onto: TrajectoryInput = Field(description="The other motion, which is followed to its end")
 
 
 class StopMotionResponse(ResponseModel):
@@ -199,7 +201,7 @@ class StopMotionResponse(ResponseModel):
         "if there is none"
     )
     certificate: Certificate | None = Field(description="The proof; null if there is none")
-    stage: CertifyReport | None = Field(description="What it took; null if there is none")
+    stage: CertifyReport | None = Field(description="Report of the proof; null if there is none")
     interpolation: Interpolation = Field(
         description="What the samples of the running motion were taken for"
     )

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from service.executions.position import separation
+from service.executions.position import joint_distance
 from service.scenes.models.summary import Group, Joint
 
 
@@ -30,5 +30,5 @@ def group(*types):
         ),
     ],
 )
-def test_separation_is_on_the_manifold(types, a, b, distance):
-    assert separation(group(*types), a, b) == pytest.approx(distance, abs=1e-9)
+def test_joint_distance_is_on_the_manifold(types, a, b, distance):
+    assert joint_distance(group(*types), a, b) == pytest.approx(distance, abs=1e-9)

@@ -60,8 +60,11 @@ class Scene:
     async def job(self, queue, identifier):
         goal = {"type": "joint", "positions": [1.0]}
         request = {"scene": "s", "group": "arm", "goal": goal}
-        payload = {"request": request, "scene": {"digest": "d", "document": "file"}}
-        return SimpleNamespace(payload=payload, result={"result": {"start": [0.0]}})
+        payload = {**MOVING, "request": request, "revision": 1}
+        result = {"start": [0.0], "path": [], "trajectory": {"positions": []}}
+        result["certificate"] = {"min_clearance": None}
+        outcome = {"polynomial": STILL, "result": result}
+        return SimpleNamespace(payload=payload, result=outcome, state=JobState.SUCCEEDED)
 
     async def find_by_key(self, spec):
         return None
@@ -86,7 +89,6 @@ class Scene:
 @pytest.fixture
 def scene(monkeypatch):
     monkeypatch.setattr(submit, "spec_of", lambda *_, **__: JobSpec("execution", "", {}))
-    monkeypatch.setattr(submit, "polynomial_of", lambda plan: STILL)
     return Scene()
 
 
