@@ -56,8 +56,9 @@ class Metrics:
     def note_request(self, scope: Scope, status: int, seconds: float) -> None:
         """Count a request that is answered."""
         route = scope.get("route")
-        is_routed = isinstance(route, APIRoute) and scope["method"] in route.methods
-        method, path = (scope["method"], route.path_format) if is_routed else ("any", "none")
+        method, path = "any", "none"
+        if isinstance(route, APIRoute) and scope["method"] in route.methods:
+            method, path = scope["method"], route.path_format
         self._requests.labels(method, path, str(status)).observe(seconds)
 
     def note_end(self, job: JobSummary) -> None:

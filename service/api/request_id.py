@@ -52,6 +52,6 @@ class RequestIdFilter(logging.Filter):
     @override
     def filter(self, record: logging.LogRecord) -> bool:
         """Let every record pass."""
-        record.request_id = request_id()
-        record.request = f"[{record.request_id}] " if record.request_id else ""
+        name = request_id()
+        record.__dict__ |= {"request_id": name, "request": f"[{name}] " if name else ""}
         return True

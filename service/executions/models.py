@@ -7,7 +7,14 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field
 
 from planning.execute import status as domain
-from service.api.events import EventData, EventId, FinishedEvent, QueuedEvent, StartedEvent
+from service.api.events import (
+    EventData,
+    EventId,
+    FinishedEvent,
+    QueuedEvent,
+    StageEvent,
+    StartedEvent,
+)
 from service.api.models import UNRECORDED, Failure, Identifier, Real, RequestModel, ResponseModel
 
 
@@ -121,7 +128,7 @@ class ControlsEvent(ResponseModel):
 
 
 type ExecutionEvent = Annotated[
-    QueuedEvent | StartedEvent | ControlsEvent | StatusEvent | FinishedEvent,
+    QueuedEvent | StartedEvent | StageEvent | ControlsEvent | StatusEvent | FinishedEvent,
     Field(discriminator="event", description="What happened to an execution"),
 ]
 
