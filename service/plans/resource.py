@@ -1,7 +1,9 @@
 """Plans as their jobs have them: what clients are shown, and the motion that was delivered."""
 
 import math
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, SkipValidation
 
 from planning.domain.report.motion_plan import PlanPart
 from service.api.job_models import JobBrief as Plan
@@ -11,8 +13,20 @@ from service.jobs.tables import Job, JobSummary
 from service.jobs.tasks import TaskModel, outline_of
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
-from service.plans.tasks import MotionWork
+from service.plans.tasks import DeliveredWork, MotionWork
 from service.scene_jobs import SceneJobs
+
+
+def _trusted(stored: dict[str, Any]) -> Polynomial:
+    return Polynomial.model_construct(**stored)
+
+
+def _ends(rows: list[list[float]]) -> list[list[float]]:
+    return [rows[0], rows[-1]]
+
+
+# What workers have written may be megabytes, and is not validated again.
+type _Rows = SkipValidation[list[list[float]]]
 
 
 class ProvenClearance(TaskModel):
@@ -31,15 +45,15 @@ class ProvenClearance(TaskModel):
 
 
 class Ends(TaskModel):
-    """The samples of a motion, of which the first and the last are needed."""
+    """The first and the last sample of a motion."""
 
-    positions: list[list[float]]
+    positions: Annotated[_Rows, BeforeValidator(_ends)]
 
 
 class DeliveredResult(TaskModel):
     """What is needed of a `PlanResult`."""
 
-    path: list[list[float]]
+    path: _Rows
     parts: tuple[PlanPart, ...] = ()
     trajectory: Ends
     certificate: ProvenClearance
@@ -48,13 +62,13 @@ class DeliveredResult(TaskModel):
 class DeliveredMotion(TaskModel):
     """What is needed of a `PlanOutcome` to use its motion."""
 
-    polynomial: Polynomial
+    polynomial: Annotated[Polynomial, BeforeValidator(_trusted)]
     result: DeliveredResult
 
 
 def plan_resource(desk: SceneJobs, job: JobSummary) -> Plan:
     """Return a plan without its result; a graph is large and has an address of its own."""
-    work: dict[str, Any] = job.payload["request"]
+    request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
     return Plan.model_validate({
         "id": job.id,
@@ -64,9 +78,9 @@ def plan_resource(desk: SceneJobs, job: JobSummary) -> Plan:
         "created_at": job.created_at,
         "started_at": job.started_at,
         "finished_at": job.finished_at,
-        "request": work,
+        "request": request,
         "failure": without(job.failure, outline_of(job.task).failure),
-        "seed": work["seed"],
+        "seed": request["seed"],
         "digest": outcome.get("digest"),
         "versions": job.made_by or {},
         # However it ended.
@@ -92,6 +106,14 @@ def motion_of(job: Job) -> DeliveredMotion:
     return DeliveredMotion.model_validate(job.result)
 
 
+def delivered_work(job: Job) -> DeliveredWork:
+    """Return the motion of a plan in its scene; raises as `motion_of`."""
+    work, trajectory = work_of(job), motion_of(job).polynomial
+    return DeliveredWork(
+        library=work.library, scene=work.scene, group=work.request.group, trajectory=trajectory
+    )
+
+
 def polynomial_of(job: Job) -> dict[str, Any]:
     """Return the exact trajectory of a plan as JSON; raises as `motion_of`."""
     return motion_of(job).polynomial.model_dump()
@@ -101,7 +123,7 @@ def graph_of(job: Job) -> PlannerGraph:
     """Return what the planner of a plan explored.
 
     Raises:
-        NotFinished: There is no graph: not yet, or it was not asked for, or its planner has none.
+        NotFinished: There is no graph: not yet, or none was kept, or its planner has none.
     """
     evidence = (job.failure or {}).get("evidence", {})
     graph: dict[str, Any] | None = (job.result or {}).get("graph") or evidence.get("graph")

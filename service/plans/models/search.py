@@ -52,7 +52,7 @@ def _kind_of_space(space: object) -> str:
     return "space[car]" if isinstance(space, dict | Car) else "space[name]"
 
 
-# Faults are told of what was meant alone; steps in brackets are no part of a fault's path.
+# A fault names the alternative that was meant; steps in brackets are no part of its path.
 type Space = Annotated[
     Annotated[Literal["full", "position"], Tag("space[name]")] | Annotated[Car, Tag("space[car]")],
     Discriminator(_kind_of_space),
