@@ -25,7 +25,7 @@ CONFIGURE = $(VENV)/bin/cmake -S . -G Ninja -DSKBUILD_DATA_DIR=data \
   -DCMAKE_MAKE_PROGRAM=$(CURDIR)/$(VENV)/bin/ninja -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) \
   -Dnanobind_DIR="$$($(PYTHON) -m nanobind --cmake_dir)"
 
-.PHONY: demo test costs check format lint imports types tidy drake-only shapes golden campaign sanitize setup lock \
+.PHONY: demo test costs check format lint imports types tidy drake-only shapes golden record campaign sanitize setup lock \
         bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
         chaos pictures serve clean
 
@@ -81,6 +81,11 @@ shapes: setup
 golden: setup
 	@$(PYTHON) -m tests.golden build/golden/kernel.json
 	@$(PYTHON) -m tests.golden build/golden/drake.json --drake-only
+
+# What clients see, recorded anew where a change of it is meant: the OpenAPI document, and answers.
+record: setup
+	@$(PYTHON) -m tests.golden.openapi
+	@$(PYTHON) -W ignore -m tests.golden.service
 
 # Thousands of random cases from a fresh seed, which is printed.
 campaign: setup

@@ -8,10 +8,10 @@ from fastapi import Depends, FastAPI
 from service.api import error_responses as problems
 from service.api import openapi, operations
 from service.api.body_limit import BodyLimit
-from service.api.client_disconnect import ClientWatch
-from service.api.graceful_shutdown import Farewell
-from service.api.host_check import Gate
-from service.api.query_parameters import require_known_query
+from service.api.client_disconnect import DisconnectWatch
+from service.api.graceful_shutdown import GracefulShutdown
+from service.api.host_check import HostCheck
+from service.api.params import require_known_query
 from service.catalog import routes as catalog
 from service.executions import routes as executions
 from service.lifespan import open_services
@@ -84,13 +84,13 @@ def create_app(
         redirect_slashes=False,
     )
     app.state.settings = chosen
-    app.add_middleware(ClientWatch)
+    app.add_middleware(DisconnectWatch)
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )
-    app.add_middleware(Gate, settings=chosen)
+    app.add_middleware(HostCheck, settings=chosen)
     app.state.is_stopping = False
-    app.add_middleware(Farewell, is_stopping=lambda: app.state.is_stopping)
+    app.add_middleware(GracefulShutdown, is_stopping=lambda: app.state.is_stopping)
     problems.install(app)
     openapi.install(app)
     for part in PARTS:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from service.api.responses import ExecutionId, PlanId, RegionsId
+from service.api.params import ExecutionId, PlanId, RegionsId
 from service.jobs.tables import Job, JobSummary, JobText
 from service.scene_jobs import SceneJobs
 from service.scenes.shelf import SceneShelf

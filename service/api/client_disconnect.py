@@ -1,4 +1,4 @@
-"""ClientWatch: what is asked for a client ends when the client leaves, and says what it took.
+"""DisconnectWatch: what is asked for a client ends when the client leaves, and says what it took.
 
 A question runs for one client alone, so nothing is left to do for it once the connection is closed.
 Jobs are not watched: they were accepted, and end by `cancel`.
@@ -41,7 +41,7 @@ class _Client:
 _client: ContextVar[_Client | None] = ContextVar("client", default=None)
 
 
-class ClientWatch:
+class DisconnectWatch:
     """Middleware that knows whose request a task answers, and adds `Server-Timing`."""
 
     def __init__(self, app: ASGIApp) -> None:

@@ -1,4 +1,4 @@
-"""Farewell: what the end of the server cuts off is answered, so that clients know to ask again."""
+"""GracefulShutdown: what the end of the server cuts off is answered, and clients ask again."""
 
 import asyncio
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from service.errors import ServerStopping
 _EVENTS = "text/event-stream"
 
 
-class Farewell:
+class GracefulShutdown:
     """Middleware that ends in order what is canceled because the server ends.
 
     A request is answered 503; a stream of events just ends, and who follows it asks for the rest.

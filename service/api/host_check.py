@@ -1,4 +1,4 @@
-"""Gate: whom the server is for, by the names that requests know it by and the pages they come from.
+"""HostCheck: requests are let in by the name of the server and the origin of the page.
 
 A browser asks on behalf of any page: one that has its own name resolve to 127.0.0.1 (DNS rebinding)
 gives itself away by `Host`, and one that asks another server by `Origin` (RFC 6454).
@@ -16,7 +16,7 @@ from service.settings import Settings
 _ANY = "*"
 
 
-class Gate:
+class HostCheck:
     """Middleware that lets in what is meant for this server."""
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:

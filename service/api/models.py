@@ -1,14 +1,54 @@
-"""RequestModel and ResponseModel: the bases of what goes over HTTP as JSON."""
+"""Bases and shared parts of what goes over HTTP as JSON: numbers, poses, problems, failures.
 
-from typing import Annotated
+Numbers are finite, never text, never booleans; 1.0 is an integer, as JSON has it.
+"""
 
-from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
+from pydantic import (
+    AllowInfNan,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    StringConstraints,
+    model_validator,
+)
+
+from planning.domain.geometry import pose as domain
+from planning.domain.goals.goal import PoseTarget
+from planning.errors import WayproofError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+def integral(number: Any) -> Any:
+    """Turn 3.0 into 3: JSON knows one kind of number."""
+    is_whole = isinstance(number, float) and number.is_integer()
+    return int(number) if is_whole else number
+
+
+# Last in an `Annotated`, so that bounds before it stay bounds of the number.
+WHOLE = BeforeValidator(integral)
+
+type Integer = Annotated[int, Strict(), WHOLE]
+type Real = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False)]
+type Coordinate = Annotated[
+    float, Strict(), AllowInfNan(allow_inf_nan=False), Field(ge=-1e6, le=1e6)
+]
+type NonNegative = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(ge=0, le=1e6)]
+type Scale = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(gt=0, le=1)]
+type Triple = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
+type Quadruple = Annotated[list[Coordinate], Field(min_length=4, max_length=4)]
+type Positions = Annotated[list[Coordinate], Field(min_length=1, max_length=256)]
 type Name = Annotated[str, StringConstraints(min_length=1, max_length=256)]
 type Identifier = Annotated[str, StringConstraints(min_length=1, max_length=128)]
-# Whoever writes "no" or 0 would be surprised by one answer or the other.
+# "no" and 0 are refused: some clients mean false by them, and JSON has a word for it.
 type Boolean = Annotated[bool, Strict()]
-
 
 UNRECORDED = (
     "What has happened and the database does not hold yet, because it is full, locked or away: "
@@ -30,3 +70,143 @@ class ResponseModel(BaseModel):
     """
 
     model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True)
+
+
+def require_one_rotation(quaternion: list[float] | None, rpy: list[float] | None) -> None:
+    """Go on only if a rotation is given once, or not at all, and is one.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if quaternion is not None and rpy is not None:
+        message = "give `quaternion` or `rpy`, not both"
+        raise ValueError(message)
+    if quaternion is not None and not math.hypot(*quaternion) > 1e-9:
+        message = "quaternion [w, x, y, z] must not be zero"
+        raise ValueError(message)
+
+
+class Pose(RequestModel):
+    """A rigid transform in a frame; `quaternion` or `rpy`, or neither for no rotation."""
+
+    model_config = ConfigDict(
+        title="Pose",
+        json_schema_extra={
+            "examples": [
+                {"position": [0.4, 0.2, 0.3], "quaternion": [0, 1, 0, 0], "frame": "world"}
+            ]
+        },
+    )
+
+    position: Triple = Field(description="x, y, z in `frame` [m]")
+    quaternion: Quadruple | None = Field(
+        default=None, description="Rotation as [w, x, y, z]; normalised when read, never zero"
+    )
+    rpy: Triple | None = Field(
+        default=None, description="Rotation as roll, pitch, yaw about fixed x, y, z [rad]"
+    )
+    frame: Name = Field(
+        default="world", description="The frame that the pose is given in: any frame of the scene"
+    )
+
+    @model_validator(mode="after")
+    def _one_rotation(self) -> Self:
+        require_one_rotation(self.quaternion, self.rpy)
+        return self
+
+    @classmethod
+    def from_domain(cls, pose: domain.Pose) -> Self:
+        """Return the model of a pose in world."""
+        return cls(position=pose.position.tolist(), quaternion=pose.quaternion.tolist())
+
+    def to_domain(self) -> domain.Pose:
+        """Return the transform, without the frame that it is given in."""
+        return domain.Pose.from_parts(self.position, self.quaternion, self.rpy)
+
+    def to_target(self) -> PoseTarget:
+        """Return the transform with the frame that it is given in."""
+        return PoseTarget(self.to_domain(), self.frame)
+
+
+class Problem(BaseModel):
+    """Why a request was refused (`application/problem+json`, RFC 9457)."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "urn:wayproof:problem:unknown_name",
+                    "title": "Unknown name",
+                    "status": 409,
+                    "code": "unknown_name",
+                    "detail": "frame 'pik' does not exist; did you mean 'pick'? frames: ['pick']",
+                    "evidence": {"kind": "frame", "name": "pik", "known": ["pick"]},
+                }
+            ]
+        }
+    )
+
+    type: str = Field(description="`urn:wayproof:problem:` and the code")
+    title: str = Field(description="The kind of problem, for a person")
+    status: int = Field(description="The HTTP status, again")
+    code: str = Field(description="Stable machine-readable name of the kind")
+    detail: str = Field(description="What is wrong with this request, for a person")
+    evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+
+
+class Failure(BaseModel):
+    """Why a job has no result."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "code": "goal_unreachable",
+                    "stage": "goals",
+                    "detail": "no configuration reaches the goal pose",
+                    "evidence": {"funnel": {"tried": 300, "converged": 0}},
+                    "timings": {"load": 0.021, "goals": 0.187, "total": 0.187},
+                }
+            ]
+        }
+    )
+
+    code: str = Field(description="Stable machine-readable name of the kind")
+    stage: str = Field(
+        description="The stage that gave up, or in which the time ran out or the cancel came: a "
+        "name in `timings`, for example `goals`; `worker` if it is not known; or empty"
+    )
+    detail: str = Field(description="What went wrong, for a person")
+    evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+    timings: dict[str, float] = Field(
+        default={},
+        description="Seconds per stage, of those that ended and of the one that failed; empty "
+        "where nothing was timed",
+    )
+
+    @classmethod
+    def from_error(cls, error: WayproofError) -> Self:
+        """Return what a job says of an error that ended it."""
+        return cls(
+            code=error.code,
+            stage=str(getattr(error, "stage", "")),
+            detail=error.detail,
+            evidence=dict(error.evidence),
+            timings=dict(getattr(error, "timings", {})),
+        )
+
+
+def listed(array: "np.ndarray[Any, Any]") -> list[Any]:
+    """Return an array as nested lists of floats."""
+    nested: list[Any] = array.astype(float).tolist()
+    return nested
+
+
+def finite(number: float) -> float | None:
+    """Return the number, or None if JSON cannot hold it."""
+    return float(number) if math.isfinite(number) else None
+
+
+def bounds(numbers: Iterable[float]) -> list[float | None]:
+    """Return numbers with None for those that bound nothing."""
+    return [finite(number) for number in numbers]

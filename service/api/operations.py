@@ -1,20 +1,63 @@
 """Health, readiness, metrics, documentation."""
 
 from pathlib import Path
+from typing import Literal
 
+import fastapi_offline
 from fastapi import APIRouter, Request
-from fastapi.responses import HTMLResponse, JSONResponse, PlainTextResponse, RedirectResponse
+from fastapi.openapi.docs import get_swagger_ui_html
+from fastapi.responses import (
+    FileResponse,
+    HTMLResponse,
+    JSONResponse,
+    PlainTextResponse,
+    RedirectResponse,
+)
+from pydantic import Field
 
 import planning
 from service.api.metrics import exposition
-from service.api.operations_models import Health, Readiness
+from service.api.models import ResponseModel
 from service.api.responses import problems
 from service.dependencies import JobsDep, ScenesDep
 from service.versions import versions
 
+
+class Health(ResponseModel):
+    """That the server is there."""
+
+    status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
+    version: str = Field(description="Of Wayproof")
+    kernel: str = Field(
+        description="Instruction set of the native collision kernel; `none` where it was not "
+        "built, and Drake answers everything, more slowly"
+    )
+
+
+class Readiness(ResponseModel):
+    """Whether the server takes jobs."""
+
+    status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")
+    queued: dict[str, int] = Field(description="Jobs that wait, by lane")
+    running: dict[str, int] = Field(description="Jobs that run, by lane")
+
+
 router = APIRouter(tags=["operations"])
 
-_DOCS = Path(__file__).parent / "pages" / "docs.html"
+_ASSETS = Path(fastapi_offline.__file__).parent / "static"
+# The page is Swagger UI, whose parts come from this server: browsers ask no other one.
+_POLICY = (
+    "default-src 'none'; connect-src 'self'; img-src 'self' data:; font-src 'self' data:; "
+    "script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'"
+)
+_SETTINGS = {
+    "validatorUrl": None,
+    "docExpansion": "list",
+    "defaultModelsExpandDepth": 0,
+    "filter": True,
+    "tryItOutEnabled": True,
+}
+type Asset = Literal["swagger-ui-bundle.js", "swagger-ui.css", "favicon.png"]
 _METRICS = {"content": {"text/plain": {"schema": {"type": "string"}}}}
 
 
@@ -58,6 +101,21 @@ def get_description(request: Request) -> JSONResponse:
 
 
 @router.get("/docs", include_in_schema=False)
-def get_docs() -> HTMLResponse:
+async def get_docs() -> HTMLResponse:
     """Show the documentation; the page needs no network but this server."""
-    return HTMLResponse(_DOCS.read_text(encoding="utf-8"))
+    page = get_swagger_ui_html(
+        openapi_url="openapi.json",
+        title="Wayproof: the HTTP API",
+        swagger_js_url="docs/swagger-ui-bundle.js",
+        swagger_css_url="docs/swagger-ui.css",
+        swagger_favicon_url="docs/favicon.png",
+        swagger_ui_parameters=_SETTINGS,
+    )
+    page.headers["Content-Security-Policy"] = _POLICY
+    return page
+
+
+@router.get("/docs/{asset}", include_in_schema=False)
+async def get_docs_asset(asset: Asset) -> FileResponse:
+    """Serve a part of the documentation."""
+    return FileResponse(_ASSETS / asset, headers={"Cache-Control": "max-age=86400"})

@@ -1,9 +1,20 @@
-"""What endpoints declare: problem documents by status, and parameters that many of them share."""
+"""What endpoints declare and how they answer: problem documents by status, and recorded JSON.
 
-from typing import Annotated, Any
+A result goes out as the text that the database has: it is not read here.
+"""
 
-from fastapi import Header, Path, Query
+from collections.abc import AsyncIterator, Mapping
+from typing import Any
 
+from anyio import to_thread
+from fastapi import Response
+from fastapi.responses import StreamingResponse
+
+from service.api.models import ResponseModel
+from service.jobs.json_steps import STEP, member_of
+from service.jobs.json_text import Encoded
+
+_JSON = "application/json"
 _DESCRIPTIONS = {
     400: "The body or a parameter cannot be read, or the server is not meant by that name",
     403: "A page of another origin asks",
@@ -37,23 +48,66 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     }
 
 
-type Limit = Annotated[int, Query(ge=1, le=200, description="How many on a page")]
-type Cursor = Annotated[
-    str | None,
-    Query(pattern=r"^[0-9]{1,18}$", description="`next` of the page before; none for the first"),
-]
-type SceneId = Annotated[str, Path(max_length=128, description="Id of a scene")]
-type Revision = Annotated[
-    int | None, Query(ge=1, le=2**31 - 1, description="Of the scene; by default the latest")
-]
-type PlanId = Annotated[str, Path(max_length=128, description="Id of a plan")]
-type ExecutionId = Annotated[str, Path(max_length=128, description="Id of an execution")]
-type RegionsId = Annotated[str, Path(max_length=128, description="Id of regions")]
-type LastEventId = Annotated[
-    str | None,
-    Header(
-        alias="Last-Event-ID",
-        max_length=40,
-        description="Id of the last event that was seen; those after it are sent",
-    ),
-]
+def accepted(
+    model: type[ResponseModel], what: str, *refusals: int
+) -> dict[int | str, dict[str, Any]]:
+    """Return the declaration of what a request for a job is answered with.
+
+    Args:
+        model: Of the job.
+        what: It is, as words.
+        refusals: Statuses of problem documents.
+    """
+    location = {"description": f"Of {what}", "schema": {"type": "string"}}
+    return {
+        200: {"model": model, "description": "Ended within the time that was waited"},
+        202: {
+            "description": "Accepted; `Location` says where to poll",
+            "headers": {"Location": location},
+        },
+        **problems(*refusals),
+    }
+
+
+async def whole(
+    brief: ResponseModel, found: Encoded | None, told: Response | None = None
+) -> Response:
+    """Return the answer of a job in full.
+
+    Args:
+        brief: The job without its result.
+        found: What the task gave, whose member `result` is the job's.
+        told: Status and headers of the answer, if they are not the usual ones.
+    """
+    text = "" if found is None else found.text
+    if len(text) <= STEP:
+        result = member_of(text, "result")
+    else:
+        result = await to_thread.run_sync(member_of, text, "result")
+    head = f'{brief.model_dump_json()[:-1]},"result":'.encode()
+    result = result or "null"
+    status = 200 if told is None else told.status_code or 202
+    headers = {} if told is None else dict(told.headers)
+    if len(result) <= STEP:
+        return Response(head + result.encode() + b"}", status, headers, _JSON)
+    headers["content-length"] = str(len(head) + len(result) + 1)
+    return StreamingResponse(_in_pieces(head, result), status, headers, _JSON)
+
+
+def passed_on(
+    found: Encoded, status: int = 200, headers: Mapping[str, str] | None = None
+) -> Response:
+    """Return an answer that is what a task gave, with headers of its own."""
+    told = dict(headers or {})
+    if len(found.text) <= STEP:
+        return Response(found.text.encode(), status, told, _JSON)
+    told["content-length"] = str(len(found.text))
+    return StreamingResponse(_in_pieces(b"", found.text, b""), status, told, _JSON)
+
+
+async def _in_pieces(head: bytes, text: str, tail: bytes = b"}") -> AsyncIterator[bytes]:
+    """Yield bytes of which the server sends one before it asks for the next; the text is ASCII."""
+    yield head
+    for i in range(0, len(text), STEP):
+        yield text[i : i + STEP].encode("ascii")
+    yield tail

@@ -1,16 +1,42 @@
-"""Submission: what a request for a job says in its headers, and how it is answered."""
+"""Submission: what a request for a job says besides its body, and how it is answered.
 
+`?wait=S` or `Prefer: wait=S` (RFC 7240) say how long the client waits for the end of the job.
+"""
+
+import re
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
-from fastapi import Depends, Response
+from fastapi import Depends, Header, Query, Response
 
-from service.api.models import ResponseModel
-from service.api.responses import problems
-from service.api.waiting import IdempotencyKey, Prefer, Wait, seconds_to_wait
 from service.dependencies import JobsDep, SettingsDep
 from service.jobs.tables import Job, JobText
 from service.scene_jobs import SceneJobs
+
+_PREFERENCE = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6}(?:\.\d{1,6})?)")
+
+type Wait = Annotated[
+    float | None,
+    Query(
+        ge=0,
+        le=3600,
+        allow_inf_nan=False,
+        description="Answer 200 with the finished job if it ends within so long [s]",
+    ),
+]
+type Prefer = Annotated[
+    str | None,
+    Header(max_length=200, description="`wait=S` does what `?wait=S` does (RFC 7240)"),
+]
+type IdempotencyKey = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=200,
+        description="The same key and request give the same job, however often they are sent",
+    ),
+]
 
 
 @dataclass(frozen=True)
@@ -58,22 +84,9 @@ async def _submission(
 type SubmissionDep = Annotated[Submission, Depends(_submission)]
 
 
-def taken_in(
-    model: type[ResponseModel], what: str, *refusals: int
-) -> dict[int | str, dict[str, Any]]:
-    """Return the declaration of what a request for a job is answered with.
-
-    Args:
-        model: Of the job.
-        what: It is, as words.
-        refusals: Statuses of problem documents.
-    """
-    location = {"description": f"Of {what}", "schema": {"type": "string"}}
-    return {
-        200: {"model": model, "description": "Ended within the time that was waited"},
-        202: {
-            "description": "Accepted; `Location` says where to poll",
-            "headers": {"Location": location},
-        },
-        **problems(*refusals),
-    }
+def seconds_to_wait(wait: float | None, prefer: str | None, longest: float) -> float:
+    """Return how long to wait [s]: the parameter, else the preference, else not at all."""
+    if wait is not None:
+        return min(wait, longest)
+    found = _PREFERENCE.search(prefer or "")
+    return min(float(found[1]), longest) if found else 0.0

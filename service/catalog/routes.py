@@ -5,8 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Response
 
 from planning.errors import UnknownName
-from service.api.raw_json import passed_on
-from service.api.responses import problems
+from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.catalog.models import ModelList, PlannerList
 from service.catalog.tasks import LIST_MODELS, SHOW_MODEL, ModelWork

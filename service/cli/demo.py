@@ -7,13 +7,13 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from service.api.job_models import Job
 from service.cli.options import MAX_SEED, above_zero
+from service.cli.output import console, follow, show_failure
 from service.cli.plan import finished
-from service.cli.screen import console, follow, show_failure
 from service.cli.session import scene_text, session
 from service.client.client import Client
 from service.executions.models import Execution, ExecutionState
+from service.plans.models.job import Job
 
 _SCENE = "ur5e_pickup"
 _ARM, _GRIPPER = "arm", "arm::gripper"

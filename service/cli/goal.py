@@ -4,7 +4,7 @@ from typing import Any
 
 import typer
 
-from service.cli.screen import complaints
+from service.cli.output import error_console
 from service.scenes.models import Scene
 from service.scenes.summary_models import Group
 
@@ -19,7 +19,7 @@ def group_of(scene: Scene, name: str | None) -> Group:
         if name in {None, group.name, *group.aliases}:
             return group
     known = ", ".join(group.name for group in scene.groups)
-    complaints.print(f"group {name!r} does not exist; groups: {known}", markup=False)
+    error_console.print(f"group {name!r} does not exist; groups: {known}", markup=False)
     raise typer.Exit(1)
 
 
@@ -33,7 +33,7 @@ def goal_of(scene: Scene, group: Group, target: str) -> dict[str, Any]:
         return {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": target}]}
     if target in group.configurations:
         return {"type": "configuration", "name": target}
-    complaints.print(
+    error_console.print(
         f"{target!r} is neither a frame nor a configuration; "
         f"frames: {', '.join(scene.frames)}; configurations: {', '.join(group.configurations)}",
         markup=False,
@@ -51,7 +51,7 @@ def start_of(group: Group, name: str | None) -> list[float] | None:
         return None
     if name not in group.configurations:
         known = ", ".join(group.configurations)
-        complaints.print(
+        error_console.print(
             f"configuration {name!r} does not exist; configurations: {known}", markup=False
         )
         raise typer.Exit(1)

@@ -5,12 +5,12 @@ from typing import Annotated, Any
 
 import typer
 
-from service.api.job_models import Job
 from service.cli.goal import goal_of, group_of, start_of
 from service.cli.options import MAX_SEED, above_zero
-from service.cli.screen import console, follow, show_failure, show_plans, unit_of
+from service.cli.output import console, follow, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
 from service.client.client import Client
+from service.plans.models.job import Job
 
 
 def plan(  # noqa: PLR0913  (one parameter per option)

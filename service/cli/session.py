@@ -6,11 +6,11 @@ from contextlib import contextmanager
 import httpx
 import typer
 
+from service.cli.output import error_console
 from service.cli.private_server import ServerFailed, private_server
 from service.cli.scene_source import NoSuchScene, read_scene_text
-from service.cli.screen import complaints
 from service.client.client import Client
-from service.client.refused import Refused
+from service.client.errors import ApiError
 
 
 @contextmanager
@@ -23,14 +23,14 @@ def session(server: str | None) -> Generator[Client]:
     try:
         with private_server() if server is None else Client(server) as client:
             yield client
-    except Refused as refusal:
-        complaints.print(f"the server refused: {refusal}", markup=False)
+    except ApiError as refusal:
+        error_console.print(f"the server refused: {refusal}", markup=False)
         raise typer.Exit(1) from refusal
     except httpx.TransportError as fault:
-        complaints.print(f"cannot reach the server: {fault}", markup=False)
+        error_console.print(f"cannot reach the server: {fault}", markup=False)
         raise typer.Exit(1) from fault
     except ServerFailed as fault:
-        complaints.print(str(fault), markup=False)
+        error_console.print(str(fault), markup=False)
         raise typer.Exit(1) from fault
 
 
@@ -43,5 +43,5 @@ def scene_text(scene: str) -> tuple[bytes, str]:
     try:
         return read_scene_text(scene)
     except NoSuchScene as fault:
-        complaints.print(str(fault), markup=False)
+        error_console.print(str(fault), markup=False)
         raise typer.Exit(1) from fault

@@ -6,10 +6,10 @@ from typing import Any, Self
 
 import httpx
 
-from service.api.job_models import Job
+from service.client.errors import raise_for_problem
 from service.client.events import Event, decode_events
-from service.client.refused import checked
 from service.executions.models import Execution
+from service.plans.models.job import Job
 from service.scenes.models import Scene
 from service.scenes.summary_models import Model
 
@@ -20,7 +20,7 @@ _ANSWER_TIMEOUT = 120.0
 class Client:
     """Speaks to one server. Use it as a context manager.
 
-    Every method raises `Refused` for a problem document and `httpx.TransportError` if the server
+    Every method raises `ApiError` for a problem document and `httpx.TransportError` if the server
     cannot be reached.
     """
 
@@ -56,26 +56,26 @@ class Client:
 
     def models(self) -> list[str]:
         """Return the names of the robots there are."""
-        names: list[str] = checked(self._http.get("/v1/models")).json()["items"]
+        names: list[str] = self._get("/v1/models").json()["items"]
         return names
 
     def model(self, name: str) -> Model:
         """Return what a robot can do."""
-        return Model.model_validate_json(checked(self._http.get(f"/v1/models/{name}")).content)
+        return Model.model_validate_json(self._get(f"/v1/models/{name}").content)
 
     def add_scene(self, text: str | bytes, media_type: str = "application/yaml") -> Scene:
         """Post a scene."""
         headers = {"Content-Type": media_type}
-        answer = self._http.post("/v1/scenes", content=text, headers=headers)
-        return Scene.model_validate_json(checked(answer).content)
+        answer = self._send("POST", "/v1/scenes", content=text, headers=headers)
+        return Scene.model_validate_json(answer.content)
 
     def scene(self, scene: str) -> Scene:
         """Return a scene."""
-        return Scene.model_validate_json(checked(self._http.get(f"/v1/scenes/{scene}")).content)
+        return Scene.model_validate_json(self._get(f"/v1/scenes/{scene}").content)
 
     def delete_scene(self, scene: str) -> None:
         """Forget a scene."""
-        checked(self._http.delete(f"/v1/scenes/{scene}"))
+        self._send("DELETE", f"/v1/scenes/{scene}")
 
     def submit_plan(self, request: dict[str, Any], key: str | None = None) -> Job:
         """Ask for a plan.
@@ -85,17 +85,17 @@ class Client:
             key: Idempotency key: the same key and request give the same job.
         """
         headers = {} if key is None else {"Idempotency-Key": key}
-        answer = self._http.post("/v1/plans", json=request, headers=headers)
-        return Job.model_validate_json(checked(answer).content)
+        answer = self._send("POST", "/v1/plans", json=request, headers=headers)
+        return Job.model_validate_json(answer.content)
 
     def plan(self, plan: str) -> Job:
         """Return how far a plan is."""
-        return Job.model_validate_json(checked(self._http.get(f"/v1/plans/{plan}")).content)
+        return Job.model_validate_json(self._get(f"/v1/plans/{plan}").content)
 
     def cancel_plan(self, plan: str) -> Job:
         """Ask for the end of a plan."""
-        answer = self._http.post(f"/v1/plans/{plan}/cancel")
-        return Job.model_validate_json(checked(answer).content)
+        answer = self._send("POST", f"/v1/plans/{plan}/cancel")
+        return Job.model_validate_json(answer.content)
 
     def plan_events(self, plan: str, after: str | None = None) -> Iterator[Event]:
         """Yield what happens to a plan, from the first event or after one, until it is over."""
@@ -104,20 +104,20 @@ class Client:
     def trajectory_csv(self, plan: str) -> str:
         """Return the trajectory of a plan as CSV."""
         path = f"/v1/plans/{plan}/trajectory"
-        return checked(self._http.get(path, params={"format": "csv"})).text
+        return self._get(path, format="csv").text
 
     def replay(self, plan: str) -> str:
         """Return a page that replays a plan in 3-D."""
-        return checked(self._http.get(f"/v1/plans/{plan}/replay.html")).text
+        return self._get(f"/v1/plans/{plan}/replay.html").text
 
     def edit_scene(self, scene: str, operations: list[dict[str, Any]]) -> Scene:
         """Carry out operations on a scene, all or none, and return its next revision."""
-        answer = self._http.patch(f"/v1/scenes/{scene}", json={"operations": operations})
-        return Scene.model_validate_json(checked(answer).content)
+        answer = self._send("PATCH", f"/v1/scenes/{scene}", json={"operations": operations})
+        return Scene.model_validate_json(answer.content)
 
     def scene_replay(self, scene: str) -> str:
         """Return a page that replays in 3-D what executions moved in a scene."""
-        return checked(self._http.get(f"/v1/scenes/{scene}/replay.html")).text
+        return self._get(f"/v1/scenes/{scene}/replay.html").text
 
     def execute(self, plan: str, speed: float = 1.0, title: str | None = None) -> Execution:
         """Carry out a plan in simulation, `speed` times as fast as real time.
@@ -125,26 +125,32 @@ class Client:
         `title` is what replays of the scene call it.
         """
         body = {"plan": plan, "driver": "simulated", "speed": speed, "title": title}
-        answer = checked(self._http.post("/v1/executions", json=body))
+        answer = self._send("POST", "/v1/executions", json=body)
         return Execution.model_validate_json(answer.content)
 
     def execution(self, execution: str) -> Execution:
         """Return how far an execution is."""
-        answer = checked(self._http.get(f"/v1/executions/{execution}"))
+        answer = self._get(f"/v1/executions/{execution}")
         return Execution.model_validate_json(answer.content)
 
     def cancel_execution(self, execution: str) -> Execution:
         """Ask for the end of an execution."""
-        answer = checked(self._http.post(f"/v1/executions/{execution}/cancel"))
+        answer = self._send("POST", f"/v1/executions/{execution}/cancel")
         return Execution.model_validate_json(answer.content)
 
     def execution_events(self, execution: str, after: str | None = None) -> Iterator[Event]:
         """Yield what happens to an execution, until it is over."""
         return self._events(f"/v1/executions/{execution}/events", after)
 
+    def _get(self, path: str, **params: str) -> httpx.Response:
+        return raise_for_problem(self._http.get(path, params=params))
+
+    def _send(self, method: str, path: str, **content: Any) -> httpx.Response:
+        return raise_for_problem(self._http.request(method, path, **content))
+
     def _events(self, path: str, after: str | None) -> Iterator[Event]:
         headers = {} if after is None else {"Last-Event-ID": after}
         with self._http.stream("GET", path, headers=headers) as answer:
             if answer.is_error:
                 answer.read()
-            yield from decode_events(checked(answer).iter_lines())
+            yield from decode_events(raise_for_problem(answer))

@@ -1,12 +1,11 @@
-"""Server-sent events, decoded.
+"""Events of a job, from a stream of server-sent events."""
 
-https://html.spec.whatwg.org/multipage/server-sent-events.html#event-stream-interpretation
-"""
-
-import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
+
+import httpx
+from httpx_sse import EventSource
 
 
 @dataclass(frozen=True)
@@ -24,16 +23,12 @@ class Event:
     data: dict[str, Any]
 
 
-def decode_events(lines: Iterable[str]) -> Iterator[Event]:
-    """Yield the events in the lines of a `text/event-stream`; comments are skipped."""
-    fields: dict[str, str] = {}
-    for line in lines:
-        if line:
-            name, _, rest = line.partition(":")
-            if name:
-                fields[name] = rest.removeprefix(" ")
-        elif "data" in fields:
-            yield Event(fields.get("id", ""), fields.get("event", ""), json.loads(fields["data"]))
-            fields = {}
-        else:
-            fields = {}
+def decode_events(response: httpx.Response) -> Iterator[Event]:
+    """Yield the events of a response, which is read on the way; those without data are skipped.
+
+    Raises:
+        SSEError: It is no stream of events.
+    """
+    for event in EventSource(response).iter_sse():
+        if event.data:
+            yield Event(event.id, event.event, event.json())

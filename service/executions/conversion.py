@@ -4,7 +4,7 @@ from typing import Any
 
 from planning.domain.geometry.body_pair import BodyPair
 from planning.execute.status import ExecutionStatus
-from service.api.number_conversion import listed
+from service.api.models import listed
 
 
 class StatusLog:

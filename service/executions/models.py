@@ -6,9 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import UNRECORDED, Identifier, RequestModel, ResponseModel
-from service.api.numbers import Real
-from service.api.problem import Failure
+from service.api.models import UNRECORDED, Failure, Identifier, Real, RequestModel, ResponseModel
 
 
 class ExecutionState(StrEnum):

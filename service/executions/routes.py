@@ -9,9 +9,10 @@ from fastapi import APIRouter, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.event_stream import EVENTS, server_sent
-from service.api.responses import Cursor, LastEventId, Limit, problems
+from service.api.params import Cursor, LastEventId, Limit
+from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
-from service.api.submission import SubmissionDep, taken_in
+from service.api.submission import SubmissionDep
 from service.dependencies import ExecutionJob, JobsDep, OpenExecution, ScenesDep
 from service.executions.commands import steer
 from service.executions.models import (
@@ -32,7 +33,7 @@ type OfScene = Annotated[str | None, Query(max_length=128, description="Only tho
     operation_id="createExecution",
     status_code=202,
     response_model=Execution,
-    responses=taken_in(Execution, "the execution", 400, 404, 409, 413, 422, 429, 503),
+    responses=accepted(Execution, "the execution", 400, 404, 409, 413, 422, 429, 503),
 )
 async def create_execution(
     request: ExecutionRequest, asked: SubmissionDep, scenes: ScenesDep

@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
 
-from service.api.raw_json import passed_on
-from service.api.responses import problems
+from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, PlanJob
 from service.plans.models.trajectory import Trajectory

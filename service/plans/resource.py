@@ -6,11 +6,11 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, SkipValidation
 
 from planning.domain.report.motion_plan import PlanPart
-from service.api.job_models import JobBrief as Plan
 from service.errors import NotFinished
 from service.jobs.outline import without
 from service.jobs.tables import Job, JobSummary
 from service.jobs.tasks import TaskModel, outline_of
+from service.plans.models.job import JobBrief
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, MotionWork
@@ -66,11 +66,11 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-def plan_resource(desk: SceneJobs, job: JobSummary) -> Plan:
+def plan_resource(desk: SceneJobs, job: JobSummary) -> JobBrief:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
-    return Plan.model_validate({
+    return JobBrief.model_validate({
         "id": job.id,
         "state": job.state,
         "stage": job.stage,

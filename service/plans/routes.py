@@ -9,13 +9,13 @@ from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.event_stream import EVENTS, server_sent
-from service.api.job_models import Job, JobPage, JobState
-from service.api.raw_json import whole
-from service.api.responses import Cursor, LastEventId, Limit, problems
+from service.api.params import Cursor, LastEventId, Limit
+from service.api.responses import accepted, problems, whole
 from service.api.strict_route import StrictRoute
-from service.api.submission import SubmissionDep, taken_in
+from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
 from service.jobs.tables import JobText
+from service.plans.models.job import Job, JobPage, JobState
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.resource import graph_of, plan_resource
@@ -32,7 +32,7 @@ type OfScene = Annotated[str | None, Query(max_length=128, description="Only tho
     operation_id="createPlan",
     status_code=202,
     response_model=Job,
-    responses=taken_in(Job, "the plan", 400, 404, 409, 413, 422, 429, 503),
+    responses=accepted(Job, "the plan", 400, 404, 409, 413, 422, 429, 503),
 )
 async def create_plan(
     request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep
@@ -92,7 +92,7 @@ async def get_planner_graph(job: PlanJob) -> PlannerGraph:
     operation_id="reversePlan",
     status_code=202,
     response_model=Job,
-    responses=taken_in(Job, "the plan", 404, 409, 422, 429, 503),
+    responses=accepted(Job, "the plan", 404, 409, 422, 429, 503),
 )
 async def reverse_plan(job: PlanJob, submission: SubmissionDep, scenes: ScenesDep) -> Response:
     """Ask for the same motion from its end to its start: a plan of its own, proven anew."""

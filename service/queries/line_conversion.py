@@ -4,7 +4,7 @@ from typing import Any
 
 from planning.api.trace_line import TraceResolution
 from planning.domain.goals.line_trace import LineStop, LineTrace
-from service.api.number_conversion import listed
+from service.api.models import listed
 from service.plans.models.goal_values import pose_wire
 from service.queries.models.line import LineRequest
 from service.queries.verdict_conversion import pair_wire

@@ -2,7 +2,8 @@
 
 from fastapi import APIRouter
 
-from service.api.responses import SceneId, problems
+from service.api.params import SceneId
+from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.queries.models.check import CheckRequest, CheckResponse

@@ -3,7 +3,7 @@
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
-from service.api.number_conversion import listed
+from service.api.models import listed
 
 if TYPE_CHECKING:
     import numpy as np

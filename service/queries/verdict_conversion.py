@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from planning.domain.geometry.body_pair import BodyPair
-from service.api.number_conversion import finite, listed
+from service.api.models import finite, listed
 
 if TYPE_CHECKING:
     from planning.world.configuration_check import StateVerdict

@@ -6,10 +6,17 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, Strict
 
 from planning.domain.planner import regions as domain
-from service.api.job_models import JobState
-from service.api.models import UNRECORDED, Name, RequestModel, ResponseModel
-from service.api.numbers import WHOLE, NonNegative, Real
-from service.api.problem import Failure
+from service.api.models import (
+    UNRECORDED,
+    WHOLE,
+    Failure,
+    Name,
+    NonNegative,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
+from service.plans.models.job import JobState
 from service.plans.models.search import Interval
 
 

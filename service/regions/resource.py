@@ -2,10 +2,10 @@
 
 from fastapi import Response
 
-from service.api.job_models import JobState
-from service.api.problem import Failure
-from service.api.raw_json import whole
+from service.api.models import Failure
+from service.api.responses import whole
 from service.jobs.tables import JobSummary, JobText
+from service.plans.models.job import JobState
 from service.regions.models import RegionsBrief
 from service.regions.tasks import RegionsOutline, RegionsWork
 from service.scene_jobs import SceneJobs

@@ -8,9 +8,10 @@ from fastapi import APIRouter, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.event_stream import EVENTS, server_sent
-from service.api.responses import Cursor, LastEventId, Limit, SceneId, problems
+from service.api.params import Cursor, LastEventId, Limit, SceneId
+from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
-from service.api.submission import SubmissionDep, taken_in
+from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
 from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
 from service.regions.resource import regions_brief, regions_in_full
@@ -24,7 +25,7 @@ router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
     operation_id="growRegions",
     status_code=202,
     response_model=RegionsJob,
-    responses=taken_in(RegionsJob, "the regions", 400, 404, 409, 413, 422, 429, 503),
+    responses=accepted(RegionsJob, "the regions", 400, 404, 409, 413, 422, 429, 503),
 )
 async def grow_regions(
     scene: SceneId, request: RegionsRequest, asked: SubmissionDep, scenes: ScenesDep

@@ -5,8 +5,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, Strict, model_validator
 
 from planning.world.documents.scene_document import ObjectDocument, PoseDocument
-from service.api.models import Boolean, Name, RequestModel
-from service.api.numbers import WHOLE, Coordinate, Positions
+from service.api.models import WHOLE, Boolean, Coordinate, Name, Positions, RequestModel
 
 type BodyNames = Annotated[list[Name], Field(min_length=2, max_length=2)]
 

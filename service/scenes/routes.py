@@ -6,8 +6,8 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from planning.errors import UnknownName
-from service.api.raw_json import passed_on
-from service.api.responses import Cursor, Limit, Revision, SceneId, problems
+from service.api.params import Cursor, Limit, Revision, SceneId
+from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.errors import UnknownInScene

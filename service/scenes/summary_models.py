@@ -8,8 +8,7 @@ from pydantic import ConfigDict, Field
 from planning.domain.robot import joints as domain
 from planning.domain.robot.steering import steering_of
 from planning.domain.scene.summary import GroupSummary, RobotSummary
-from service.api.models import ResponseModel
-from service.api.number_conversion import bounds
+from service.api.models import ResponseModel, bounds
 
 type Bound = float | None
 

@@ -11,8 +11,7 @@ from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation import polyline_through, trajectory_through
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.errors import ProblemInvalid, UnknownName
-from service.api.models import Name, RequestModel
-from service.api.numbers import Coordinate, NonNegative, Positions
+from service.api.models import Coordinate, Name, NonNegative, Positions, RequestModel
 
 type Rows = Annotated[list[Positions], Field(min_length=2, max_length=20_000)]
 type Instants = Annotated[list[NonNegative], Field(min_length=2, max_length=20_001)]

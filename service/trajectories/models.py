@@ -4,9 +4,18 @@ from typing import Annotated, Any, Self
 
 from pydantic import ConfigDict, Field, Strict, model_validator
 
-from service.api.models import Boolean, Identifier, Name, RequestModel, ResponseModel
-from service.api.numbers import WHOLE, NonNegative, Positions, Real
-from service.api.problem import Failure
+from service.api.models import (
+    WHOLE,
+    Boolean,
+    Failure,
+    Identifier,
+    Name,
+    NonNegative,
+    Positions,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
 from service.plans.models.constraints import Constraint
 from service.plans.models.motion_limits import ScaledLimits
 from service.plans.models.reports import CertifyReport, RetimeReport

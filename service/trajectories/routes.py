@@ -3,8 +3,7 @@
 from fastapi import APIRouter, Response
 
 from service.api.models import ResponseModel
-from service.api.raw_json import passed_on
-from service.api.responses import problems
+from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.jobs.tasks import Task

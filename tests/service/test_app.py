@@ -95,6 +95,17 @@ def test_docs_need_no_other_host(client):
     assert page.status_code == 200
     assert page.headers["content-type"].startswith("text/html")
     assert not re.findall(r"https?://|(?:src|href)=\"//", page.text)
+    # The page would have another host check the document, and browsers are told to ask no other.
+    assert re.search(r'"validatorUrl": null', page.text)
+    policy = page.headers["content-security-policy"]
+    assert {word for word in policy.replace(";", " ").split() if ":" in word} == {"data:"}
+    assets = re.findall(r"(?:src|href)=\"([^\"]+)", page.text)
+    assert {asset.rpartition(".")[2] for asset in assets} == {"js", "css", "png"}
+    for asset in assets:
+        answer = client.get(page.url.join(asset).path)
+        assert answer.status_code == 200
+        assert len(answer.content) > 1000
+    assert client.get("/docs/__init__.py").status_code == 422
 
 
 @pytest.mark.parametrize("path", ["/v2", "/v1", "/v1/scenes/", "/v1/nothing", "/v1/plans/x/y"])

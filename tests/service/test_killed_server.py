@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from service.api.job_models import Job
+from service.plans.models.job import Job
 from service.scenes.models import Scene
 from tests.service.regions.test_routes import ENDLESS, REQUEST, SCENE
 from tests.service.servers import ARM, endless, helpers_of, living, request_of, server, until

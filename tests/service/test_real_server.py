@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from service.client.refused import Refused
+from service.client.errors import Refused
 from tests.service.servers import ARM, endless, helpers_of, living, request_of, until
 
 

@@ -8,9 +8,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from planning.domain.request import constraint as domain
 from service.api.arrays import vector
-from service.api.models import Name, RequestModel
-from service.api.numbers import NonNegative, Real, Triple
-from service.api.pose import Pose
+from service.api.models import Name, NonNegative, Pose, Real, RequestModel, Triple
 
 type Side = Annotated[Real, Field(gt=0, le=1e6)]
 type Names = Annotated[list[Name], Field(min_length=1, max_length=1000)]

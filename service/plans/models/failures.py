@@ -3,7 +3,7 @@
 from typing import Any
 
 from planning.errors import WayproofError
-from service.api.problem import Failure
+from service.api.models import Failure
 
 
 def failure_wire(error: WayproofError) -> dict[str, Any]:

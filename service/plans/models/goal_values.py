@@ -5,7 +5,7 @@ from planning.domain.goals import goal as domain
 from planning.domain.goals.linear_moves import Displacement
 from planning.domain.request.options import CertifyOptions, IkOptions, RetimeOptions
 from planning.domain.request.problem import PlanningProblem
-from service.api.pose import Pose
+from service.api.models import Pose
 from service.plans.models.goals import Goal, PoseGoal, RegionGoal, RelativeGoal
 from service.plans.models.ik import Ik
 from service.plans.models.line_goals import LineEnd

@@ -10,9 +10,17 @@ from planning.domain.arrays import Array
 from planning.domain.geometry import pose as geometry
 from planning.domain.goals import goal as domain
 from service.api.arrays import vector
-from service.api.models import Name, RequestModel
-from service.api.numbers import NonNegative, Positions, Quadruple, Real, Triple
-from service.api.pose import Pose, require_one_rotation
+from service.api.models import (
+    Name,
+    NonNegative,
+    Pose,
+    Positions,
+    Quadruple,
+    Real,
+    RequestModel,
+    Triple,
+    require_one_rotation,
+)
 from service.plans.models.line_goals import LineGoal, PathGoal, ToolFrame
 
 

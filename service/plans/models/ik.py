@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, Strict
 
 from planning.domain.request import options as domain
-from service.api.models import Name, RequestModel, ResponseModel
-from service.api.numbers import WHOLE, NonNegative, Real
+from service.api.models import WHOLE, Name, NonNegative, Real, RequestModel, ResponseModel
 
 
 class PoseMetric(RequestModel):

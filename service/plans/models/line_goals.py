@@ -7,9 +7,7 @@ from pydantic import ConfigDict, Field, model_validator
 from planning.domain.goals import goal as domain
 from planning.domain.goals.linear_moves import Displacement
 from service.api.arrays import vector
-from service.api.models import Name, RequestModel
-from service.api.numbers import Real, Triple
-from service.api.pose import Pose
+from service.api.models import Name, Pose, Real, RequestModel, Triple
 
 type Shift = Annotated[Real, Field(ge=1e-6, le=1)]
 type Turn = Annotated[Real, Field(ge=1e-5, le=3)]

@@ -7,8 +7,7 @@ from pydantic import ConfigDict, Field, model_validator
 from planning.domain.request import motion_limits as domain
 from planning.domain.robot import payload as robot
 from planning.errors import ProblemInvalid
-from service.api.models import Boolean, Name, RequestModel
-from service.api.numbers import Coordinate, Real, Scale, Triple
+from service.api.models import Boolean, Coordinate, Name, Real, RequestModel, Scale, Triple
 from service.plans.models.constraints import Box
 
 type Speed = Annotated[Real, Field(ge=1e-3, le=1e3)]

@@ -7,8 +7,16 @@ from pydantic import ConfigDict, Field, Strict, model_validator
 from planning.domain.request import options as domain
 from planning.domain.request.problem import PlanningProblem
 from service.api.arrays import vector
-from service.api.models import Boolean, Identifier, Name, RequestModel
-from service.api.numbers import WHOLE, NonNegative, Positions, Real
+from service.api.models import (
+    WHOLE,
+    Boolean,
+    Identifier,
+    Name,
+    NonNegative,
+    Positions,
+    Real,
+    RequestModel,
+)
 from service.plans.models.constraints import Constraint, constraints_to_domain
 from service.plans.models.goals import Goal
 from service.plans.models.ik import Ik

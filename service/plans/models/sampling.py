@@ -8,8 +8,7 @@ from pydantic import Field, Strict, model_validator
 from planning.domain.curves import sampling as domain
 from planning.domain.curves.curve import TimedTrajectory
 from planning.errors import ProblemInvalid
-from service.api.models import Boolean, RequestModel
-from service.api.numbers import WHOLE, Real
+from service.api.models import WHOLE, Boolean, Real, RequestModel
 
 # Between samples [s].
 DEFAULT_PERIOD = 0.01

@@ -6,8 +6,16 @@ from pydantic import Discriminator, Field, Strict, Tag
 
 from planning.domain.request import options as domain
 from planning.domain.robot.steering import Steering
-from service.api.models import Boolean, Identifier, Name, RequestModel
-from service.api.numbers import WHOLE, Coordinate, Integer, Real
+from service.api.models import (
+    WHOLE,
+    Boolean,
+    Coordinate,
+    Identifier,
+    Integer,
+    Name,
+    Real,
+    RequestModel,
+)
 
 type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 type ParameterValue = Boolean | Integer | Real | Annotated[str, Field(max_length=256)]

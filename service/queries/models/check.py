@@ -4,8 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Name, RequestModel, ResponseModel
-from service.api.numbers import NonNegative, Positions
+from service.api.models import Name, NonNegative, Positions, RequestModel, ResponseModel
 
 
 class CheckRequest(RequestModel):

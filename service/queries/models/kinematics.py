@@ -4,10 +4,17 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, Strict
 
-from service.api.models import Name, RequestModel, ResponseModel
-from service.api.numbers import WHOLE, NonNegative, Positions, Real
-from service.api.pose import Pose
-from service.api.problem import Failure
+from service.api.models import (
+    WHOLE,
+    Failure,
+    Name,
+    NonNegative,
+    Pose,
+    Positions,
+    Real,
+    RequestModel,
+    ResponseModel,
+)
 from service.plans.models.constraints import Constraint
 from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
 from service.plans.models.ik import Ik, IkFunnel

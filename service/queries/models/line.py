@@ -4,9 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Boolean, Name, ResponseModel
-from service.api.numbers import NonNegative, Positions, Real
-from service.api.pose import Pose
+from service.api.models import Boolean, Name, NonNegative, Pose, Positions, Real, ResponseModel
 from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
 from service.queries.models.check import Pair
 

@@ -32,6 +32,7 @@ CALLS: tuple[Call, ...] = (
 _REPOSITORY = Path(__file__).parents[3]
 # They are the transport's.
 _UNTOLD = {"content-length", "date", "server"}
+_FINAL = {"succeeded", "failed", "canceled", "aborted"}
 _WORDS = re.compile(r">([^<>]*\S[^<>]*)</text>")
 
 
@@ -67,13 +68,14 @@ def answers() -> Iterator[tuple[str, dict[str, Any]]]:
         masks = Masks({folder: "<data>", str(_REPOSITORY): "<repository>"})
         given: dict[str, Any] = {}
         for call in CALLS:
-            answer = _asked(service, call, given)
+            answer = ask(service, call, given)
             if answer.headers.get("content-type") == "application/json" and answer.content:
                 given[call.name] = answer.json()
             yield call.name, _compared(call, answer, masks)
 
 
-def _asked(service: Any, call: Call, given: dict[str, Any]) -> Any:
+def ask(service: Any, call: Call, given: dict[str, Any]) -> Any:
+    """Return the answer to a call; `given` has earlier answers by the names of their calls."""
     ids = {name: part["id"] for name, part in given.items() if "id" in part}
     body = filled(call.body, given)
     sent = {"content": body} if isinstance(body, bytes) else {"json": body} if body else {}
@@ -85,7 +87,12 @@ def _asked(service: Any, call: Call, given: dict[str, Any]) -> Any:
 
 
 def _is_there(until: tuple[str, str], found: dict[str, Any]) -> bool:
-    return found[until[0]] == until[1] and not found["unrecorded"]
+    if found["unrecorded"]:
+        return False
+    if found[until[0]] != until[1] and found["state"] in _FINAL:
+        message = f"{found['id']} has ended before its {until[0]} was {until[1]}: {found}"
+        raise AssertionError(message)
+    return bool(found[until[0]] == until[1])
 
 
 def _compared(call: Call, answer: Any, masks: Masks) -> dict[str, Any]:

@@ -4,9 +4,11 @@ import hashlib
 import json
 from typing import Any
 
-# A body of so many characters is kept whole; in a longer one, parts of so many.
+# The most characters of a body that is kept whole, and of a part of a longer one.
 WHOLE = 2000
 PART = 250
+# The most items of a list whose long items are shortened one by one.
+FEW = 10
 
 
 def summary(body: Any) -> Any:
@@ -20,19 +22,25 @@ def _shortened(part: Any) -> Any:
         return part
     if isinstance(part, dict):
         return {key: _shortened(inner) for key, inner in part.items()}
+    if isinstance(part, list) and _has_few_long_items(part):
+        return [_shortened(inner) for inner in part]
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
-    items = {"items": len(part), "made_of": _shape(part)} if isinstance(part, list) else {}
+    items = {"items": len(part), "made_of": shape(part)} if isinstance(part, list) else {}
     return {"<digest>": digest, **items}
 
 
-def _shape(part: Any) -> Any:
+def _has_few_long_items(part: list[Any]) -> bool:
+    return len(part) <= FEW and all(len(_text(inner)) > PART for inner in part)
+
+
+def shape(part: Any) -> Any:
     """Return the types in a value, each list with one of each kind of its items."""
     if isinstance(part, dict):
-        return {key: _shape(part[key]) for key in sorted(part)}
+        return {key: shape(part[key]) for key in sorted(part)}
     if isinstance(part, list):
         kinds: list[Any] = []
         for inner in part:
-            if (kind := _shape(inner)) not in kinds:
+            if (kind := shape(inner)) not in kinds:
                 kinds.append(kind)
         return kinds
     return "null" if part is None else type(part).__name__

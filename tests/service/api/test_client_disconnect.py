@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from planning.errors import Canceled
-from service.api.client_disconnect import ClientWatch, note_question, unless_client_leaves
+from service.api.client_disconnect import DisconnectWatch, note_question, unless_client_leaves
 from service.errors import ClientLeft
 from service.queries import worker as queries
 
@@ -29,7 +29,7 @@ def asked(endpoint, told):
 
     async def story():
         async with asyncio.timeout(GUARD):
-            await ClientWatch(endpoint)({"type": "http"}, receive, send)
+            await DisconnectWatch(endpoint)({"type": "http"}, receive, send)
 
     asyncio.run(story())
     return sent

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from service.api.graceful_shutdown import Farewell
+from service.api.graceful_shutdown import GracefulShutdown
 
 START = {"type": "http.response.start", "status": 200, "headers": []}
 EVENTS = {**START, "headers": [(b"content-type", b"text/event-stream; charset=utf-8")]}
@@ -21,8 +21,8 @@ def cut_off(app, *, is_stopping):
         sent.append(message)
 
     async def story():
-        farewell = Farewell(app, lambda: is_stopping)
-        request = asyncio.create_task(farewell({"type": "http"}, None, send))
+        around = GracefulShutdown(app, lambda: is_stopping)
+        request = asyncio.create_task(around({"type": "http"}, None, send))
         await asyncio.sleep(0.01)
         request.cancel()
         await request

@@ -51,7 +51,7 @@ def test_a_plan_is_carried_out_to_its_goal(client, scene):
 def test_statuses_stream_forward_to_the_end(client, scene):
     execution = executed(client, planned(client, scene, "ready"), speed=2).json()
     with client.stream("GET", f"/v1/executions/{execution['id']}/events") as answer:
-        events = list(decode_events(answer.iter_lines()))
+        events = list(decode_events(answer))
     statuses = [event.data for event in events if event.type == "status"]
     assert events[-1].type == "finished"
     assert statuses[0]["state"] == "executing"
@@ -119,7 +119,7 @@ def test_what_cannot_be_executed_is_refused(client, scene):
 
 def wait_for(client, path, state):
     with client.stream("GET", f"{path}/events") as answer:
-        for event in decode_events(answer.iter_lines()):
+        for event in decode_events(answer):
             if event.data.get("state") == state:
                 return event.data
     pytest.fail(f"{path} never was {state}")
@@ -131,7 +131,7 @@ def first_status(client, path):
 
 def finished(client, path):
     with client.stream("GET", f"{path}/events") as answer:
-        list(decode_events(answer.iter_lines()))
+        list(decode_events(answer))
     return client.get(path).json()
 
 

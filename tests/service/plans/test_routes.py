@@ -22,7 +22,7 @@ def events_of(client, path, **headers):
     with client.stream("GET", path, headers=headers) as answer:
         assert answer.status_code == 200
         assert answer.headers["content-type"].startswith("text/event-stream")
-        return list(decode_events(answer.iter_lines()))
+        return list(decode_events(answer))
 
 
 def test_a_finished_plan_says_everything(client, solved):

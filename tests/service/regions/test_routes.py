@@ -57,7 +57,7 @@ def test_grown_regions_say_everything(client, square, grown):
     assert listed[0]["summary"] == summary
     assert "result" not in listed[0]
     with client.stream("GET", f"/v1/regions/{grown['id']}/events") as answer:
-        types = [event.type for event in decode_events(answer.iter_lines())]
+        types = [event.type for event in decode_events(answer)]
     assert types[0] == "queued"
     assert types[-1] == "finished"
 
@@ -162,7 +162,7 @@ def test_a_cancel_ends_the_growth(client, square):
     ended = client.post(f"/v1/regions/{job['id']}/cancel")
     assert ended.status_code == 200
     with client.stream("GET", f"/v1/regions/{job['id']}/events") as answer:
-        list(decode_events(answer.iter_lines()))
+        list(decode_events(answer))
     assert client.get(f"/v1/regions/{job['id']}").json()["state"] == "canceled"
 
 

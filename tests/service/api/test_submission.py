@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.api.waiting import seconds_to_wait
+from service.api.submission import seconds_to_wait
 
 
 @pytest.mark.parametrize(

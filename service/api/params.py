@@ -1,11 +1,34 @@
-"""Query parameters that are not declared are refused, and those that come twice."""
+"""Parameters that several endpoints take, and a check that a query has no others."""
 
-from fastapi import Request
+from typing import Annotated
+
+from fastapi import Header, Path, Query, Request
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import APIRoute
 
 from planning.errors import UnknownName
 from service.errors import RequestInvalid
+
+type Limit = Annotated[int, Query(ge=1, le=200, description="How many on a page")]
+type Cursor = Annotated[
+    str | None,
+    Query(pattern=r"^[0-9]{1,18}$", description="`next` of the page before; none for the first"),
+]
+type SceneId = Annotated[str, Path(max_length=128, description="Id of a scene")]
+type Revision = Annotated[
+    int | None, Query(ge=1, le=2**31 - 1, description="Of the scene; by default the latest")
+]
+type PlanId = Annotated[str, Path(max_length=128, description="Id of a plan")]
+type ExecutionId = Annotated[str, Path(max_length=128, description="Id of an execution")]
+type RegionsId = Annotated[str, Path(max_length=128, description="Id of regions")]
+type LastEventId = Annotated[
+    str | None,
+    Header(
+        alias="Last-Event-ID",
+        max_length=40,
+        description="Id of the last event that was seen; those after it are sent",
+    ),
+]
 
 
 async def require_known_query(request: Request) -> None:

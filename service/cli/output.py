@@ -7,14 +7,14 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from service.api.job_models import Job
-from service.api.problem import Failure
+from service.api.models import Failure
 from service.client.events import Event
+from service.plans.models.job import Job
 from service.plans.models.result import PlanResult
 from service.scenes.summary_models import Group
 
 console = Console(highlight=False)
-complaints = Console(stderr=True, highlight=False)
+error_console = Console(stderr=True, highlight=False)
 
 # As the timings call them; the last is all of planning, for which the scene was loaded before.
 _TIMES = {
@@ -119,7 +119,7 @@ def _proof_facts(result: PlanResult) -> dict[str, str]:
 def show_failure(what: str, failure: Failure | None) -> None:
     """Print why something has no result, on stderr."""
     if failure is None:
-        complaints.print(f"{what}: no result, and no reason given")
+        error_console.print(f"{what}: no result, and no reason given")
         return
     stage = f" (stage {failure.stage})" if failure.stage else ""
-    complaints.print(f"{what} failed{stage}: {failure.code}: {failure.detail}", markup=False)
+    error_console.print(f"{what} failed{stage}: {failure.code}: {failure.detail}", markup=False)

@@ -2,23 +2,23 @@
 
 import pytest
 
-from service.api.job_models import Job
-from service.cli import screen
+from service.cli import output
 from service.client.events import Event
+from service.plans.models.job import Job
 from service.scenes.models import Scene
 from service.scenes.summary_models import Joint
 
 
 @pytest.fixture
 def wide(monkeypatch):
-    monkeypatch.setattr(screen.console, "width", 200)
+    monkeypatch.setattr(output.console, "width", 200)
 
 
 @pytest.mark.usefixtures("wide")
 def test_the_summary_has_stages_funnel_length_duration_and_proof(solved, capsys):
     job = Job.model_validate(solved)
     assert job.result is not None
-    screen.show_plans({"to ready": job})
+    output.show_plans({"to ready": job})
     told = capsys.readouterr().out
     for wanted in ("goals, ms", "search, ms", "IK: tried", "path length", "duration", "proven"):
         assert wanted in told
@@ -28,7 +28,7 @@ def test_the_summary_has_stages_funnel_length_duration_and_proof(solved, capsys)
 
 @pytest.mark.usefixtures("wide")
 def test_what_is_not_in_the_total_stands_below_it(solved, capsys):
-    screen.show_plans({"to ready": Job.model_validate(solved)})
+    output.show_plans({"to ready": Job.model_validate(solved)})
     rows = [line for line in capsys.readouterr().out.splitlines() if ", ms" in line]
     total = next(i for i, row in enumerate(rows) if "total, ms" in row)
     assert [("loading the scene" in row, "not in the total" in row) for row in rows] == [
@@ -49,8 +49,8 @@ def test_what_is_not_in_the_total_stands_below_it(solved, capsys):
 def test_lengths_have_the_unit_of_the_joints(client, scene, solved, capsys, types, unit):
     group = Scene.model_validate(client.get(f"/v1/scenes/{scene}").json()).groups[0]
     joints = [Joint(name="r::j", type=type_) for type_ in types]
-    measured = screen.unit_of(group.model_copy(update={"joints": joints}))
-    screen.show_plans({"to ready": Job.model_validate(solved)}, measured)
+    measured = output.unit_of(group.model_copy(update={"joints": joints}))
+    output.show_plans({"to ready": Job.model_validate(solved)}, measured)
     assert f"path length, {unit} " in capsys.readouterr().out
 
 
@@ -60,5 +60,5 @@ def test_following_returns_the_last_event(capsys):
         Event("1", "stage", {"stage": "search", "progress": 0.2}),
         Event("2", "finished", {"state": "succeeded", "progress": 1.0}),
     ]
-    assert screen.follow("plan", events) == events[-1].data
+    assert output.follow("plan", events) == events[-1].data
     assert "100 %" in capsys.readouterr().out

@@ -5,14 +5,14 @@ import json
 
 import pytest
 
-from service.api import raw_json as whole_module
-from service.api.job_models import Job
+from service.api import responses as whole_module
 from service.api.models import ResponseModel
-from service.api.raw_json import passed_on, whole
+from service.api.responses import passed_on, whole
 from service.jobs import json_steps
 from service.jobs.database import is_in_loop
 from service.jobs.json_text import Encoded, encode
 from service.jobs.tables import JobSpec
+from service.plans.models.job import Job
 from service.plans.models.trajectory import Trajectory
 from service.plans.tasks import PLAN
 from service.regions.models import RegionsJob

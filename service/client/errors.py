@@ -1,12 +1,12 @@
-"""Refused: the server said no, and why."""
+"""ApiError: the server said no, and why."""
 
 import httpx
 from pydantic import ValidationError
 
-from service.api.problem import Problem
+from service.api.models import Problem
 
 
-class Refused(Exception):
+class ApiError(Exception):
     """An answer that is a problem document.
 
     Attributes:
@@ -18,11 +18,11 @@ class Refused(Exception):
         self.problem = problem
 
 
-def checked(response: httpx.Response) -> httpx.Response:
+def raise_for_problem(response: httpx.Response) -> httpx.Response:
     """Return an answer that is no error.
 
     Raises:
-        Refused: It is one.
+        ApiError: It is one.
     """
     if not response.is_error:
         return response
@@ -37,4 +37,4 @@ def checked(response: httpx.Response) -> httpx.Response:
             detail=response.text[:300],
             evidence={},
         )
-    raise Refused(problem)
+    raise ApiError(problem)

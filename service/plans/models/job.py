@@ -5,8 +5,7 @@ from enum import StrEnum
 
 from pydantic import Field
 
-from service.api.models import UNRECORDED, ResponseModel
-from service.api.problem import Failure
+from service.api.models import UNRECORDED, Failure, ResponseModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.result import PlanResult
 
