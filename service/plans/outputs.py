@@ -70,7 +70,7 @@ type Chart = Annotated[
         "utilisation",
         "velocity",
     ],
-    Path(description="What to draw over time, against its limits as the plan was asked to keep"),
+    Path(description="What to draw over time, against the limits that the plan keeps"),
 ]
 
 # The header that says what is proven of a table.
@@ -108,7 +108,7 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     scale: Slowness = 1.0,
     polynomial: Exact = False,
 ) -> Response:
-    """Sample the motion of a plan anew, slowed down if asked for, and prove the samples."""
+    """Sample the motion of a plan anew, slower if `scale` says so, and prove the samples."""
     result, made = motion_of(job).result, work_of(job)
     work = SampleWork(
         **dict(delivered_work(job)),

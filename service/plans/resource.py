@@ -10,7 +10,7 @@ from service.errors import NotFinished
 from service.jobs.outline import without
 from service.jobs.tables import Job, JobSummary
 from service.jobs.tasks import TaskModel, outline_of
-from service.plans.models.job import JobBrief
+from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, MotionWork
@@ -66,11 +66,11 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-def plan_resource(desk: SceneJobs, job: JobSummary) -> JobBrief:
+def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
-    return JobBrief.model_validate({
+    return PlanSummary.model_validate({
         "id": job.id,
         "state": job.state,
         "stage": job.stage,

@@ -8,7 +8,7 @@ from planning.domain.request.problem import PlanningProblem
 from service.api.models import Pose
 from service.plans.models.goals import Goal, PoseGoal, RegionGoal, RelativeGoal
 from service.plans.models.ik import Ik
-from service.plans.models.line_goals import LineEnd
+from service.plans.models.line_goals import LineTarget
 from service.plans.models.request import Certify, PlanRequest, Retime
 
 
@@ -17,7 +17,7 @@ def pose_wire(pose: geometry.Pose) -> dict[str, object]:
     return Pose.from_domain(pose).model_dump(exclude={"rpy"})
 
 
-def line_end_value(end: LineEnd) -> domain.PoseTarget | Displacement:
+def line_end_value(end: LineTarget) -> domain.PoseTarget | Displacement:
     """Return where a line leads."""
     return end.to_target()
 

@@ -105,14 +105,14 @@ class PlanResult(ResponseModel):
     parts: list[Part] = Field(
         default=[], description="The free motion and the straight lines it is made of, in order"
     )
-    trajectory: Trajectory = Field(description="The timed motion, sampled as asked for")
+    trajectory: Trajectory = Field(description="The timed motion, sampled as `retime` says")
     certificate: Certificate = Field(description="The proof")
     stages: Stages = Field(description="What every stage did")
     cut_short: list[str] | None = Field(
         default=None,
         description="Stages that ended early because of the clock, by their names in `timings`: "
         "what they give may be something else another time. Empty: the same request gives the "
-        "same numbers again, but for `timings`. Null: made by a version that did not tell",
+        "same numbers again, but for `timings`. Null: made by a version that did not record it",
     )
     digest: str = Field(description="sha256 over the delivered numbers")
 

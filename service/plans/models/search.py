@@ -146,8 +146,8 @@ class Search(RequestModel):
     )
     approximate: Boolean = Field(
         default=False,
-        description="Whether a failure tells, as evidence `approximate`, the nearest configuration "
-        "to a goal that was reached",
+        description="Whether a failure has, as evidence `approximate`, the reached configuration "
+        "that is nearest to a goal",
     )
     keep_graph: Boolean = Field(
         default=False, description="Whether the planner's graph is kept for GET /plans/{id}/graph"
@@ -164,7 +164,7 @@ class Search(RequestModel):
     )
     roadmap: Roadmap | None = Field(
         default=None,
-        description="Look for a path in this roadmap first, and ask the planner only where it has "
+        description="Look for a path in this roadmap first, and use the planner only where it has "
         "none; under `path_constraints` it is one that keeps them",
     )
 

@@ -91,7 +91,7 @@ class Trajectory(ResponseModel):
         "certificate beside them is that of the exact motion. Empty of plans that are older",
     )
     polynomial: Polynomial | None = Field(
-        default=None, description="The exact motion, where it was asked for"
+        default=None, description="The exact motion, if the request has it added"
     )
 
     @classmethod

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from service.api.models import Boolean, Name, NonNegative, Pose, Positions, Real, ResponseModel
-from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
+from service.plans.models.line_goals import Deviation, LineTarget, ToolFrame
 from service.queries.models.check import Pair
 
 
@@ -16,7 +16,7 @@ class FoundDeviation(ResponseModel):
     rotation: float = Field(description="Of its rotation [rad]")
 
 
-class LineRequest(LineEnd):
+class LineRequest(LineTarget):
     """Move a tool in a straight line, as far as it goes."""
 
     model_config = ConfigDict(

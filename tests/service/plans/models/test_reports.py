@@ -18,7 +18,7 @@ PAIRS = [
     (report.RetimeReport, reports.RetimeReport),
     (report.CertifyReport, reports.CertifyReport),
     (funnel.Funnel, funnels.Funnel),
-    (funnel.PairTally, funnels.PairTally),
+    (funnel.PairTally, funnels.CollidingPair),
     (stop_report.StopReport, reports.StopReport),
     (robustness.Robustness, reports.Robustness),
     (certificate.Certificate, result.Certificate),
