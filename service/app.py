@@ -64,8 +64,8 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken) as (desk, shelf):
-                app.state.desk, app.state.scenes = desk, shelf
+            async with open_services(chosen, on_taken) as (desk, scenes):
+                app.state.desk, app.state.scenes = desk, scenes
                 has_started = True
                 yield
         except Exception as fault:

@@ -10,7 +10,7 @@ from fastapi import Depends, Request
 from service.api.params import ExecutionId, PlanId, RegionsId
 from service.jobs.tables import Job, JobSummary, JobText
 from service.scene_jobs import SceneJobs
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.settings import Settings
 
 
@@ -19,8 +19,8 @@ async def _settings(request: Request) -> Settings:
     return settings
 
 
-async def _scenes(request: Request) -> SceneShelf:
-    scenes: SceneShelf = request.app.state.scenes
+async def _scenes(request: Request) -> SceneStore:
+    scenes: SceneStore = request.app.state.scenes
     return scenes
 
 
@@ -30,7 +30,7 @@ async def _desk(request: Request) -> SceneJobs:
 
 
 type SettingsDep = Annotated[Settings, Depends(_settings)]
-type ScenesDep = Annotated[SceneShelf, Depends(_scenes)]
+type ScenesDep = Annotated[SceneStore, Depends(_scenes)]
 type JobsDep = Annotated[SceneJobs, Depends(_desk)]
 
 

@@ -21,7 +21,6 @@ from service.jobs.worker_pool import WorkerPool
 from service.retention import Retention
 from service.scene_jobs import SceneJobs
 from service.scenes.file_cleanup import Sweeper
-from service.scenes.shelf import SceneShelf
 from service.scenes.store import SceneStore
 from service.settings import Settings
 from service.versions import versions
@@ -34,7 +33,7 @@ _RESERVED = 1
 @asynccontextmanager
 async def open_services(
     settings: Settings, on_taken: Callable[[], None]
-) -> AsyncGenerator[tuple[SceneJobs, SceneShelf]]:
+) -> AsyncGenerator[tuple[SceneJobs, SceneStore]]:
     """Run jobs from here on; what an earlier server left is taken up again.
 
     Args:
@@ -53,18 +52,17 @@ async def open_services(
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
-        await to_thread.run_sync(scenes.open)
+        await scenes.open()
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
-            shelf = SceneShelf(scenes)
-            desk = SceneJobs(settings, store, dispatcher, shelf)
-            shelf.settle = partial(settled, scenes=shelf, desk=desk)
+            desk = SceneJobs(settings, store, dispatcher, scenes)
+            scenes.settle = partial(settled, scenes=scenes, desk=desk)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
-            shelf.forgotten = sweeper.ask
+            scenes.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             async with _meanwhile(sweeper.run(), retention.run()):
-                yield desk, shelf
+                yield desk, scenes
         finally:
             await dispatcher.stop()
     finally:

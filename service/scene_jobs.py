@@ -16,20 +16,19 @@ from service.jobs.json_text import Encoded
 from service.jobs.service import JobService
 from service.jobs.store import JobStore
 from service.jobs.tasks import Task
-from service.scenes.records import LoadedScene, SceneRecord
-from service.scenes.shelf import SceneShelf
-from service.scenes.tasks import LibraryWork, SceneWork
+from service.scenes.records import SceneRecord
+from service.scenes.store import SceneStore
+from service.scenes.tasks import LibraryWork, LoadedScene, SceneWork
 from service.settings import Settings
 
 QUEUES = ("plan", "query", "execution", "regions")
-_REVISE = "service.scenes.worker:revise_scene"
 
 
 class SceneJobs(JobService):
     """Jobs, and questions that scenes answer at once, from coroutines of one event loop."""
 
     def __init__(
-        self, settings: Settings, store: JobStore, dispatcher: Dispatcher, scenes: SceneShelf
+        self, settings: Settings, store: JobStore, dispatcher: Dispatcher, scenes: SceneStore
     ) -> None:
         """Put the parts together; the dispatcher runs already."""
         super().__init__(store, dispatcher, prefixes=PREFIXES, queues=QUEUES)
@@ -107,10 +106,14 @@ class SceneJobs(JobService):
         found: Encoded = await self._ask(task, payload, is_raw=True)
         return found
 
-    async def load(self, task: str, payload: dict[str, Any], size: int = 0) -> LoadedScene:
-        """Ask as `ask` does, for a scene that the task loads."""
+    async def load[In: BaseModel](
+        self, task: Task[In, LoadedScene], work: In, size: int = 0
+    ) -> LoadedScene:
+        """Call as `call` does, for a scene that the task loads."""
+        payload = work.model_dump(mode="json")
         more = {"digest_field": "digest", "is_partly_raw": True}
-        return LoadedScene(**await self._ask(task, payload, size=size, **more))
+        content = await self._ask(task.name, payload, size=size, **more)
+        return LoadedScene.model_validate(content)
 
     async def _ask(self, task: str, payload: dict[str, Any], **more: Any) -> Any:
         allowed, patience = self._settings.query_timeout, self._settings.query_patience
@@ -123,10 +126,6 @@ class SceneJobs(JobService):
     async def ask_scene(self, task: str, record: SceneRecord, request: BaseModel) -> Any:
         """Ask a loaded scene something; raises as `ask`."""
         return await self.ask(task, *await self._about(record, request))
-
-    async def load_edited(self, record: SceneRecord, request: BaseModel) -> LoadedScene:
-        """Return what comes of editing a scene; raises as `ask`."""
-        return await self.load(_REVISE, *await self._about(record, request))
 
     async def _about(self, record: SceneRecord, request: BaseModel) -> tuple[dict[str, Any], int]:
         """Return the payload of a question to a scene, and how much it asks."""

@@ -10,7 +10,6 @@ from service.jobs.worker.process import forkserver
 PRELOAD = (
     "planning.kernel._native",
     "service.executions.worker",
-    "service.queries.line_worker",
     "service.catalog.worker",
     "service.trajectories.worker",
     "service.plans.worker",

@@ -11,7 +11,7 @@ from service.catalog.models import ModelList, PlannerList
 from service.catalog.tasks import LIST_MODELS, SHOW_MODEL, ModelWork
 from service.dependencies import JobsDep
 from service.errors import UnknownResource
-from service.scenes.summary_models import Model
+from service.scenes.models.summary import Model
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1")
 

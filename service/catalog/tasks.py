@@ -2,7 +2,7 @@
 
 from service.catalog.models import ModelList, PlannerList
 from service.jobs.tasks import Task, TaskModel
-from service.scenes.summary_models import Model
+from service.scenes.models.summary import Model
 from service.scenes.tasks import LibraryWork
 
 

@@ -5,7 +5,7 @@ from planning.api.planners import list_planners
 from service.catalog.models import ModelList, Planner, PlannerList
 from service.catalog.tasks import LIST_MODELS, LIST_PLANNERS, SHOW_MODEL, ModelWork, NoWork
 from service.jobs.context import TaskContext
-from service.scenes.summary_models import Model
+from service.scenes.models.summary import Model
 from service.scenes.tasks import LibraryWork
 from service.scenes.world_cache import library_of
 

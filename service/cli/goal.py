@@ -5,8 +5,8 @@ from typing import Any
 import typer
 
 from service.cli.output import error_console
-from service.scenes.models import Scene
-from service.scenes.summary_models import Group
+from service.scenes.models.scene import Scene
+from service.scenes.models.summary import Group
 
 
 def group_of(scene: Scene, name: str | None) -> Group:

@@ -11,7 +11,7 @@ from service.api.models import Failure
 from service.client.events import Event
 from service.plans.models.plan import Plan
 from service.plans.models.result import PlanResult
-from service.scenes.summary_models import Group
+from service.scenes.models.summary import Group
 
 console = Console(highlight=False)
 error_console = Console(stderr=True, highlight=False)

@@ -10,8 +10,8 @@ from service.client.errors import raise_for_problem
 from service.client.events import Event, decode_events
 from service.executions.models import Execution
 from service.plans.models.plan import Plan
-from service.scenes.models import Scene
-from service.scenes.summary_models import Model
+from service.scenes.models.scene import Scene
+from service.scenes.models.summary import Model
 
 _CONNECT_TIMEOUT = 5.0
 _ANSWER_TIMEOUT = 120.0

@@ -7,7 +7,7 @@ from planning.domain.robot.joints import Joint, JointType
 from service.errors import RobotBusy, StartMismatch
 from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
-from service.scenes.validation import Group
+from service.scenes.models.summary import Group
 
 # An execution ends within 0.005 of where it should [rad or m].
 TOLERANCE = 0.02
@@ -19,11 +19,11 @@ def require_at_start(group: Group, start: list[float]) -> None:
     Raises:
         StartMismatch: It is elsewhere.
     """
-    positions: list[float] = group["positions"]
+    positions: list[float] = group.positions
     distance = separation(group, start, positions)
     if distance > TOLERANCE:
         message = (
-            f"the plan starts {distance:.4g} rad or m from where {group['name']} is; "
+            f"the plan starts {distance:.4g} rad or m from where {group.name} is; "
             "plan from `positions` instead"
         )
         evidence = {
@@ -31,7 +31,7 @@ def require_at_start(group: Group, start: list[float]) -> None:
             "positions": positions,
             "distance": distance,
             "bound": TOLERANCE,
-            "names": group["position_names"],
+            "names": group.position_names,
         }
         raise StartMismatch(message, evidence)
 
@@ -66,8 +66,8 @@ def separation(group: Group, a: list[float], b: list[float]) -> float:
     """Return the largest coordinate of the difference [rad or m], whole turns aside."""
     largest = 0.0
     at = 0
-    for joint in group["joints"]:
-        kind = Joint(joint["name"], JointType(joint["type"]))
+    for joint in group.joints:
+        kind = Joint(joint.name, JointType(joint.type))
         count = len(kind.position_names)
         largest = max(largest, _separation(kind.type, a[at : at + count], b[at : at + count]))
         at += count

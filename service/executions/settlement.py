@@ -9,14 +9,15 @@ from service.errors import RevisionConflict
 from service.executions.position import last_status
 from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
-from service.scenes.edit_models import SceneEdit, SetPositionsOperation
+from service.scenes.edits import load_edited
+from service.scenes.models.edits import SceneEdit, SetPositionsOperation
 from service.scenes.records import SceneRecord
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.scenes.validation import Group, require_group
 
 
 async def settled(
-    record: SceneRecord, scenes: SceneShelf, desk: SceneJobs
+    record: SceneRecord, scenes: SceneStore, desk: SceneJobs
 ) -> tuple[SceneRecord, bool]:
     """Return the latest revision of a scene with its robots where executions left them.
 
@@ -36,7 +37,7 @@ async def settled(
         edit = await _pending(record, job, desk)
         if edit is None:
             break
-        loaded = await desk.load_edited(record, edit)
+        loaded = await load_edited(record, edit, desk)
         try:
             return await scenes.revise(record, loaded), False
         except RevisionConflict:  # another reader was quicker
@@ -59,7 +60,7 @@ async def _pending(record: SceneRecord, job: JobSummary, desk: SceneJobs) -> Sce
     if status is None:  # it never moved
         return None
     group = require_group(record, job.payload["group"])
-    robot = group["name"].partition("::")[0]
+    robot = group.name.partition("::")[0]
     positions = _by_joint(group, robot, status["positions"])
     operation = SetPositionsOperation(op="set_positions", robot=robot, positions=positions)
     return SceneEdit(operations=[operation])
@@ -68,9 +69,9 @@ async def _pending(record: SceneRecord, job: JobSummary, desk: SceneJobs) -> Sce
 def _by_joint(group: Group, robot: str, positions: list[float]) -> dict[str, float | list[float]]:
     """Return measured positions by the joints' names within their robot."""
     found: dict[str, float | list[float]] = {}
-    names: list[str] = group["position_names"]
-    for joint in group["joints"]:
-        full: str = joint["name"]
+    names: list[str] = group.position_names
+    for joint in group.joints:
+        full: str = joint.name
         own = [
             x
             for name, x in zip(names, positions, strict=True)

@@ -10,7 +10,7 @@ from service.jobs.tables import Job, JobSpec
 from service.plans.resource import polynomial_of
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.scenes.validation import require_group
 
 TASK = "service.executions.worker:execute"
@@ -18,7 +18,7 @@ PROOF = "service.executions.proof:certify_again"
 
 
 async def submit_execution(
-    request: ExecutionRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+    request: ExecutionRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
 ) -> Job:
     """Queue an execution in the latest revision of the plan's scene.
 
@@ -51,7 +51,7 @@ async def submit_execution(
             **await desk.scene_payload(record),
             "request": asked,
             "scene_id": record.id,
-            "group": group["name"],
+            "group": group.name,
             "trajectory": polynomial,
             "speed": request.speed,
         }

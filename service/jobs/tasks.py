@@ -150,7 +150,10 @@ def _json(content: BaseModel, **selection: Any) -> str:
 
 
 def _member(content: BaseModel, name: str) -> str:
-    """Return the JSON of one member of a model."""
+    """Return the JSON of one member of a model, which may be text already."""
+    found = getattr(content, name)
+    if isinstance(found, Encoded):
+        return found.text
     return _json(content, include={name})[len(f'{{"{name}":') : -1]
 
 

@@ -30,9 +30,8 @@ from service.plans.tasks import (
 from service.regions.eligibility import check_eligible, own_cars, uses_gcs
 from service.regions.selection import SelectedRegions, regions_file, select_regions
 from service.scene_jobs import SceneJobs
-from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.scenes.validation import (
     Group,
     require_constraints,
@@ -40,6 +39,7 @@ from service.scenes.validation import (
     require_goal,
     require_group,
     require_joints,
+    require_motion_limits,
 )
 
 # To load the scene as well [s]; once that is done the task itself says by when it has to end.
@@ -47,7 +47,7 @@ SLACK = 15.0
 
 
 async def submit_plan(
-    request: PlanRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+    request: PlanRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
 ) -> Job:
     """Queue a plan.
 
@@ -96,7 +96,7 @@ async def submit_plan(
     )
 
 
-async def submit_reversed(plan: Job, key: str | None, scenes: SceneShelf, desk: SceneJobs) -> Job:
+async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: SceneJobs) -> Job:
     """Queue the reversed motion of a plan, as a plan of its own.
 
     Raises:
@@ -166,11 +166,11 @@ def require_search_names(group: Group, search: Search) -> None:
     Raises:
         UnknownName: It has not.
     """
-    joints = {joint["name"]: joint["type"] for joint in group["joints"]}
+    joints = {joint.name: joint.type for joint in group.joints}
     bodies = [name for name, kind in joints.items() if kind in {"planar", "floating"}]
     named = (
-        ("joint or block", search.weights, [*joints, *group["limits"]["blocks"]]),
-        ("position", search.bounds, group["position_names"]),
+        ("joint or block", search.weights, [*joints, *group.limits.blocks]),
+        ("position", search.bounds, group.position_names),
         ("planar or floating joint", search.spaces, bodies),
     )
     for kind, names, known in named:
@@ -187,7 +187,7 @@ def require_cars(group: Group, search: Search) -> None:
         ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards, or the
             planner is GCS and the group can have no regions.
     """
-    planar = [joint["name"] for joint in group["joints"] if joint["type"] == "planar"]
+    planar = [joint.name for joint in group.joints if joint.type == "planar"]
     cars = resolve_steering(own_cars(group), search.cars, planar)
     if uses_gcs(search):
         check_eligible(group, cars, "search.planner")

@@ -1,11 +1,18 @@
-"""Questions to a loaded scene: validity, forward and inverse kinematics."""
+"""Questions to a loaded scene: validity, forward and inverse kinematics, straight lines."""
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from planning import Deadline, check_configurations, forward_kinematics, solve_ik
+from planning import (
+    Deadline,
+    check_configurations,
+    forward_kinematics,
+    solve_ik,
+    trace_line,
+)
 from planning.api.ik import assess_configurations
 from planning.domain.goals.funnel import funnel_evidence
 from planning.errors import (
@@ -17,16 +24,23 @@ from planning.errors import (
     GoalViolatesConstraint,
     PlanningFailure,
 )
+from service.api.models import Failure, Pose
 from service.jobs.context import TaskContext
-from service.plans.models.constraint_values import constraint_values
-from service.plans.models.failures import failure_wire
-from service.plans.models.goal_values import ik_value, pose_wire, reach_goal_value
-from service.queries.models.check import CheckRequest
-from service.queries.models.kinematics import FkRequest, IkRequest
-from service.queries.solution_conversion import solution_wire
-from service.queries.verdict_conversion import verdict_wire
-from service.scenes.tasks import SceneWork
+from service.plans.models.constraints import constraints_to_domain
+from service.plans.models.ik import IkFunnel
+from service.queries.models.check import CheckRequest, CheckResponse, Verdict
+from service.queries.models.kinematics import (
+    FkRequest,
+    FkResponse,
+    IkRequest,
+    IkResponse,
+    IkSolution,
+)
+from service.queries.models.line import LineRequest, LineResponse
+from service.queries.tasks import CHECK, FK, IK, LINE, QueryWork
 from service.scenes.world_cache import borrow_world
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 _NO_SOLUTION = (
     ApproachBlocked,
@@ -38,49 +52,50 @@ _NO_SOLUTION = (
 )
 
 
-def check(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
+@CHECK.runs
+def check(work: QueryWork[CheckRequest], _: TaskContext) -> CheckResponse:
     """Return a verdict per configuration.
 
     Raises:
         InputError: The group or a count is wrong.
     """
-    request = CheckRequest.model_validate(payload["request"])
-    with borrow_world(SceneWork.model_validate(payload)) as world:
+    request = work.request
+    with borrow_world(work) as world:
         configurations = np.array(request.configurations, dtype=np.float64)
         verdicts = check_configurations(world, request.group, configurations, request.margin)
-    return {"results": [verdict_wire(verdict) for verdict in verdicts]}
+    return CheckResponse.model_construct(results=list(map(Verdict.from_domain, verdicts)))
 
 
-def fk(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
+@FK.runs
+def fk(work: QueryWork[FkRequest], _: TaskContext) -> FkResponse:
     """Return the poses of frames per configuration.
 
     Raises:
         InputError: The group, a frame or a count is wrong.
     """
-    request = FkRequest.model_validate(payload["request"])
-    with borrow_world(SceneWork.model_validate(payload)) as world:
+    request = work.request
+    with borrow_world(work) as world:
         frames = tuple(request.frames or world.group(request.group).tool_frames)
         configurations = np.array(request.configurations, dtype=np.float64)
         found = forward_kinematics(world, request.group, configurations, frames)
-    return {
-        "results": [
-            {frame: pose_wire(pose) for frame, pose in by_frame.items()} for by_frame in found
-        ]
-    }
+    results = [
+        {frame: Pose.from_domain(pose) for frame, pose in by_frame.items()} for by_frame in found
+    ]
+    return FkResponse.model_construct(results=results)
 
 
-def ik(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
+@IK.runs
+def ik(work: QueryWork[IkRequest], context: TaskContext) -> IkResponse:
     """Return all goal configurations that were found, or why there is none.
 
     Raises:
         InputError: The group, a frame or a count is wrong.
-        PlanningFailure: The start is invalid, or nobody wants the answer any more.
+        PlanningFailure: The start is invalid, or the answer is not wanted any more.
     """
-    request = IkRequest.model_validate(payload["request"])
-    start = None if request.start is None else np.array(request.start, dtype=np.float64)
-    deadline = Deadline.after(request.allowed_time, time.monotonic, channel.is_canceled)
-    goal = reach_goal_value(request.goal)
-    with borrow_world(SceneWork.model_validate(payload)) as world:
+    request, start = work.request, _start(work.request.start)
+    deadline = Deadline.after(request.allowed_time, time.monotonic, context.is_canceled)
+    goal = request.goal.to_domain()
+    with borrow_world(work) as world:
         try:
             found = solve_ik(
                 world,
@@ -88,9 +103,9 @@ def ik(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
                 goal,
                 deadline=deadline,
                 start=start,
-                options=ik_value(request.ik),
+                options=request.ik.to_domain(),
                 margin=request.margin,
-                constraints=constraint_values(request.path_constraints),
+                constraints=constraints_to_domain(request.path_constraints),
                 seed=request.seed,
             )
         except _NO_SOLUTION as failure:
@@ -104,13 +119,45 @@ def ik(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
             joint_weights=request.ik.joint_weights,
         )
     solutions = zip(found.positions, found.target_indices, qualities, strict=True)
-    return {
-        "configurations": [solution_wire(*solution) for solution in solutions],
-        "funnel": funnel_evidence(found.funnel),
-        "failure": None,
-    }
+    return IkResponse(
+        configurations=[IkSolution.from_domain(*solution) for solution in solutions],
+        funnel=IkFunnel.model_validate(funnel_evidence(found.funnel)),
+        failure=None,
+    )
 
 
-def _no_configuration(failure: PlanningFailure) -> dict[str, Any]:
+@LINE.runs
+def line(work: QueryWork[LineRequest], context: TaskContext) -> LineResponse:
+    """Return how far a tool can be moved in a straight line, and what stops it.
+
+    Raises:
+        InputError: The group, a frame or a count is wrong.
+        PlanningFailure: Time ran out.
+    """
+    request = work.request
+    deadline = Deadline.after(request.allowed_time, time.monotonic, context.is_canceled)
+    with borrow_world(work) as world:
+        trace = trace_line(
+            world,
+            request.group,
+            request.to_target(),
+            deadline=deadline,
+            start=_start(request.start),
+            frame=request.frame or "",
+            margin=request.margin,
+            fineness=request.resolution,
+        )
+    return LineResponse.from_domain(trace, with_poses=request.poses)
+
+
+def _start(positions: Sequence[float] | None) -> Array | None:
+    return None if positions is None else np.array(positions, dtype=np.float64)
+
+
+def _no_configuration(failure: PlanningFailure) -> IkResponse:
     funnel = failure.evidence.get("funnel")
-    return {"configurations": [], "funnel": funnel, "failure": failure_wire(failure)}
+    return IkResponse(
+        configurations=[],
+        funnel=None if funnel is None else IkFunnel.model_validate(funnel),
+        failure=Failure.from_error(failure),
+    )

@@ -6,7 +6,7 @@ from planning.domain.request.region_request import validate_convex
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.steering import Steering
 from service.plans.models.search import Search
-from service.scenes.validation import Group
+from service.scenes.models.summary import Group
 
 PLANNER = "GCS"
 
@@ -19,8 +19,11 @@ def uses_gcs(search: Search) -> bool:
 def own_cars(group: Group) -> dict[str, Steering]:
     """Return how those joints are steered that are so in any request."""
     # Scenes that were stored by older versions know nothing of cars.
-    told = {joint["name"]: joint.get("steering") for joint in group["joints"]}
-    return {name: Steering(**how) for name, how in told.items() if how is not None}
+    return {
+        joint.name: Steering(joint.steering.turning_radius, joint.steering.reverse)
+        for joint in group.joints
+        if joint.steering is not None
+    }
 
 
 def check_eligible(group: Group, cars: Mapping[str, Steering], field: str) -> None:
@@ -29,5 +32,5 @@ def check_eligible(group: Group, cars: Mapping[str, Steering], field: str) -> No
     Raises:
         ProblemInvalid: A joint floats, or is steered.
     """
-    joints = {joint["name"]: JointType(joint["type"]) for joint in group["joints"]}
+    joints = {joint.name: JointType(joint.type) for joint in group.joints}
     validate_convex(joints, cars, field)

@@ -58,7 +58,7 @@ async def select_regions(
     if not uses_gcs(request.search):
         _check_unnamed(request.search)
         return None
-    group = require_group(record, request.group)["name"]
+    group = require_group(record, request.group).name
     margin = request.margin
     margin = float(record.document.get("margin") or 0.0) if margin is None else margin
     seen: list[dict[str, object]] = []

@@ -9,7 +9,7 @@ from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork
 from service.scene_jobs import SceneJobs
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
 from service.scenes.validation import joints_of, require_group
 
 # Growth looks at its deadline between two regions; it ends this much too late at most [s].
@@ -17,7 +17,7 @@ _SLACK = 60.0
 
 
 async def submit_regions(
-    scene: str, request: RegionsRequest, key: str | None, scenes: SceneShelf, desk: SceneJobs
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
 ) -> Job:
     """Queue the growth of regions.
 
@@ -32,8 +32,8 @@ async def submit_regions(
     group = require_group(record, request.group)
     check_eligible(group, own_cars(group), "group")
     for name in request.bounds:
-        if name not in group["position_names"]:
-            raise UnknownName.among("position", name, group["position_names"])
+        if name not in group.position_names:
+            raise UnknownName.among("position", name, group.position_names)
     validate_one_turn(joints_of(group), request.bounds)
     loaded = await desk.scene_work(record)
     work = RegionsWork(

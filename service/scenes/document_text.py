@@ -12,14 +12,18 @@ from dataclasses import dataclass, replace
 from pydantic import ValidationError
 
 from planning import Scene
+from planning.domain.geometry.unchecked_pair import UncheckedPair
 from planning.domain.scene.scene import SceneObject
 from planning.world.documents.scene_document import ObjectDocument, SceneDocument
 from planning.world.documents.scene_writer import object_document, scene_document
 from service.jobs.json_text import Encoded, encode
+from service.scenes.models.pairs import unchecked_pairs
 
 _MOST_OBJECTS = 10_000
 # As many as there are worlds in a worker; the texts of revisions are mostly the same.
 _MOST_KEPT = 8
+
+type Pairs = tuple[UncheckedPair, ...]
 
 
 @dataclass(frozen=True)
@@ -100,6 +104,7 @@ class SceneText:
 
 
 _recent: OrderedDict[str, SceneText] = OrderedDict()
+_unchecked: OrderedDict[int, tuple[Pairs, Encoded]] = OrderedDict()
 _lock = threading.Lock()
 
 
@@ -116,6 +121,23 @@ def kept_text(digest: str) -> SceneText | None:
     """Return the text of a scene if it is here."""
     with _lock:
         return _recent.get(digest)
+
+
+def unchecked_text(pairs: Pairs) -> Encoded:
+    """Return the JSON of pairs that no check looks at; of the very same tuple, the same text.
+
+    Those of a scene's revisions are mostly one and the same.
+    """
+    with _lock:
+        known = _unchecked.get(id(pairs))
+        # The pairs are held with their text, so that no other tuple has their id.
+        if known is None:
+            known = pairs, Encoded(encode(unchecked_pairs(pairs)))
+        _unchecked[id(pairs)] = known
+        _unchecked.move_to_end(id(pairs))
+        while len(_unchecked) > _MOST_KEPT:
+            _unchecked.popitem(last=False)
+        return known[1]
 
 
 def _text(document: ObjectDocument) -> str:

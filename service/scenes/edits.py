@@ -4,16 +4,17 @@ from itertools import count
 
 from service.errors import RevisionConflict
 from service.scene_jobs import SceneJobs
-from service.scenes.edit_models import SceneEdit
+from service.scenes.models.edits import SceneEdit
 from service.scenes.records import SceneRecord
-from service.scenes.shelf import SceneShelf
+from service.scenes.store import SceneStore
+from service.scenes.tasks import EDIT_SCENE, EditWork, LoadedScene
 
 # Somebody who edits a scene faster than it can be loaded, again and again, is told so.
 _MAX_ROUNDS = 10
 
 
-async def revised(
-    identifier: str, request: SceneEdit, scenes: SceneShelf, desk: SceneJobs
+async def apply_edits(
+    identifier: str, request: SceneEdit, scenes: SceneStore, desk: SceneJobs
 ) -> SceneRecord:
     """Carry out operations and record what comes of them.
 
@@ -32,9 +33,21 @@ async def revised(
         if request.revision not in {None, base.revision}:
             wanted = await scenes.get(identifier, request.revision)
             raise RevisionConflict.of(identifier, wanted.revision, base.revision)
-        loaded = await desk.load_edited(base, request)
+        loaded = await load_edited(base, request, desk)
         try:
             return await scenes.revise(base, loaded)
         except RevisionConflict:
             if request.revision is not None or next(rounds) == _MAX_ROUNDS:
                 raise
+
+
+async def load_edited(record: SceneRecord, request: SceneEdit, desk: SceneJobs) -> LoadedScene:
+    """Return what comes of operations on a revision, without a record of it.
+
+    Raises:
+        UnknownName: An operation names what the scene does not have.
+        InputError: An operation cannot be done, or what comes of it does not load.
+    """
+    scene = await desk.scene_work(record)
+    work = EditWork(library=scene.library, scene=scene.scene, request=request)
+    return await desk.load(EDIT_SCENE, work, size=len(request.operations))

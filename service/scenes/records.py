@@ -17,7 +17,8 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-from service.jobs.json_text import Encoded
+from service.scenes.models.scene import SceneSummary
+from service.scenes.tasks import LoadedScene
 
 metadata = MetaData()
 
@@ -36,25 +37,6 @@ scenes = Table(
     UniqueConstraint("id", "revision"),
     Index("scenes_by_revision", "revision", "serial"),
 )
-
-
-@dataclass(frozen=True)
-class LoadedScene:
-    """A scene that a slot has loaded; what is large and goes out as it is stays text.
-
-    Attributes:
-        name: For people.
-        digest: sha256 of the content, the bytes of all files included.
-        document: What was posted, or what came of editing it, defaults filled in.
-        summary: What it holds once loaded, for the wire, but for:
-        unchecked: Pairs of bodies that no collision check looks at, a list.
-    """
-
-    name: str
-    digest: str
-    document: Encoded
-    summary: dict[str, Any]
-    unchecked: Encoded
 
 
 @dataclass(frozen=True)
@@ -101,12 +83,12 @@ class SceneRecord(SceneBrief):
         return found
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """What it holds once loaded, for the wire, but for the pairs that are not looked at."""
+    def summary(self) -> SceneSummary:
+        """What it holds once loaded, but for the pairs that are not looked at."""
         return self.loaded.summary
 
     @property
     def num_chars(self) -> int:
         """How much text it is, nearly."""
-        names = len(self.summary.get("bodies", ())) + len(self.summary.get("frames", ()))
+        names = len(self.summary.bodies) + len(self.summary.frames)
         return len(self.loaded.document.text) + len(self.loaded.unchecked.text) + 100 * names

@@ -1,6 +1,6 @@
 """/v1/scenes: post, list, show, edit, forget."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
@@ -13,12 +13,12 @@ from service.dependencies import JobsDep, ScenesDep
 from service.errors import UnknownInScene
 from service.executions.replay import executed_motions
 from service.plans.tasks import REPLAY_MOTIONS, ReplayWork
-from service.scenes.edit_models import SceneEdit
-from service.scenes.edits import revised
-from service.scenes.examples import REQUEST_BODY
-from service.scenes.models import Scene, ScenePage
-from service.scenes.request_body import read_scene_body
-from service.scenes.resource import scene_brief, scene_text
+from service.scenes.edits import apply_edits
+from service.scenes.models.edits import SceneEdit
+from service.scenes.models.scene import Scene, SceneBrief, ScenePage
+from service.scenes.request_body import REQUEST_BODY, read_scene_body
+from service.scenes.resource import scene_text
+from service.scenes.tasks import LOAD_SCENE, LoadWork
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes", tags=["scenes"])
 
@@ -43,10 +43,9 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
 async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
-    payload = {**desk.common, "text": text, "media": media}
+    work = LoadWork(library=desk.library.library, text=text, media=media)
     try:
-        task = "service.scenes.worker:load_scene"
-        loaded = await desk.load(task, payload, size=len(text))
+        loaded = await desk.load(LOAD_SCENE, work, size=len(text))
     except UnknownName as fault:
         raise UnknownInScene(fault.detail, fault.evidence) from fault
     record = await scenes.add(loaded)
@@ -54,12 +53,13 @@ async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Re
     return passed_on(scene_text(record), 201, location)
 
 
-@router.get("", operation_id="listScenes", response_model=ScenePage, responses=problems(422))
-async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = None) -> Any:
+@router.get("", operation_id="listScenes", responses=problems(422))
+async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = None) -> ScenePage:
     """List scenes, newest first."""
     records = await scenes.page(limit, None if cursor is None else int(cursor))
     following = str(records[-1].serial) if len(records) == limit else None
-    return {"items": [scene_brief(record) for record in records], "next": following}
+    items = [SceneBrief.model_validate(record) for record in records]
+    return ScenePage(items=items, next=following)
 
 
 @router.get(
@@ -102,7 +102,7 @@ async def edit_scene(
     scene: SceneId, request: SceneEdit, scenes: ScenesDep, desk: JobsDep
 ) -> Response:
     """Edit a scene: its next revision, which plans use from now on; older ones stay."""
-    return passed_on(scene_text(await revised(scene, request, scenes, desk)))
+    return passed_on(scene_text(await apply_edits(scene, request, scenes, desk)))
 
 
 @router.delete(

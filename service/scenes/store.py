@@ -1,151 +1,186 @@
 """SceneStore: scenes survive the server."""
 
-import json
+import asyncio
 import secrets
-from collections.abc import Generator
+from collections.abc import Awaitable, Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import replace
-from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
-from threading import Lock
-from typing import Any
 
-from sqlalchemy import (
-    JSON,
-    Connection,
-    Engine,
-    Row,
-    Text,
-    cast,
-    delete,
-    func,
-    insert,
-    literal,
-    select,
-)
+from anyio import to_thread
+from sqlalchemy import Connection, Engine
 from sqlalchemy.exc import DBAPIError
 
 from planning.parallel.atomic_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.database import set_durability
-from service.jobs.json_text import Encoded, encode
-from service.scenes.recent import RecentScenes
-from service.scenes.records import LoadedScene, SceneBrief, SceneRecord, metadata, scenes
+from service.jobs.errors import DatabaseUnavailable
+from service.jobs.json_text import encode
+from service.scenes import rows
+from service.scenes.record_cache import Latest, RecentScenes
+from service.scenes.records import SceneBrief, SceneRecord, metadata, scenes
+from service.scenes.tasks import LoadedScene
 
-# Member of a row's summary: the revision that has what this row leaves out.
-_HELD = "unchecked_in"
-_CONTENT = (scenes.c.document, scenes.c.summary)
-_BRIEF = tuple(column for column in scenes.c if column not in {*_CONTENT})
+# How long a write waits for the writes of others [s].
+_PATIENCE = 5.0
 
 
 class SceneStore:
-    """Scenes in the database; their documents also as files, which is where slots read them.
+    """Scenes in the database; their documents also as files, which is where workers read them.
 
     The files are a copy, named by content: written before they are needed, and again if lost. They
-    outlive their scene, because plans that were made in it can still be replayed.
+    outlive their scene, because plans that were made in it can still be replayed. Databases and
+    disks make one wait, so threads ask them.
+
+    Attributes:
+        latest: Revisions that need not be read.
+        settle: What the latest revision goes through before it is given out: it returns the one
+            that knows where executions left the robots, and whether nothing moves them now.
+        on_delete: Called after a scene was deleted.
     """
 
     def __init__(self, engine: Engine, folder: Path) -> None:
         """Keep records in `engine` and files in `folder`; call `open` before use."""
         self._engine = engine
         self._folder = folder.resolve()
-        self._revising = Lock()
+        self._writing = asyncio.Lock()
         self._recent = RecentScenes()
         self._beside = ThreadPoolExecutor(1, "scene-files")
+        self.latest = Latest()
+        self.settle: Callable[[SceneRecord], Awaitable[tuple[SceneRecord, bool]]] | None = None
+        self.on_delete: Callable[[], None] | None = None
 
-    def open(self) -> None:
+    async def open(self) -> None:
         """Create what is missing."""
-        metadata.create_all(self._engine)
-        for index in scenes.indexes:  # that a table of an older version lacks
-            index.create(self._engine, checkfirst=True)
-        self._folder.mkdir(parents=True, exist_ok=True)
+        await to_thread.run_sync(self._open)
 
-    def add(self, loaded: LoadedScene) -> SceneRecord:
+    async def add(self, loaded: LoadedScene) -> SceneRecord:
         """Record a new scene."""
-        with self._recording(loaded) as connection:
-            record = _inserted(connection, f"scn_{secrets.token_hex(8)}", 1, loaded)
-        self._recent.put(record)
-        return record
+        return await self._write(self._add, loaded)
 
-    def revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
+    async def revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
         """Record the revision that follows `base`.
 
         Raises:
             UnknownResource: The scene is gone.
             RevisionConflict: `base` has a successor already.
         """
-        newest = select(func.max(scenes.c.revision)).where(scenes.c.id == base.id)
-        # One server works on a database, so a lock in this process keeps writers apart.
-        with self._revising, self._recording(loaded) as connection:
-            latest = connection.execute(newest).scalar()
-            if latest is None:
-                raise UnknownResource.of("scene", base.id)
-            if latest != base.revision:
-                raise RevisionConflict.of(base.id, base.revision, latest)
-            loaded, unchecked_in = self._sharing(base, loaded)
-            record = _inserted(connection, base.id, latest + 1, loaded, unchecked_in)
-        self._recent.put(record)
-        return record
+        with self.latest.changing(base.id):
+            return await self._write(self._revise, base, loaded)
 
-    def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
-        """Return a revision of a scene, by default the latest.
+    async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
+        """Return a revision of a scene, by default the latest, with its robots where they are.
 
         Raises:
             UnknownResource: There is none.
         """
-        query = select(*_BRIEF).where(scenes.c.id == identifier)
-        with self._engine.connect() as connection:
-            latest = query.order_by(scenes.c.revision.desc()).limit(1)
-            found = connection.execute(latest).first()
-            if found is None:
-                raise UnknownResource.of("scene", identifier)
-            if revision not in {None, found.revision}:
-                wanted = query.where(scenes.c.revision == revision)
-                found = connection.execute(wanted).first()
-                if found is None:
-                    raise UnknownResource.of("revision", f"{identifier}/{revision}")
-            known = self._recent.get(identifier, found.revision)
-            record = known or _read(connection, _brief(found))
-        self._recent.put(record)
+        if revision is not None or self.settle is None:
+            return await self.stored(identifier, revision)
+        return self.latest.of(identifier) or await self.fresh(identifier)
+
+    async def fresh(self, identifier: str) -> SceneRecord:
+        """Return the latest revision as `get` does, but by a look at what is stored.
+
+        Raises:
+            UnknownResource: There is none.
+        """
+        look = self.latest.look()
+        record = await self.stored(identifier)
+        if self.settle is None:
+            return record
+        record, is_at_rest = await self.settle(record)
+        if is_at_rest:
+            self.latest.keep(record, look)
         return record
 
-    def page(self, limit: int, before: int | None) -> list[SceneBrief]:
-        """Return the latest revision of scenes older than `before`, newest scene first.
+    async def stored(self, identifier: str, revision: int | None = None) -> SceneRecord:
+        """Return a revision as it is stored, by default the latest.
 
-        A scene is as old as its first revision, whose serial stands for it: pages join up
-        whatever is revised meanwhile.
+        Raises:
+            UnknownResource: There is none.
         """
-        firsts = select(scenes.c.id, scenes.c.serial).where(scenes.c.revision == 1)
-        firsts = firsts.order_by(scenes.c.serial.desc()).limit(limit)
-        if before is not None:
-            firsts = firsts.where(scenes.c.serial < before)
-        first, other = firsts.subquery(), scenes.alias()
-        latest = select(func.max(other.c.revision)).where(other.c.id == first.c.id)
-        is_latest = (scenes.c.id == first.c.id) & (scenes.c.revision == latest.scalar_subquery())
-        columns = [column for column in _BRIEF if column is not scenes.c.serial]
-        query = select(first.c.serial, *columns).select_from(first).join(scenes, is_latest)
-        query = query.order_by(first.c.serial.desc())
-        with self._engine.connect() as connection:
-            return [_brief(row) for row in connection.execute(query)]
+        return await to_thread.run_sync(self._read, identifier, revision)
 
-    def delete(self, identifier: str) -> None:
+    async def page(self, limit: int, before: int | None) -> list[SceneBrief]:
+        """Return scenes older than the serial `before`, newest first."""
+        return await to_thread.run_sync(self._page, limit, before)
+
+    async def delete(self, identifier: str) -> None:
         """Forget a scene; plans that were made in it stay.
 
         Raises:
             UnknownResource: There is none.
         """
-        with self._writing() as connection:
-            gone = connection.execute(delete(scenes).where(scenes.c.id == identifier))
-        if gone.rowcount == 0:
-            raise UnknownResource.of("scene", identifier)
+        with self.latest.changing(identifier):
+            await self._write(self._delete, identifier)
+        if self.on_delete is not None:
+            self.on_delete()
 
-    def file(self, record: SceneRecord) -> Path:
+    async def file(self, record: SceneRecord) -> Path:
         """Return the file of a scene's document, written again if it was lost."""
-        path = self.path(record.digest)
-        if not path.is_file():
-            self._write(record.loaded)
+        path = self._path(record.digest)
+        if not path.is_file():  # to look is quicker than a thread
+            await to_thread.run_sync(self._write_file, record.loaded)
         return path
+
+    async def _write[**P, T](self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Write in a thread, one after the other: those that wait leave the threads to readers.
+
+        Raises:
+            DatabaseUnavailable: Others wait for the database, and it does nothing.
+        """
+        try:
+            async with asyncio.timeout(_PATIENCE):
+                await self._writing.acquire()
+        except TimeoutError:
+            raise DatabaseUnavailable.of(_PATIENCE) from None
+        try:
+            return await to_thread.run_sync(partial(work, *args, **kwargs))
+        finally:
+            self._writing.release()
+
+    def _open(self) -> None:
+        metadata.create_all(self._engine)
+        for index in scenes.indexes:  # that a table of an older version lacks
+            index.create(self._engine, checkfirst=True)
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def _add(self, loaded: LoadedScene) -> SceneRecord:
+        with self._recording(loaded) as connection:
+            identifier = f"scn_{secrets.token_hex(8)}"
+            record = rows.insert_revision(connection, identifier, 1, loaded)
+        self._recent.put(record)
+        return record
+
+    def _revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
+        # One server works on a database, and its writes are one after the other.
+        with self._recording(loaded) as connection:
+            latest = rows.latest_revision(connection, base.id)
+            if latest is None:
+                raise UnknownResource.of("scene", base.id)
+            if latest != base.revision:
+                raise RevisionConflict.of(base.id, base.revision, latest)
+            loaded, unchecked_in = self._sharing(base, loaded)
+            record = rows.insert_revision(connection, base.id, latest + 1, loaded, unchecked_in)
+        self._recent.put(record)
+        return record
+
+    def _read(self, identifier: str, revision: int | None) -> SceneRecord:
+        with self._engine.connect() as connection:
+            brief = rows.read_brief(connection, identifier, revision)
+            known = self._recent.get(identifier, brief.revision)
+            record = known or rows.read_record(connection, brief)
+        self._recent.put(record)
+        return record
+
+    def _page(self, limit: int, before: int | None) -> list[SceneBrief]:
+        with self._engine.connect() as connection:
+            return rows.read_page(connection, limit, before)
+
+    def _delete(self, identifier: str) -> None:
+        with self._durable() as connection:
+            rows.delete_rows(connection, identifier)
 
     def _sharing(self, base: SceneBrief, loaded: LoadedScene) -> tuple[LoadedScene, int | None]:
         """Return what follows a revision, and which one's row has its unchecked pairs already.
@@ -156,7 +191,7 @@ class SceneStore:
         if before is None or before.loaded.unchecked != loaded.unchecked:
             return loaded, None
         held = before.revision if before.unchecked_in is None else before.unchecked_in
-        return replace(loaded, unchecked=before.loaded.unchecked), held
+        return loaded.model_copy(update={"unchecked": before.loaded.unchecked}), held
 
     @contextmanager
     def _recording(self, loaded: LoadedScene) -> Generator[Connection]:
@@ -165,9 +200,9 @@ class SceneStore:
         Raises:
             OSError: The file cannot be written; there is no row then.
         """
-        file = self._beside.submit(self._write, loaded)
+        file = self._beside.submit(self._write_file, loaded)
         try:
-            with self._writing() as connection:
+            with self._durable() as connection:
                 yield connection
                 file.result()
         except DBAPIError:
@@ -175,94 +210,21 @@ class SceneStore:
             raise
 
     @contextmanager
-    def _writing(self) -> Generator[Connection]:
+    def _durable(self) -> Generator[Connection]:
         """Write what survives a power cut: connections are shared with what need not."""
         with self._engine.begin() as connection:
             set_durability(connection, is_durable=True)
             yield connection
 
-    def path(self, digest: str) -> Path:
+    def _path(self, digest: str) -> Path:
         """Return where the file of a document is, or would be."""
         return self._folder / f"{digest}.json"
 
-    def _write(self, loaded: LoadedScene) -> None:
+    def _write_file(self, loaded: LoadedScene) -> None:
         """Write the document and what its files are, whole or not at all."""
         written = f'{{"document":{loaded.document.text}'
-        if "files" in loaded.summary:  # not in those of servers that kept no files
-            written += f',"files":{encode(loaded.summary["files"])}'
-        write_durably(self.path(loaded.digest), f"{written}}}".encode())
-
-
-def _inserted(
-    connection: Connection,
-    identifier: str,
-    revision: int,
-    loaded: LoadedScene,
-    unchecked_in: int | None = None,
-) -> SceneRecord:
-    """Return the record of a new row."""
-    summary = encode(loaded.summary)[:-1] + ("," if loaded.summary else "")
-    unchecked = f'"unchecked":{loaded.unchecked.text}'
-    if unchecked_in is not None:
-        unchecked = f'"{_HELD}":{unchecked_in}'
-    texts = {"document": loaded.document.text, "summary": f"{summary}{unchecked}}}"}
-    created_at = datetime.now(UTC)
-    row = {
-        "id": identifier,
-        "revision": revision,
-        "digest": loaded.digest,
-        "name": loaded.name,
-        "created_at": created_at.isoformat(),
-    }
-    written = {name: _as_json(connection, text) for name, text in texts.items()}
-    done = connection.execute(insert(scenes).values(**row, **written).returning(scenes.c.serial))
-    serial = int(done.scalar_one())
-    brief = SceneBrief(serial, identifier, revision, loaded.digest, loaded.name, created_at)
-    return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=unchecked_in)
-
-
-def _as_json(connection: Connection, text: str) -> Any:
-    """Return what a column of JSON takes for a text that is JSON already."""
-    written = literal(text, Text)
-    return cast(written, JSON) if connection.dialect.name == "postgresql" else written
-
-
-def _read(connection: Connection, brief: SceneBrief) -> SceneRecord:
-    """Return a record whose brief was read.
-
-    Raises:
-        UnknownResource: The scene is gone.
-    """
-    document, summary = _texts(connection, brief.id, brief.revision)
-    found: dict[str, Any] = json.loads(summary)
-    unchecked, held = found.pop("unchecked", []), found.pop(_HELD, None)
-    if held is not None:
-        unchecked = json.loads(_texts(connection, brief.id, held)[1])["unchecked"]
-    told = Encoded(encode(unchecked))
-    loaded = LoadedScene(brief.name, brief.digest, Encoded(document), found, told)
-    return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=held)
-
-
-def _texts(connection: Connection, identifier: str, revision: int) -> tuple[str, str]:
-    """Return the content of a row as text: its document and its summary.
-
-    Raises:
-        UnknownResource: The scene is gone.
-    """
-    texts = [cast(column, Text).label(column.name) for column in _CONTENT]
-    wanted = (scenes.c.id == identifier) & (scenes.c.revision == revision)
-    row = connection.execute(select(*texts).where(wanted)).first()
-    if row is None:
-        raise UnknownResource.of("scene", identifier)
-    return row.document, row.summary
-
-
-def _brief(row: Row[Any]) -> SceneBrief:
-    return SceneBrief(
-        serial=row.serial,
-        id=row.id,
-        revision=row.revision,
-        digest=row.digest,
-        name=row.name,
-        created_at=datetime.fromisoformat(row.created_at),
-    )
+        files = loaded.summary.files
+        if files is not None:
+            plain = {name: kept.model_dump() for name, kept in files.items()}
+            written += f',"files":{encode(plain)}'
+        write_durably(self._path(loaded.digest), f"{written}}}".encode())

@@ -1,6 +1,14 @@
-"""What tasks about a scene are given."""
+"""Tasks that load scenes, and what every task about a scene is given."""
 
-from service.jobs.tasks import TaskModel
+from typing import Literal
+
+from service.jobs.json_text import Encoded
+from service.jobs.outline import Outline
+from service.jobs.tasks import Task, TaskModel
+from service.scenes.models.edits import SceneEdit
+from service.scenes.models.scene import SceneSummary
+
+type Media = Literal["json", "yaml"]
 
 
 class Library(TaskModel):
@@ -39,3 +47,39 @@ class SceneWork(LibraryWork):
     """What a task about a scene is given."""
 
     scene: StoredScene
+
+
+class LoadWork(LibraryWork):
+    """A scene as it was posted."""
+
+    text: str
+    media: Media
+
+
+class EditWork(SceneWork):
+    """Operations on a scene."""
+
+    request: SceneEdit
+
+
+class LoadedScene(TaskModel):
+    """A scene that a worker has loaded; what is large and goes out as it is stays text.
+
+    Attributes:
+        name: For people.
+        digest: sha256 of the content, the bytes of all files included.
+        summary: What it holds, but for:
+        unchecked: Pairs of bodies that no collision check looks at, a list.
+        document: What was posted, or what came of editing it, defaults filled in.
+    """
+
+    name: str
+    digest: str
+    summary: SceneSummary
+    unchecked: Encoded
+    document: Encoded
+
+
+_TEXTS = Outline(result=("unchecked", "document"))
+LOAD_SCENE = Task("load_scene", LoadWork, LoadedScene, outline=_TEXTS)
+EDIT_SCENE = Task("edit_scene", EditWork, LoadedScene, outline=_TEXTS)

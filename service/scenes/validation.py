@@ -1,8 +1,8 @@
 """Preflight: what a scene cannot do is refused before anything is queued, by its summary alone."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
+from planning.domain.request.motion_limits import missing_effort_limits, validate_signed_blocks
 from planning.domain.robot.joints import Joint, JointType
 from planning.errors import ModelInvalid, UnknownName
 from service.errors import WrongCount
@@ -25,9 +25,9 @@ from service.plans.models.goals import (
     RelativeGoal,
 )
 from service.plans.models.line_goals import LineGoal, PathGoal
+from service.plans.models.motion_limits import MotionLimits
+from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
-
-type Group = dict[str, Any]
 
 
 def require_group(scene: SceneRecord, name: str) -> Group:
@@ -37,15 +37,15 @@ def require_group(scene: SceneRecord, name: str) -> Group:
         UnknownName: The scene has none of that name.
         ModelInvalid: It is a robot's, none of whose joints moves.
     """
-    groups: list[Group] = scene.summary["groups"]
+    groups = scene.summary.groups
     for group in groups:
-        if name == group["name"] or name in group["aliases"]:
-            if not group["joints"]:
+        if name == group.name or name in group.aliases:
+            if not group.joints:
                 raise _still(name, scene)
             return group
     if name in (robot["name"] for robot in scene.document["robots"]):
         raise _still(name, scene)
-    raise UnknownName.among("group", name, [group["name"] for group in groups])
+    raise UnknownName.among("group", name, [group.name for group in groups])
 
 
 def _still(name: str, scene: SceneRecord) -> ModelInvalid:
@@ -58,7 +58,7 @@ def _still(name: str, scene: SceneRecord) -> ModelInvalid:
 
 def joints_of(group: Group) -> list[Joint]:
     """Return a group's joints as the domain has them."""
-    return [Joint(joint["name"], JointType(joint["type"])) for joint in group["joints"]]
+    return [Joint(joint.name, JointType(joint.type)) for joint in group.joints]
 
 
 def require_frames(scene: SceneRecord, names: Sequence[str]) -> None:
@@ -67,7 +67,7 @@ def require_frames(scene: SceneRecord, names: Sequence[str]) -> None:
     Raises:
         UnknownName: It does not.
     """
-    frames: list[str] = scene.summary["frames"]
+    frames = scene.summary.frames
     for name in names:
         if name not in frames:
             raise UnknownName.among("frame", name, frames)
@@ -79,9 +79,9 @@ def require_count(group: Group, positions: Sequence[float], field: str) -> None:
     Raises:
         WrongCount: There is not.
     """
-    names: list[str] = group["position_names"]
+    names: list[str] = group.position_names
     if len(positions) != len(names):
-        message = f"{field}: {group['name']} has {len(names)} positions, got {len(positions)}"
+        message = f"{field}: {group.name} has {len(names)} positions, got {len(positions)}"
         evidence = {"field": field, "expected": len(names), "got": len(positions), "names": names}
         raise WrongCount(message, evidence)
 
@@ -98,8 +98,8 @@ def require_goal(scene: SceneRecord, group: Group, goal: Goal) -> None:
             for q in rows(goal.positions):
                 require_count(group, q, "goal.positions")
         case ConfigurationGoal():
-            if goal.name not in group["configurations"]:
-                raise UnknownName.among("configuration", goal.name, group["configurations"])
+            if goal.name not in group.configurations:
+                raise UnknownName.among("configuration", goal.name, group.configurations)
         case _:
             require_frames(scene, frames_of(goal))
 
@@ -128,7 +128,7 @@ def require_joints(group: Group, names: Iterable[str]) -> None:
     Raises:
         UnknownName: It does not.
     """
-    known: list[str] = [joint["name"] for joint in group["joints"]]
+    known: list[str] = [joint.name for joint in group.joints]
     for name in names:
         if name not in known:
             raise UnknownName.among("joint", name, known)
@@ -152,7 +152,7 @@ def require_constraints(
         match constraint:
             case DistanceBand():
                 names = [*(constraint.bodies or []), *(constraint.to or [])]
-                _require("body", names, scene.summary["bodies"])
+                _require("body", names, scene.summary.bodies)
             case KeepOut() | KeepIn():
                 require_frames(scene, [constraint.frame, constraint.box.pose.frame])
             case Position():
@@ -160,13 +160,30 @@ def require_constraints(
             case Orientation():
                 require_frames(scene, [constraint.frame, constraint.reference])
             case LockedJoints():
-                joints = [joint["name"] for joint in group["joints"]]
+                joints = [joint.name for joint in group.joints]
                 _require("joint", constraint.joints, joints)
             case JointLimits():
-                _require("joint", list(constraint.limits), group["position_names"])
+                _require("joint", list(constraint.limits), group.position_names)
 
 
 def _require(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
     for name in names:
         if name not in known:
             raise UnknownName.among(kind, name, known)
+
+
+def require_motion_limits(scene: SceneRecord, group: Group, limits: MotionLimits) -> None:
+    """Go on only if the limits name what the scene has.
+
+    Raises:
+        UnknownName: A frame or joint does not exist, or has several coordinates.
+        ProblemInvalid: Efforts shall be kept, and no joint of the group has a limit on them.
+    """
+    if limits.effort and all(bound is None for bound in group.limits.effort):
+        raise missing_effort_limits(group.name)
+    require_frames(scene, [limit.frame for limit in limits.tool_limits])
+    for zone in limits.speed_zones:
+        require_frames(scene, [zone.frame, zone.box.pose.frame])
+    if limits.payload is not None:
+        require_frames(scene, [limits.payload.frame])
+    validate_signed_blocks(limits.acceleration_bounds, joints_of(group))

@@ -4,7 +4,6 @@ import gc
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 from planning import (
     ModelLibrary,
@@ -19,36 +18,41 @@ from planning.errors import SceneInvalid
 from planning.world.documents.scene_file import with_line
 from planning.world.files.trial_load import trial_load
 from service.jobs.context import TaskContext
-from service.scenes.document_text import SceneText, keep_text, kept_text
-from service.scenes.edit_conversion import operation_value
-from service.scenes.edit_models import SceneEdit
-from service.scenes.files import files_wire, read_posted
+from service.scenes.document_text import SceneText, keep_text, kept_text, unchecked_text
+from service.scenes.models.scene import SceneSummary
 from service.scenes.parsing import decode_scene
-from service.scenes.summary_conversion import scene_wire
-from service.scenes.tasks import Library, SceneWork
-from service.scenes.unchecked_text import unchecked_text
-from service.scenes.world_cache import keep, library_of, load_like, take_world
+from service.scenes.tasks import (
+    EDIT_SCENE,
+    LOAD_SCENE,
+    EditWork,
+    LoadedScene,
+    LoadWork,
+    SceneWork,
+)
+from service.scenes.world_cache import keep, library_of, load_like, read_stored, take_world
 
 
-def load_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
-    """Return a posted scene as `LoadedScene` has it; its world and text stay warm here.
+@LOAD_SCENE.runs
+def load_scene(work: LoadWork, _: TaskContext) -> LoadedScene:
+    """Load a posted scene; its world and text stay warm here.
 
     Raises:
         UnreadableBody: The text is not JSON.
         InputError: The scene has a fault.
     """
-    library = library_of(Library.model_validate(payload["library"]))
+    library = library_of(work.library)
     with _no_collections():
-        document = decode_scene(payload["text"], payload["media"])
+        document = decode_scene(work.text, work.media)
         try:
             world = load_world(trial_load(document.value(), library), library)
         except SceneInvalid as fault:
-            raise with_line(fault, payload["text"]) from fault
+            raise with_line(fault, work.text) from fault
         return _loaded(world, library, SceneText.of(document))
 
 
-def revise_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
-    """Return the same of a scene after the operations in `request`.
+@EDIT_SCENE.runs
+def revise_scene(work: EditWork, _: TaskContext) -> LoadedScene:
+    """Load a scene after operations.
 
     Where its world and text are warm, only what is edited is read and written; else all of it is
     read from the file, with the same outcome.
@@ -59,11 +63,9 @@ def revise_scene(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
         SceneNotKept: It was written before scenes kept their files.
         InputError: What came of it does not load.
     """
-    request = SceneEdit.model_validate(payload["request"])
-    library = library_of(Library.model_validate(payload["library"]))
-    operations = [operation_value(wire) for wire in request.operations]
+    library = library_of(work.library)
+    operations = [operation.to_domain() for operation in work.request.operations]
     with _no_collections():
-        work = SceneWork.model_validate(payload)
         before, text = _before(work, library)
         edited = edit_scene(before, operations, library)
         after = text.after(before, edited)
@@ -92,18 +94,22 @@ def _before(work: SceneWork, library: ModelLibrary) -> tuple[Scene, SceneText]:
         keep(world, library)
     if world is not None and text is not None:
         return world.scene, text
-    posted, files = read_posted(work.scene)
+    posted, files = read_stored(work.scene)
     before = replace(posted.value(), files=files) if world is None else world.scene
     return before, SceneText.of(posted)
 
 
-def _loaded(world: World, library: ModelLibrary, text: SceneText) -> dict[str, Any]:
+def _loaded(world: World, library: ModelLibrary, text: SceneText) -> LoadedScene:
     keep(world, library)
     keep_text(world.digest, text)
     summary = scene_summary(world)
-    wire = scene_wire(summary, aliases_of(world)) | {"files": files_wire(world.scene)}
-    told = {"name": world.scene.name, "digest": world.digest, "summary": wire}
-    return {**told, "unchecked": unchecked_text(summary.unchecked), "document": text.whole}
+    return LoadedScene(
+        name=world.scene.name,
+        digest=world.digest,
+        summary=SceneSummary.from_domain(summary, aliases_of(world), world.scene.files),
+        unchecked=unchecked_text(summary.unchecked),
+        document=text.whole,
+    )
 
 
 def aliases_of(world: World) -> dict[str, list[str]]:

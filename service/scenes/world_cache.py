@@ -1,16 +1,19 @@
 """Loaded worlds, kept warm in this process by scene digest, which covers the bytes of all files."""
 
+import json
 import threading
 from collections import OrderedDict
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 from planning import ModelLibrary, Scene, World, load_world
+from planning.domain.scene.kept_files import KeptFiles
 from planning.errors import InputError
-from service.scenes.files import read_posted, require_same
-from service.scenes.tasks import Library, SceneWork
+from planning.world.documents.scene_document import SceneDocument
+from service.errors import SceneNotKept
+from service.scenes.tasks import Library, SceneWork, StoredScene
 
 # A Drake world of an arm and some obstacles takes 5 to 40 MB.
 MAX_WORLDS = 8
@@ -42,13 +45,28 @@ def borrow_world(work: SceneWork) -> Generator[World]:
     key = (work.scene.digest, library_of(work.library))
     world = _take(key)
     if world is None:
-        posted, files = read_posted(work.scene)
+        posted, files = read_stored(work.scene)
         world = load_like(replace(posted.value(), files=files), key[1])
-        require_same(world, work.scene)
+        if world.digest != work.scene.digest:
+            raise SceneNotKept.of(work.scene.digest)
     try:
         yield world
     finally:
         _put_back(key, world)
+
+
+def read_stored(scene: StoredScene) -> tuple[SceneDocument, Mapping[str, KeptFiles]]:
+    """Return the document of the scene that a task is about, and the files that it was made from.
+
+    Raises:
+        SceneNotKept: It was written before scenes kept their files.
+        SceneInvalid: Its files cannot be meant.
+    """
+    written = json.loads(Path(scene.document).read_text(encoding="utf-8"))
+    if "files" not in written:
+        raise SceneNotKept.of(scene.digest)
+    files = {name: KeptFiles.from_json(plain) for name, plain in written["files"].items()}
+    return SceneDocument.model_validate(written["document"]), files
 
 
 def load_like(scene: Scene, library: ModelLibrary) -> World:

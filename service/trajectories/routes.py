@@ -9,9 +9,13 @@ from service.dependencies import JobsDep, ScenesDep
 from service.jobs.tasks import Task
 from service.plans.models.trajectory_conversion import IN_QUESTION, require_one_sampling
 from service.scene_jobs import SceneJobs
-from service.scenes.motion_limit_validation import require_motion_limits
 from service.scenes.records import SceneRecord
-from service.scenes.validation import require_constraints, require_count, require_group
+from service.scenes.validation import (
+    require_constraints,
+    require_count,
+    require_group,
+    require_motion_limits,
+)
 from service.trajectories.models import (
     CertifyMotionRequest,
     CertifyMotionResponse,

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from service.plans.models.plan import Plan
-from service.scenes.models import Scene
+from service.scenes.models.scene import Scene
 from tests.service.regions.test_routes import ENDLESS, REQUEST, SCENE
 from tests.service.servers import ARM, endless, helpers_of, living, request_of, server, until
 from tests.service.successor import successor

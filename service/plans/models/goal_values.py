@@ -12,6 +12,12 @@ from service.plans.models.line_goals import LineTarget
 from service.plans.models.request import Certify, PlanRequest, Retime
 
 
+def pose_of(pose: geometry.Pose) -> Pose:
+    """Return the model of a pose in world, which is not validated again."""
+    position, quaternion = pose.position.tolist(), pose.quaternion.tolist()
+    return Pose.model_construct(position=position, quaternion=quaternion)
+
+
 def pose_wire(pose: geometry.Pose) -> dict[str, object]:
     """Return a pose in world as JSON."""
     return Pose.from_domain(pose).model_dump(exclude={"rpy"})

@@ -9,11 +9,10 @@ from planning.domain.report import certificate as domain
 from planning.domain.report.motion_plan import MotionPlan
 from service.api.arrays import FiniteOrNull, Row, Rows
 from service.api.models import ResponseModel
+from service.plans.models.checked import Check
 from service.plans.models.reports import Stages
 from service.plans.models.trajectory import Trajectory
-from service.queries.models.check import Pair, UncheckedPair
-from service.queries.models.checked import Check
-from service.queries.verdict_conversion import pair_wire
+from service.scenes.models.pairs import Pair, UncheckedPair
 
 
 class Certificate(ResponseModel):
@@ -72,7 +71,7 @@ class Certificate(ResponseModel):
             "time": certificate.time,
             "points": certificate.points,
             "proven_until": certificate.proven_until,
-            "first_unproven": None if stop is None else pair_wire(stop),
+            "first_unproven": None if stop is None else Pair.from_domain(stop),
             "unchecked": certificate.unchecked,
             "checks": certificate.checks,
         })

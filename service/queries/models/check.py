@@ -1,10 +1,14 @@
 """Asking whether configurations are valid."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Name, NonNegative, Positions, RequestModel, ResponseModel
+from service.api.models import Name, NonNegative, Positions, RequestModel, ResponseModel, finite
+from service.scenes.models.pairs import Pair
+
+if TYPE_CHECKING:
+    from planning.world import configuration_check as domain
 
 
 class CheckRequest(RequestModel):
@@ -23,30 +27,6 @@ class CheckRequest(RequestModel):
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
-
-
-class UncheckedPair(ResponseModel):
-    """Two bodies that no collision check looks at."""
-
-    model_config = ConfigDict(title="UncheckedPair")
-
-    bodies: tuple[str, str] = Field(description="Full names, sorted")
-    reason: Literal["allowed", "held", "welded", "welded_to_world", "adjacent"] = Field(
-        description="allowed: by the scene or the robot's description; held: one is attached and "
-        "may touch the other; welded: neither can move relative to the other; welded_to_world: "
-        "both stand in the world; adjacent: a joint joins them, and their shapes touch about it or "
-        "can never touch"
-    )
-    evidence: str = Field(description="What that rests on, in words")
-
-
-class Pair(ResponseModel):
-    """Two bodies and how near they are."""
-
-    bodies: tuple[str, str] = Field(description="Full names")
-    distance: float = Field(description="Signed [m]; negative is the depth of penetration")
-    depth: float = Field(description="Of penetration [m]; 0 if they do not touch", ge=0)
-    points: list[list[float]] = Field(description="The nearest point of each, in world [m]")
 
 
 class LimitViolation(ResponseModel):
@@ -70,6 +50,26 @@ class Verdict(ResponseModel):
     )
     nearest: Pair | None = Field(description="The pair that is nearest; null if there is none")
     limit_violations: list[LimitViolation] = Field(description="Joints outside their limits")
+
+    @classmethod
+    def from_domain(cls, verdict: "domain.StateVerdict") -> Self:
+        """Return a verdict, which is not validated again."""
+        nearest = None if verdict.nearest is None else Pair.from_domain(verdict.nearest)
+        return cls.model_construct(
+            valid=verdict.valid,
+            collisions=[Pair.from_domain(pair) for pair in verdict.violations],
+            distance=None if nearest is None else nearest.distance,
+            nearest=nearest,
+            limit_violations=[
+                LimitViolation(
+                    joint=outside.joint,
+                    value=outside.position,
+                    lower=finite(outside.lower),
+                    upper=finite(outside.upper),
+                )
+                for outside in verdict.limit_violations
+            ],
+        )
 
 
 class CheckResponse(ResponseModel):

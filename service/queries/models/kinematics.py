@@ -1,9 +1,10 @@
 """Asking where frames are, and which configurations bring them somewhere."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, Strict
 
+from planning.domain.goals.configuration_quality import ConfigurationQuality
 from service.api.models import (
     WHOLE,
     Failure,
@@ -18,6 +19,9 @@ from service.api.models import (
 from service.plans.models.constraints import Constraint
 from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
 from service.plans.models.ik import Ik, IkFunnel
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class FkRequest(RequestModel):
@@ -91,6 +95,8 @@ class IkRequest(RequestModel):
 class Branch(ResponseModel):
     """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
 
+    model_config = ConfigDict(from_attributes=True)
+
     shoulder: Literal[-1, 0, 1] = Field(description="On which side of the first axis the wrist is")
     elbow: Literal[-1, 0, 1] = Field(description="To which side the elbow bends")
     wrist: Literal[-1, 0, 1] = Field(description="To which side the wrist bends")
@@ -120,6 +126,22 @@ class IkSolution(ResponseModel):
         description="Of six-joint arms with a spherical wrist or one like Universal Robots'; else "
         "null"
     )
+
+    @classmethod
+    def from_domain(
+        cls, q: "np.ndarray[Any, Any]", pose_index: int, quality: ConfigurationQuality
+    ) -> Self:
+        """Return a goal configuration."""
+        return cls(
+            positions=q.tolist(),
+            pose_index=pose_index,
+            manipulability=quality.manipulability,
+            clearance=quality.clearance,
+            pair=quality.pair,
+            limit_margin=quality.limit_margin,
+            distance=quality.distance,
+            branch=None if quality.branch is None else Branch.model_validate(quality.branch),
+        )
 
 
 class IkResponse(ResponseModel):

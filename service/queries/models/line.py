@@ -1,12 +1,23 @@
 """Asking how far a tool can be moved in a straight line, and what stops it."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field
 
-from service.api.models import Boolean, Name, NonNegative, Pose, Positions, Real, ResponseModel
+from planning.api.trace_line import TraceResolution
+from planning.domain.goals import line_trace as domain
+from service.api.models import (
+    Boolean,
+    Name,
+    NonNegative,
+    Pose,
+    Positions,
+    Real,
+    ResponseModel,
+    listed,
+)
 from service.plans.models.line_goals import Deviation, LineTarget, ToolFrame
-from service.queries.models.check import Pair
+from service.scenes.models.pairs import Pair
 
 
 class FoundDeviation(ResponseModel):
@@ -48,6 +59,11 @@ class LineRequest(LineTarget):
         default=5.0, description="Give up after this long [s]"
     )
 
+    @property
+    def resolution(self) -> TraceResolution:
+        """How closely the line shall be followed."""
+        return TraceResolution(self.deviation.position, self.deviation.rotation, self.max_step)
+
 
 class LineStop(ResponseModel):
     """What ended a line before its end."""
@@ -67,6 +83,19 @@ class LineStop(ResponseModel):
         "zero everywhere [1 or m per rad or m]"
     )
 
+    @classmethod
+    def from_domain(cls, stop: domain.LineStop) -> Self:
+        """Return a stop."""
+        return cls(
+            reason=stop.reason,
+            fraction=stop.fraction,
+            where=Pose.from_domain(stop.where),
+            positions=listed(stop.positions),
+            joint=stop.joint or None,
+            pair=None if stop.pair is None else Pair.from_domain(stop.pair),
+            singular_value=stop.singular_value,
+        )
+
 
 class LineResponse(ResponseModel):
     """How far it goes, on what way, and what stops it."""
@@ -84,3 +113,19 @@ class LineResponse(ResponseModel):
         description="How far from the line the tool is at most, between waypoints too"
     )
     stopped_by: LineStop | None = Field(description="What ended it; null if all is reached")
+
+    @classmethod
+    def from_domain(cls, trace: domain.LineTrace, *, with_poses: bool) -> Self:
+        """Return a line that was traced."""
+        poses = (Pose.from_domain(trace.line.pose(s)) for s in trace.fractions)
+        return cls(
+            fraction=trace.fraction,
+            length=trace.length,
+            fractions=listed(trace.fractions),
+            positions=listed(trace.positions),
+            poses=list(poses) if with_poses else None,
+            deviation=FoundDeviation(
+                position=trace.max_position_deviation, rotation=trace.max_rotation_deviation
+            ),
+            stopped_by=None if trace.stop is None else LineStop.from_domain(trace.stop),
+        )

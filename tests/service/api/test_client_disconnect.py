@@ -9,7 +9,7 @@ import pytest
 from planning.errors import Canceled
 from service.api.client_disconnect import DisconnectWatch, note_question, unless_client_leaves
 from service.errors import ClientLeft
-from service.queries import worker as queries
+from service.queries.tasks import CHECK
 
 # Against tests that hang.
 GUARD = 20
@@ -115,7 +115,7 @@ def test_a_client_that_leaves_ends_its_question_in_its_slot(client, app, scene, 
     scope |= {"headers": headers, "query_string": b"", "http_version": "1.1", "scheme": "http"}
     scope |= {"root_path": "", "server": ("testserver", 80), "client": ("test", 1), "app": app}
     with monkeypatch.context() as patch:
-        patch.setattr(queries, "check", endless)
+        patch.setattr(CHECK, "_function", endless)
         client.portal.call(app, scope, receive, send)
         assert statuses[0] == 499
         assert ended.wait(GUARD)

@@ -4,7 +4,7 @@ import pytest
 import typer
 
 from service.cli.goal import goal_of, group_of, start_of
-from service.scenes.models import Scene
+from service.scenes.models.scene import Scene
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ import pytest
 from service.cli import output
 from service.client.events import Event
 from service.plans.models.plan import Plan
-from service.scenes.models import Scene
-from service.scenes.summary_models import Joint
+from service.scenes.models.scene import Scene
+from service.scenes.models.summary import Joint
 
 
 @pytest.fixture

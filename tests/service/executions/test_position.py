@@ -5,10 +5,12 @@ import math
 import pytest
 
 from service.executions.position import separation
+from service.scenes.models.summary import Group, Joint
 
 
 def group(*types):
-    return {"joints": [{"name": f"j{i}", "type": kind} for i, kind in enumerate(types)]}
+    joints = [Joint(name=f"j{i}", type=kind) for i, kind in enumerate(types)]
+    return Group.model_construct(joints=joints)
 
 
 @pytest.mark.parametrize(

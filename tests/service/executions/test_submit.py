@@ -8,9 +8,11 @@ import pytest
 from service.errors import StartMismatch
 from service.executions import submit as admission
 from service.executions.models import ExecutionRequest
-from service.scenes.latest import Latest
+from service.scenes.models.scene import SceneSummary
+from service.scenes.models.summary import Group, Joint
+from service.scenes.record_cache import Latest
 
-JOINT = {"name": "arm::j", "type": "revolute"}
+JOINT = Joint(name="arm::j", type="revolute")
 
 
 class Moving:
@@ -22,8 +24,9 @@ class Moving:
         self.latest = Latest()
 
     async def fresh(self, identifier):
-        group = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
-        summary = {"groups": [{**group, "positions": self.positions}]}
+        known = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
+        group = Group.model_construct(**known, positions=self.positions)
+        summary = SceneSummary.model_construct(groups=[group])
         return SimpleNamespace(id=identifier, digest="d", summary=summary)
 
     async def job(self, lane, identifier):

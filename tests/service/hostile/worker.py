@@ -7,13 +7,16 @@ from service.errors import status_of
 from service.jobs.error_text import load_error
 from service.jobs.task import run_task
 from service.jobs.worker.protocol import MessageKind
+from service.scenes import worker as scenes
+from service.scenes.tasks import LOAD_SCENE
 
 
 def main():
+    assert scenes.load_scene  # its import has the task carried out
     library = {"model_roots": [], "allow_paths": True, "copies": sys.argv[1]}
     for line in sys.stdin:
         payload = {"text": line, "media": "json", "library": library}
-        end = run_task("service.scenes.worker:load_scene", json.dumps(payload), None)
+        end = run_task(LOAD_SCENE.name, json.dumps(payload), None)
         answer = {"status": 201, "text": ""}
         if end.kind is MessageKind.FAILURE:
             error = load_error(end.text)

@@ -1,5 +1,6 @@
 """A page of a list reads its own rows, however many others there are."""
 
+import asyncio
 import itertools
 
 import pytest
@@ -69,9 +70,9 @@ def test_a_page_of_jobs_reads_its_own_rows(engine, wanted, before):
 
 def test_a_page_of_scenes_reads_its_own_rows(engine, tmp_path):
     store = SceneStore(engine, tmp_path / "scenes")
-    store.open()
+    asyncio.run(store.open())
     for before in (None, 40):
-        asked = asked_by(engine, lambda before=before: store.page(5, before))
+        asked = asked_by(engine, lambda before=before: asyncio.run(store.page(5, before)))
         found = steps(engine, asked)
         # The page itself is what is gone through in the end.
         assert_reads_only_its_rows([step for step in found if "TEMP B-TREE FOR ORDER" not in step])

@@ -11,6 +11,7 @@ from service.plans.models.request import PlanRequest
 from service.plans.submit import SLACK
 from service.plans.tasks import PLAN, PlanWork
 from service.plans.worker import plan_motion
+from service.scenes.tasks import LoadWork
 from service.scenes.worker import load_scene
 from tests.service.conftest import BLOCK_SCENE
 
@@ -38,14 +39,15 @@ class TaskContext:
 def payload(tmp_path):
     library = {"model_roots": [], "allow_paths": False, "copies": str(tmp_path / "files")}
     posted = {"library": library, "text": json.dumps(BLOCK_SCENE), "media": "json"}
-    loaded = load_scene(posted, TaskContext())
+    loaded = load_scene(LoadWork.model_validate(posted), TaskContext())
     file = tmp_path / "scene.json"
-    kept = {"document": json.loads(loaded["document"].text), "files": loaded["summary"]["files"]}
+    files = {name: kept.model_dump() for name, kept in loaded.summary.files.items()}
+    kept = {"document": json.loads(loaded.document.text), "files": files}
     file.write_text(json.dumps(kept))
     request = {"scene": "s", "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     request["search"] = {"allowed_planning_time": ALLOWED}
     return {
-        "scene": {"digest": loaded["digest"], "document": str(file)},
+        "scene": {"digest": loaded.digest, "document": str(file)},
         "library": library,
         "request": request,
         "revision": 1,

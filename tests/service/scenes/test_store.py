@@ -3,10 +3,12 @@
 import json
 import resource
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from functools import partial
+from inspect import iscoroutinefunction
 from threading import Event
 
 import pytest
+from anyio.from_thread import start_blocking_portal
 from sqlalchemy import create_engine, event, insert, select
 
 from service.errors import RevisionConflict, UnknownResource
@@ -14,10 +16,12 @@ from service.jobs.database import open_engine
 from service.jobs.json_text import Encoded, encode
 from service.jobs.store import JobStore
 from service.jobs.tables import JobSpec
-from service.scenes.recent import RecentScenes
-from service.scenes.records import LoadedScene, scenes
+from service.scenes.models.scene import SceneSummary
+from service.scenes.record_cache import RecentScenes
+from service.scenes.records import scenes
 from service.scenes.resource import scene_text
 from service.scenes.store import SceneStore
+from service.scenes.tasks import LoadedScene
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
 UNCHECKED = Encoded(encode([{"bodies": ["a", "b"], "reason": "welded", "evidence": "w"}]))
@@ -25,7 +29,37 @@ UNCHECKED = Encoded(encode([{"bodies": ["a", "b"], "reason": "welded", "evidence
 
 def loaded(name, digest, document=None, summary=None):
     document = Encoded(encode(document or DOCUMENT))
-    return LoadedScene(name, digest, document, summary or {}, UNCHECKED)
+    return LoadedScene(
+        name=name,
+        digest=digest,
+        document=document,
+        summary=SceneSummary.model_validate(summary or {}),
+        unchecked=UNCHECKED,
+    )
+
+
+class Blocking:
+    """A store whose coroutines are run to their end, all in one event loop."""
+
+    def __init__(self, portal, store):
+        self.portal, self.store = portal, store
+
+    def __getattr__(self, name):
+        found = getattr(self.store, name)
+        return partial(self.portal.call, found) if iscoroutinefunction(found) else found
+
+
+@pytest.fixture
+def stores(engine, tmp_path):
+    """Open a store of the documents in the test's folder."""
+    with start_blocking_portal() as portal:
+
+        def opened(of=engine):
+            store = Blocking(portal, SceneStore(of, tmp_path / "documents"))
+            store.open()
+            return store
+
+        yield opened
 
 
 @pytest.fixture
@@ -36,16 +70,13 @@ def engine(tmp_path):
 
 
 @pytest.fixture
-def store(engine, tmp_path):
-    opened = SceneStore(engine, tmp_path / "documents")
-    opened.open()
-    return opened
+def store(stores):
+    return stores()
 
 
-def test_what_is_added_is_found_by_another_store(store, engine, tmp_path):
+def test_what_is_added_is_found_by_another_store(store, stores):
     added = store.add(loaded("a", "d1", summary={"groups": []}))
-    again = SceneStore(engine, tmp_path / "documents")
-    again.open()
+    again = stores()
     assert again.get(added.id) == added
     assert again.get(added.id, 1).document == DOCUMENT
 
@@ -69,7 +100,7 @@ def test_pages_have_every_scene_once_newest_first(store):
 
 
 def test_deleted_scenes_are_gone_but_their_file_stays(store):
-    files = {"arm": {"named": "ur5e"}}
+    files = {"arm": {"named": "ur5e", "main": "a.urdf", "card": "", "sha256": {}}}
     added = store.add(loaded("a", "d1", summary={"files": files}))
     file = store.file(added)
     store.delete(added.id)
@@ -102,22 +133,22 @@ def test_revisions_follow_one_another_and_stay_readable(store):
 
 
 def test_pairs_that_stay_the_same_are_written_once_and_read_with_every_revision(
-    store, engine, tmp_path
+    store, stores, engine
 ):
     """Also by a server that has to find them, and that has forgotten the revision before."""
     others = Encoded(encode([{"bodies": ["a", "c"], "reason": "welded", "evidence": "w"}]))
     pairs = [UNCHECKED, UNCHECKED, others, others, others, UNCHECKED]
     made = [store.add(loaded("a", "d1", summary={"groups": []}))]
     for i, unchecked in enumerate(pairs[1:]):
-        told = replace(loaded("a", f"d{i + 2}", summary={"groups": []}), unchecked=unchecked)
+        told = loaded("a", f"d{i + 2}").model_copy(update={"unchecked": unchecked})
         if i == 4:
-            store = SceneStore(engine, tmp_path / "documents")
+            store = stores()
         made.append(store.revise(made[-1], told))
     assert [record.unchecked_in for record in made] == [None, 1, None, 3, 3, None]
     with engine.connect() as connection:
         rows = connection.execute(select(scenes.c.summary).order_by(scenes.c.revision)).scalars()
         assert ["unchecked" in row for row in rows] == [True, False, True, False, False, True]
-    again = SceneStore(engine, tmp_path / "documents")
+    again = stores()
     for record, unchecked in zip(made, pairs, strict=True):
         found = again.get(record.id, record.revision)
         assert found == record
@@ -169,7 +200,7 @@ def test_there_is_no_row_without_its_file(store, monkeypatch):
         assert begun.wait(60)
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store, "_write", fail)
+    monkeypatch.setattr(store.store, "_write_file", fail)
     event.listen(store._engine, "before_cursor_execute", lambda *_: begun.set())
     with pytest.raises(OSError, match="No space left"):
         store.add(loaded("b", "d2"))
@@ -181,7 +212,7 @@ def test_there_is_no_row_without_its_file(store, monkeypatch):
 
 def test_records_are_read_again_only_when_they_were_put_aside(store, monkeypatch):
     made = [store.add(loaded(f"s{i}", "d")) for i in range(3)]
-    monkeypatch.setattr("service.scenes.store._read", None)
+    monkeypatch.setattr("service.scenes.rows.read_record", None)
     assert [store.get(record.id) for record in made] == made
     assert all(store.get(record.id) is record for record in made)
 
@@ -213,7 +244,10 @@ def test_a_scene_of_an_older_server_is_read_and_told(store, engine):
         connection.execute(insert(scenes).values(row))
     record = store.get("scn_old")
     assert record.document == DOCUMENT
-    assert record.summary == {k: part for k, part in told.items() if k != "unchecked"}
+    assert record.summary.frames == ["f"]
+    assert record.summary.files is None
+    file = json.loads(store.file(record).read_text())
+    assert file == {"document": DOCUMENT}
     answer = json.loads(scene_text(record).text)
     assert answer["document"] == DOCUMENT
     assert answer["unchecked"] == told["unchecked"]
@@ -222,11 +256,10 @@ def test_a_scene_of_an_older_server_is_read_and_told(store, engine):
     assert answer["created_at"] == "2026-01-02T03:04:05Z"
 
 
-def test_scenes_are_durable_although_they_share_connections_with_what_need_not_be(tmp_path):
+def test_scenes_are_durable_although_they_share_connections_with_what_need_not_be(tmp_path, stores):
     """SQLite's `synchronous` is a connection's: 2 is FULL, which waits for the disk."""
     engine, levels = open_engine(f"sqlite:///{tmp_path / 'scenes.sqlite'}"), []
-    store, jobs = SceneStore(engine, tmp_path / "documents"), JobStore(engine)
-    store.open()
+    store, jobs = stores(engine), JobStore(engine)
     jobs.open()
 
     def note(connection):

@@ -4,10 +4,12 @@ import json
 
 import pytest
 
+from service.queries.models.check import CheckRequest
+from service.queries.tasks import QueryWork
 from service.queries.worker import check
 from service.scenes import document_text as scene_text
-from service.scenes import unchecked_text
 from service.scenes import world_cache as worlds
+from service.scenes.tasks import EditWork, LoadWork
 from service.scenes.worker import load_scene, revise_scene
 
 # More than Drake's model takes: an edit changes rows of tables (docs/decisions/0034).
@@ -23,6 +25,7 @@ EDITS = [
     [{"op": "add", "object": BALL}, {"op": "remove", "object": "b3"}],
     [{"op": "move", "object": "ball", "pose": {"position": [0.3, 0.2, 0.5]}}],
 ]
+WORK = {load_scene: LoadWork, revise_scene: EditWork, check: QueryWork[CheckRequest]}
 ASKED = {"group": "arm", "configurations": [[0, -1.2, 1.9, -2.2, -1.5, 0], [1, -1, 1, 0, 0, 0]]}
 
 
@@ -35,11 +38,12 @@ def task(tmp_path):
         payload = {"library": library, **more}
         if found is not None:
             file = tmp_path / "scene.json"
-            document = json.loads(found["document"].text)
-            written = {"document": document, "files": found["summary"]["files"]}
+            document = json.loads(found.document.text)
+            files = {name: kept.model_dump() for name, kept in found.summary.files.items()}
+            written = {"document": document, "files": files}
             file.write_text(json.dumps(written), "utf-8")
-            payload["scene"] = {"digest": found["digest"], "document": str(file)}
-        return work(payload, None)
+            payload["scene"] = {"digest": found.digest, "document": str(file)}
+        return work(WORK[work].model_validate(payload), None)
 
     return call
 
@@ -47,7 +51,7 @@ def task(tmp_path):
 def forget():
     worlds._idle.clear()
     scene_text._recent.clear()
-    unchecked_text._written.clear()
+    scene_text._unchecked.clear()
 
 
 def test_an_edit_is_the_same_wherever_it_is_made(task):
@@ -61,18 +65,18 @@ def test_an_edit_is_the_same_wherever_it_is_made(task):
         assert warm == cold
         told = task(check, warm, request=ASKED)
         forget()
-        whole = task(load_scene, text=warm["document"].text, media="json")
+        whole = task(load_scene, text=warm.document.text, media="json")
         assert whole == warm
         assert task(check, whole, request=ASKED) == told
         # Warm again, with the world and the text of the revision that was edited.
         task(revise_scene, whole, request={"operations": [{"op": "remove", "object": "b9"}]})
-        task(load_scene, text=warm["document"].text, media="json")
+        task(load_scene, text=warm.document.text, media="json")
 
 
 def test_where_all_is_warm_nothing_is_read(task, monkeypatch):
     forget()
     found = task(load_scene, text=json.dumps(POSTED), media="json")
-    monkeypatch.setattr("service.scenes.worker.read_posted", None)
+    monkeypatch.setattr("service.scenes.worker.read_stored", None)
     for operations in EDITS:
         found = task(revise_scene, found, request={"operations": operations})
     forget()

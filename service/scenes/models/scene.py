@@ -1,17 +1,23 @@
 """Scenes as resources."""
 
+from collections.abc import Mapping, Sequence
 from datetime import datetime
+from typing import Self
 
 from pydantic import ConfigDict, Field
 
+from planning.domain.scene import summary as domain
+from planning.domain.scene.kept_files import KeptFiles
 from planning.world.documents.scene_document import SceneDocument
 from service.api.models import ResponseModel
-from service.queries.models.check import UncheckedPair
-from service.scenes.summary_models import Group
+from service.scenes.models.pairs import UncheckedPair
+from service.scenes.models.summary import Group
 
 
 class SceneBrief(ResponseModel):
     """A scene without its content."""
+
+    model_config = ConfigDict(from_attributes=True)
 
     id: str = Field(description="Of the scene")
     revision: int = Field(description="Of its content, from 1")
@@ -23,12 +29,57 @@ class SceneBrief(ResponseModel):
 class Files(ResponseModel):
     """The files of a robot or a mesh, as they were when it entered the scene."""
 
+    model_config = ConfigDict(from_attributes=True)
+
     named: str = Field(description="What the document calls them: `model`, or the mesh's `uri`")
     main: str = Field(description="The robot's description, or the mesh; one of the paths")
     card: str = Field(description="The `robot.yaml` that goes with it; empty for none")
     sha256: dict[str, str] = Field(
         description="Of the bytes of every file, by path relative to the folder of all"
     )
+
+
+class SceneSummary(ResponseModel):
+    """What a scene holds once loaded, as it is stored; older servers stored less.
+
+    Attributes:
+        files: None where a server kept no files.
+    """
+
+    groups: list[Group] = []
+    frames: list[str] = []
+    bodies: list[str] = []
+    num_pairs: int = 0
+    assumed: list[str] = []
+    warnings: list[str] = []
+    files: dict[str, Files] | None = None
+
+    @classmethod
+    def from_domain(
+        cls,
+        summary: domain.SceneSummary,
+        aliases: Mapping[str, Sequence[str]],
+        files: Mapping[str, KeptFiles],
+    ) -> Self:
+        """Return the summary of a loaded scene.
+
+        Args:
+            summary: Of the world.
+            aliases: Other names of each group.
+            files: By the name of the robot or object that was made from them.
+        """
+        return cls(
+            groups=[
+                Group.from_summary(group, aliases.get(name, ()))
+                for name, group in summary.groups.items()
+            ],
+            frames=list(summary.frames),
+            bodies=list(summary.bodies),
+            num_pairs=summary.num_pairs,
+            assumed=list(summary.assumed),
+            warnings=list(summary.warnings),
+            files={name: Files.model_validate(kept) for name, kept in files.items()},
+        )
 
 
 class Scene(SceneBrief):

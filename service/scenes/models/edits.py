@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, Strict, model_validator
 
+from planning.domain.scene import scene_operation as domain
 from planning.world.documents.scene_document import ObjectDocument, PoseDocument
 from service.api.models import WHOLE, Boolean, Coordinate, Name, Positions, RequestModel
 
@@ -27,6 +28,10 @@ class AddOperation(RequestModel):
     op: Literal["add"] = Field(description="What to do")
     object: ObjectDocument = Field(description="As in a scene document, under a name that is free")
 
+    def to_domain(self) -> domain.AddObject:
+        """Return the operation for the domain."""
+        return domain.AddObject(self.object.value())
+
 
 class MoveOperation(RequestModel):
     """Put an object that is not attached elsewhere; frames that hang on it go along."""
@@ -37,6 +42,10 @@ class MoveOperation(RequestModel):
     object: Name = Field(description="Its name")
     pose: PoseDocument = Field(description="X_WO, its new pose in the world")
 
+    def to_domain(self) -> domain.MoveObject:
+        """Return the operation for the domain."""
+        return domain.MoveObject(self.object, self.pose.value())
+
 
 class RemoveOperation(RequestModel):
     """Remove an object, the frames that hang on it, and the pairs and margins that name it."""
@@ -45,6 +54,10 @@ class RemoveOperation(RequestModel):
 
     op: Literal["remove"] = Field(description="What to do")
     object: Name = Field(description="Its name")
+
+    def to_domain(self) -> domain.RemoveObject:
+        """Return the operation for the domain."""
+        return domain.RemoveObject(self.object)
 
 
 class AttachOperation(RequestModel):
@@ -77,6 +90,12 @@ class AttachOperation(RequestModel):
             raise ValueError(message)
         return self
 
+    def to_domain(self) -> domain.AttachObject:
+        """Return the operation for the domain."""
+        touch = None if self.touch is None else tuple(self.touch)
+        pose = None if self.pose is None else self.pose.value()
+        return domain.AttachObject(self.object, self.frame, touch, pose)
+
 
 class DetachOperation(RequestModel):
     """Leave an object where it is in the world at the scene's positions."""
@@ -85,6 +104,10 @@ class DetachOperation(RequestModel):
 
     op: Literal["detach"] = Field(description="What to do")
     object: Name = Field(description="Its name")
+
+    def to_domain(self) -> domain.DetachObject:
+        """Return the operation for the domain."""
+        return domain.DetachObject(self.object)
 
 
 class SetPositionsOperation(RequestModel):
@@ -100,6 +123,19 @@ class SetPositionsOperation(RequestModel):
         )
     )
 
+    def to_domain(self) -> domain.SetPositions:
+        """Return the operation for the domain."""
+        match self.positions:
+            case str() as name:
+                return domain.SetPositions(self.robot, name)
+            case list() as positions:
+                return domain.SetPositions(self.robot, tuple(positions))
+            case dict() as by_joint:
+                placed: dict[str, float | tuple[float, ...]] = {
+                    k: tuple(v) if isinstance(v, list) else v for k, v in by_joint.items()
+                }
+                return domain.SetPositions(self.robot, placed)
+
 
 class AllowOperation(RequestModel):
     """Let two bodies touch."""
@@ -109,6 +145,10 @@ class AllowOperation(RequestModel):
     op: Literal["allow"] = Field(description="What to do")
     pair: BodyNames = Field(description="Full names of the bodies")
 
+    def to_domain(self) -> domain.AllowPair:
+        """Return the operation for the domain."""
+        return domain.AllowPair((self.pair[0], self.pair[1]))
+
 
 class ForbidOperation(RequestModel):
     """No longer let two bodies touch, which the scene allowed."""
@@ -117,6 +157,10 @@ class ForbidOperation(RequestModel):
 
     op: Literal["forbid"] = Field(description="What to do")
     pair: BodyNames = Field(description="Full names of the bodies")
+
+    def to_domain(self) -> domain.ForbidPair:
+        """Return the operation for the domain."""
+        return domain.ForbidPair((self.pair[0], self.pair[1]))
 
 
 type SceneOperation = Annotated[

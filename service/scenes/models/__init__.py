@@ -1,0 +1,1 @@
+"""Scenes in JSON: what they hold, and how they are edited."""

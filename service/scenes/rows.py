@@ -1,0 +1,169 @@
+"""Rows of the table of scenes: what is read and written in a connection."""
+
+import json
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    Connection,
+    Row,
+    Select,
+    Text,
+    cast,
+    delete,
+    func,
+    insert,
+    literal,
+    select,
+)
+
+from service.errors import UnknownResource
+from service.jobs.json_text import Encoded, encode
+from service.scenes.models.scene import SceneSummary
+from service.scenes.records import SceneBrief, SceneRecord, scenes
+from service.scenes.tasks import LoadedScene
+
+# Member of a row's summary: the revision that has what this row leaves out.
+_HELD = "unchecked_in"
+_CONTENT = (scenes.c.document, scenes.c.summary)
+_BRIEF = tuple(column for column in scenes.c if column not in {*_CONTENT})
+
+
+def insert_revision(
+    connection: Connection,
+    identifier: str,
+    revision: int,
+    loaded: LoadedScene,
+    unchecked_in: int | None = None,
+) -> SceneRecord:
+    """Return the record of a new row."""
+    # A server that kept no files wrote no member for them.
+    summary = loaded.summary.model_dump_json(
+        ensure_ascii=True, exclude={"files"} if loaded.summary.files is None else None
+    )
+    unchecked = f'"unchecked":{loaded.unchecked.text}'
+    if unchecked_in is not None:
+        unchecked = f'"{_HELD}":{unchecked_in}'
+    texts = {"document": loaded.document.text, "summary": f"{summary[:-1]},{unchecked}}}"}
+    created_at = datetime.now(UTC)
+    row = {
+        "id": identifier,
+        "revision": revision,
+        "digest": loaded.digest,
+        "name": loaded.name,
+        "created_at": created_at.isoformat(),
+    }
+    written = {name: _as_json(connection, text) for name, text in texts.items()}
+    done = connection.execute(insert(scenes).values(**row, **written).returning(scenes.c.serial))
+    serial = int(done.scalar_one())
+    brief = SceneBrief(serial, identifier, revision, loaded.digest, loaded.name, created_at)
+    return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=unchecked_in)
+
+
+def latest_revision(connection: Connection, identifier: str) -> int | None:
+    """Return the number of the latest revision of a scene, None if there is no such scene."""
+    newest = select(func.max(scenes.c.revision)).where(scenes.c.id == identifier)
+    return connection.execute(newest).scalar()
+
+
+def read_brief(connection: Connection, identifier: str, revision: int | None) -> SceneBrief:
+    """Return a revision of a scene, by default the latest, without its content.
+
+    Raises:
+        UnknownResource: There is none.
+    """
+    query = select(*_BRIEF).where(scenes.c.id == identifier)
+    found = connection.execute(query.order_by(scenes.c.revision.desc()).limit(1)).first()
+    if found is None:
+        raise UnknownResource.of("scene", identifier)
+    if revision not in {None, found.revision}:
+        found = connection.execute(query.where(scenes.c.revision == revision)).first()
+        if found is None:
+            raise UnknownResource.of("revision", f"{identifier}/{revision}")
+    return _brief(found)
+
+
+def read_record(connection: Connection, brief: SceneBrief) -> SceneRecord:
+    """Return a record whose brief was read.
+
+    Raises:
+        UnknownResource: The scene is gone.
+    """
+    document, summary = _texts(connection, brief.id, brief.revision)
+    found: dict[str, Any] = json.loads(summary)
+    unchecked, held = found.pop("unchecked", []), found.pop(_HELD, None)
+    if held is not None:
+        unchecked = json.loads(_texts(connection, brief.id, held)[1])["unchecked"]
+    loaded = LoadedScene(
+        name=brief.name,
+        digest=brief.digest,
+        summary=SceneSummary.model_validate(found),
+        unchecked=Encoded(encode(unchecked)),
+        document=Encoded(document),
+    )
+    return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=held)
+
+
+def read_page(connection: Connection, limit: int, before: int | None) -> list[SceneBrief]:
+    """Return the latest revision of scenes older than `before`, newest scene first.
+
+    A scene is as old as its first revision, whose serial stands for it: pages join up whatever is
+    revised meanwhile.
+    """
+    return [_brief(row) for row in connection.execute(_page(limit, before))]
+
+
+def _page(limit: int, before: int | None) -> Select[Any]:
+    firsts = select(scenes.c.id, scenes.c.serial).where(scenes.c.revision == 1)
+    firsts = firsts.order_by(scenes.c.serial.desc()).limit(limit)
+    if before is not None:
+        firsts = firsts.where(scenes.c.serial < before)
+    first, other = firsts.subquery(), scenes.alias()
+    latest = select(func.max(other.c.revision)).where(other.c.id == first.c.id)
+    is_latest = (scenes.c.id == first.c.id) & (scenes.c.revision == latest.scalar_subquery())
+    columns = [column for column in _BRIEF if column is not scenes.c.serial]
+    query = select(first.c.serial, *columns).select_from(first).join(scenes, is_latest)
+    return query.order_by(first.c.serial.desc())
+
+
+def delete_rows(connection: Connection, identifier: str) -> None:
+    """Delete all revisions of a scene.
+
+    Raises:
+        UnknownResource: There is none.
+    """
+    gone = connection.execute(delete(scenes).where(scenes.c.id == identifier))
+    if gone.rowcount == 0:
+        raise UnknownResource.of("scene", identifier)
+
+
+def _as_json(connection: Connection, text: str) -> Any:
+    """Return what a column of JSON takes for a text that is JSON already."""
+    written = literal(text, Text)
+    return cast(written, JSON) if connection.dialect.name == "postgresql" else written
+
+
+def _texts(connection: Connection, identifier: str, revision: int) -> tuple[str, str]:
+    """Return the content of a row as text: its document and its summary.
+
+    Raises:
+        UnknownResource: The scene is gone.
+    """
+    texts = [cast(column, Text).label(column.name) for column in _CONTENT]
+    wanted = (scenes.c.id == identifier) & (scenes.c.revision == revision)
+    row = connection.execute(select(*texts).where(wanted)).first()
+    if row is None:
+        raise UnknownResource.of("scene", identifier)
+    return row.document, row.summary
+
+
+def _brief(row: Row[Any]) -> SceneBrief:
+    return SceneBrief(
+        serial=row.serial,
+        id=row.id,
+        revision=row.revision,
+        digest=row.digest,
+        name=row.name,
+        created_at=datetime.fromisoformat(row.created_at),
+    )
