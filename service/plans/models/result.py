@@ -9,7 +9,7 @@ from planning.domain.report import certificate as domain
 from planning.domain.report.motion_plan import MotionPlan
 from service.api.arrays import FiniteOrNull, Row, Rows
 from service.api.models import ResponseModel
-from service.plans.models.checked import Check
+from service.plans.models.checks import Check
 from service.plans.models.reports import Stages
 from service.plans.models.trajectory import Trajectory
 from service.scenes.models.pairs import Pair, UncheckedPair

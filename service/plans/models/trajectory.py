@@ -12,7 +12,7 @@ from planning.domain.curves.sampling import SampledTrajectory
 from planning.domain.robot.joints import Joint, JointType
 from service.api.arrays import Row, Rows, matrix, vector
 from service.api.models import ResponseModel
-from service.plans.models.checked import Interpolation
+from service.plans.models.checks import Interpolation
 
 
 class Polynomial(ResponseModel):
