@@ -8,27 +8,28 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
 │   ├── ModelInvalid          model_invalid          a robot file that is unsafe or does not load
 │   ├── ProblemInvalid        problem_invalid        wrong counts, NaN, contradictory options
 │   └── UnknownName           unknown_name           a name that does not exist, and those that do
-├── PlanningFailure           stage; planning was tried and found no motion
-│   ├── StartInCollision      start_in_collision     the pairs and depths at the start
-│   ├── StartTooNear          start_too_near         the pairs and margins at the start
-│   ├── StartOutOfLimits      start_out_of_limits    the joints, values and bounds
-│   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
-│   ├── GoalInCollision       goal_in_collision      every goal configuration collides
-│   ├── GoalTooNear           goal_too_near          of some goal only margins are violated
-│   ├── GoalUnreachable       goal_unreachable       the funnel, the nearest pose, the relaxation
-│   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
-│   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which, and the least
-│   ├── ApproachBlocked       approach_blocked       the funnel, and what stopped the lines
-│   ├── LineBlocked           line_blocked           how far the line goes, and what stops it
-│   ├── NoPathFound           no_path_found          the planner, its attempts and checks
-│   ├── DeadlineExceeded      deadline_exceeded      the time allowed, and the stage at its end
-│   ├── Canceled              canceled               the caller canceled the plan
-│   ├── RetimingFailed        retiming_failed        the retimer and why
-│   └── NotCertified          not_certified          the checks that failed
-└── ExecutionFailure          an execution that was started and failed
-    ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
-    ├── TrackingLost          tracking_lost          the error and its bound
-    └── Contact               contact                the pair, the time
+└── StageFailure              stage, timings; work was begun and failed
+    ├── PlanningFailure       planning was tried and found no motion
+    │   ├── StartInCollision      start_in_collision     the pairs and depths at the start
+    │   ├── StartTooNear          start_too_near         the pairs and margins at the start
+    │   ├── StartOutOfLimits      start_out_of_limits    the joints, values and bounds
+    │   ├── GoalOutOfLimits       goal_out_of_limits     the joints, values and bounds
+    │   ├── GoalInCollision       goal_in_collision      every goal configuration collides
+    │   ├── GoalTooNear           goal_too_near          of some goal only margins are violated
+    │   ├── GoalUnreachable       goal_unreachable       the funnel, the nearest pose, a relaxation
+    │   ├── StartViolatesConstraint  start_violates_constraint  which constraint, and by how much
+    │   ├── GoalViolatesConstraint   goal_violates_constraint   how many violate which; the least
+    │   ├── ApproachBlocked       approach_blocked       the funnel, and what stopped the lines
+    │   ├── LineBlocked           line_blocked           how far the line goes, and what stops it
+    │   ├── NoPathFound           no_path_found          the planner, its attempts and checks
+    │   ├── DeadlineExceeded      deadline_exceeded      the time allowed, and the stage at its end
+    │   ├── Canceled              canceled               the caller canceled the plan
+    │   ├── RetimingFailed        retiming_failed        the retimer and why
+    │   └── NotCertified          not_certified          the checks that failed
+    └── ExecutionFailure      an execution that was started and failed
+        ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
+        ├── TrackingLost          tracking_lost          the error and its bound
+        └── Contact               contact                the pair, the time
 """
 
 from collections.abc import Iterable, Mapping
@@ -113,15 +114,15 @@ class UnknownName(InputError):
         )
 
 
-class PlanningFailure(WayproofError):
-    """Planning was tried and found no motion.
+class StageFailure(WayproofError):
+    """Work was begun and failed in one of its stages.
 
     Attributes:
-        stage: The stage that failed, or in which the deadline or the cancel ended the plan.
+        stage: The stage that failed, or in which the deadline or the cancel ended the work.
         timings: Seconds per stage, including the one that failed; empty where nothing was timed.
     """
 
-    stage: str = "plan"
+    stage: str = ""
 
     def __init__(self, detail: str, evidence: Evidence | None = None) -> None:
         super().__init__(detail, evidence)
@@ -132,16 +133,22 @@ class PlanningFailure(WayproofError):
         return *super().__reduce__(), {"stage": self.stage, "timings": self.timings}
 
     # Not Self, which beartype knows in decorated classes only.
-    def in_stage[F: "PlanningFailure"](self: F, stage: str) -> F:  # noqa: PYI019
+    def in_stage[F: "StageFailure"](self: F, stage: str) -> F:  # noqa: PYI019
         """Return the same failure with its stage set."""
         self.stage = stage
         return self
 
-    def saying[F: "PlanningFailure"](self: F, detail: str, more: Evidence) -> F:  # noqa: PYI019
+    def saying[F: "StageFailure"](self: F, detail: str, more: Evidence) -> F:  # noqa: PYI019
         """Return the failure with another detail and more evidence, of the same stage."""
         failure = type(self)(detail, {**self.evidence, **more}).in_stage(self.stage)
         failure.timings = self.timings
         return failure
+
+
+class PlanningFailure(StageFailure):
+    """Planning was tried and found no motion."""
+
+    stage = "plan"
 
 
 class StartInCollision(PlanningFailure):
@@ -273,8 +280,10 @@ class NotCertified(PlanningFailure):
     stage = "certify"
 
 
-class ExecutionFailure(WayproofError):
+class ExecutionFailure(StageFailure):
     """An execution was started and failed."""
+
+    stage = "execute"
 
 
 class IllegalTransition(ExecutionFailure):

@@ -1,6 +1,5 @@
 """SceneJobs: jobs and questions about scenes, and what tasks are told of scenes and settings."""
 
-import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +34,6 @@ class SceneJobs(JobService):
         self._settings = settings
         self._scenes = scenes
         self._planners: list[Planner] = []
-        self.admitting_motion = asyncio.Lock()
         # Where links lead is asked of the disk once, not for each task.
         self._folder = settings.data_dir.resolve()
         self._model_roots = [str(root.resolve()) for root in settings.model_roots]

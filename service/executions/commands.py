@@ -1,15 +1,18 @@
-"""Steering: what is asked of an execution that waits or runs."""
+"""Commands to an execution that waits or runs."""
 
 from planning.errors import IllegalTransition
-from service.executions.controls import IS_PAUSED, SPEED
-from service.jobs.service import JobService
+from service.executions.tasks import Commands
 from service.jobs.tables import Job, JobSummary
+from service.scene_jobs import SceneJobs
 
 
-async def steer(
-    desk: JobService, job: JobSummary, *, is_paused: bool | None = None, speed: float | None = None
-) -> Job:
-    """Ask an execution to rest, to move on, or to move at another speed, and return it.
+async def send_command(desk: SceneJobs, job: JobSummary, commands: Commands) -> Job:
+    """Have an execution rest, move on, or move at another speed, and return it.
+
+    Args:
+        desk: Knows the job.
+        job: Of the execution.
+        commands: Of which those that are set are sent.
 
     Raises:
         IllegalTransition: It has ended or is to end.
@@ -18,5 +21,4 @@ async def steer(
         state = job.state if job.state.is_final else "canceling"
         message = f"execution {job.id} is {state}: it cannot be steered any more"
         raise IllegalTransition(message, {"state": state, "event": "steer", "legal": []})
-    asked = {IS_PAUSED: is_paused, SPEED: speed}
-    return await desk.control(job, {name: item for name, item in asked.items() if item is not None})
+    return await desk.control(job, commands.model_dump(exclude_unset=True))

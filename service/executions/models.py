@@ -2,10 +2,11 @@
 
 from datetime import datetime
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field
 
+from planning.execute import status as domain
 from service.api.models import UNRECORDED, Failure, Identifier, Real, RequestModel, ResponseModel
 
 
@@ -68,6 +69,26 @@ class ExecutionStatus(ResponseModel):
     )
     contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
 
+    @classmethod
+    def from_domain(
+        cls,
+        status: domain.ExecutionStatus,
+        max_tracking_error: float,
+        lateness: float,
+        contacts: list[Contact],
+    ) -> Self:
+        """Return a status, with the worst of all before it."""
+        return cls(
+            state=ExecutionState(status.state),
+            progress=min(1.0, max(0.0, status.progress)),
+            time=status.time,
+            positions=status.measured.tolist(),
+            tracking_error=status.tracking_error,
+            max_tracking_error=max_tracking_error,
+            lateness=lateness,
+            contacts=contacts,
+        )
+
 
 class Execution(ResponseModel):
     """An execution of a plan; poll it until its state is final."""
@@ -82,6 +103,11 @@ class Execution(ResponseModel):
     group: str = Field(description="What moves")
     status: ExecutionStatus | None = Field(description="The latest; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
+    timings: dict[str, float] = Field(
+        default={},
+        description="Seconds of the stages `load` and `execute`, once it has ended; of a failure "
+        "those of `failure` [s]",
+    )
     unrecorded: list[str] = Field(description=UNRECORDED)
 
 

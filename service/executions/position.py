@@ -1,10 +1,11 @@
 """Where a robot is: where the latest revision of its scene has it, once nothing moves."""
 
 import math
-from typing import Any
 
 from planning.domain.robot.joints import Joint, JointType
 from service.errors import RobotBusy, StartMismatch
+from service.executions.models import ExecutionStatus
+from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
 from service.scenes.models.summary import Group
@@ -36,30 +37,32 @@ def require_at_start(group: Group, start: list[float]) -> None:
         raise StartMismatch(message, evidence)
 
 
-async def require_at_rest(desk: SceneJobs, scene: str) -> None:
-    """Go on only if nothing moves in a scene.
+async def require_at_rest(desk: SceneJobs, scene: str) -> int:
+    """Return the sequence of the last execution in a scene, 0 for none, if nothing moves there.
 
     A motion was proven against other robots where they stood, not against other motions.
 
     Raises:
         RobotBusy: An execution moves a robot of the scene.
     """
-    job = await desk.in_scene("execution", scene)
-    if job is not None:
-        group = job.payload["group"]
+    async for job in desk.newest("execution", scene=scene):  # no older one can be open
+        if job.state.is_final:
+            return job.sequence
+        group = ExecutionOutline.model_validate(job.payload).group
         message = (
             f"execution {job.id} moves {group}, and motions of one scene are not proven "
             "against each other while they run; wait for its end, or cancel it"
         )
         raise RobotBusy(message, {"execution": job.id, "group": group})
+    return 0
 
 
-async def last_status(desk: SceneJobs, job: JobSummary) -> dict[str, Any] | None:
-    """Return the last status that an execution told, None if it never moved."""
+async def last_status(desk: SceneJobs, job: JobSummary) -> ExecutionStatus | None:
+    """Return the last status of an execution, None if it never moved."""
     if job.result is not None:
-        told: dict[str, Any] = job.result["status"]
-        return told
-    return await desk.latest_event(job, "status")
+        return ExecutionOutcome.model_validate(job.result).status
+    latest = await desk.latest_event(job, "status")
+    return None if latest is None else ExecutionStatus.model_validate(latest)
 
 
 def separation(group: Group, a: list[float], b: list[float]) -> float:

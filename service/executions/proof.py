@@ -1,49 +1,42 @@
 """The proof of a plan's motion in another revision of its scene than it was planned in."""
 
 import time
-from typing import Any
 
 from planning import Deadline, certify_trajectory
 from planning.domain.report.certificate import Certificate
 from planning.errors import NotCertified
+from service.executions.tasks import PROVE, Proof, ProofWork
 from service.jobs.context import TaskContext
-from service.plans.models.goal_values import problem_value
-from service.plans.models.request import PlanRequest
-from service.plans.models.trajectory_conversion import trajectory_value
-from service.scenes.tasks import SceneWork
 from service.scenes.world_cache import borrow_world
 
 # A motion is proven in milliseconds, or it is a hard case [s].
 _ALLOWED = 10.0
 
 
-def certify_again(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
+@PROVE.runs
+def certify_again(work: ProofWork, context: TaskContext) -> Proof:
     """Hold the motion against the scene with all that its plan was asked for.
-
-    Returns:
-        `min_clearance` [m].
 
     Raises:
         NotCertified: It is not proven; evidence has `check`, `pair`, `time` and all failed checks.
         DeadlineExceeded: Time ran out before the verdict.
         InputError: What the plan names is not in this scene any more.
     """
-    # A motion backwards was asked for with what the one forwards was asked for.
-    request = PlanRequest.model_validate(payload["origin"] or payload["request"])
-    problem = problem_value(request)
-    with borrow_world(SceneWork.model_validate(payload)) as world:
+    # A motion backwards keeps what the one forwards was asked to keep.
+    problem = (work.origin or work.request).to_domain()
+    with borrow_world(work) as world:
         certificate, _ = certify_trajectory(
             world,
             problem.group,
-            trajectory_value(payload["trajectory"]),
-            deadline=Deadline.after(_ALLOWED, time.monotonic, channel.is_canceled),
+            work.trajectory.to_domain(),
+            deadline=Deadline.after(_ALLOWED, time.monotonic, context.is_canceled),
             options=problem.retime,
             margin=problem.margin,
             constraints=problem.constraints,
         )
     if not certificate.proven:
         raise _refusal(certificate)
-    return {"min_clearance": certificate.min_clearance}
+    return Proof(min_clearance=certificate.min_clearance)
 
 
 def _refusal(certificate: Certificate) -> NotCertified:

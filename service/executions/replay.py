@@ -1,22 +1,23 @@
 """What a replay of a scene shows: the motions that executions carried out in it, in order."""
 
-from typing import Any
-
 from service.errors import NotFinished
+from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
+from service.executions.tasks import ExecutionWork
 from service.jobs.tables import JobSummary
+from service.plans.tasks import ShownWork
 from service.scene_jobs import SceneJobs
 
 
-async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[dict[str, Any]]:
-    """Return what tasks need to replay the last motions of a scene, oldest first.
+async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[ShownWork]:
+    """Return the last motions that were carried out in a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
 
     Raises:
         NotFinished: Nothing has moved in the scene yet.
     """
-    found: list[dict[str, Any]] = []
+    found: list[ShownWork] = []
     async for job in desk.newest("execution", scene=scene):
         if len(found) == most:
             break
@@ -29,13 +30,16 @@ async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[dict[
     return found[::-1]
 
 
-async def _motion(desk: SceneJobs, brief: JobSummary, status: dict[str, Any]) -> dict[str, Any]:
-    job = await desk.job("execution", brief.id)  # briefs have no trajectory
-    payload = {part: job.payload[part] for part in ("library", "scene", "group", "trajectory")}
+async def _motion(desk: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
+    job = await desk.job("execution", summary.id)  # lists have no trajectory
+    work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"
-    title = job.payload["request"].get("title") or f"{job.payload['group']} moves"
-    return {
-        **payload,
-        "title": title if is_whole else f"{title} ({job.state})",
-        "until": None if is_whole else status["time"],
-    }
+    title = work.request.title or f"{work.group} moves"
+    return ShownWork(
+        library=work.library,
+        scene=work.scene,
+        group=work.group,
+        trajectory=work.trajectory,
+        title=title if is_whole else f"{title} ({job.state})",
+        until=None if is_whole else status.time,
+    )

@@ -1,40 +1,52 @@
-"""Execution jobs to the wire."""
+"""Executions as clients see them, from their jobs."""
 
-from typing import Any
-
+from service.api.models import Failure
+from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
+from service.executions.tasks import ExecutionOutcome, ExecutionOutline
+from service.jobs.states import JobState
 from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
 
-_FINAL = {"succeeded": "succeeded", "failed": "aborted", "canceled": "canceled"}
+_FINAL = {
+    JobState.SUCCEEDED: ExecutionState.SUCCEEDED,
+    JobState.FAILED: ExecutionState.ABORTED,
+    JobState.CANCELED: ExecutionState.CANCELED,
+}
 
 
-async def execution_resource(desk: SceneJobs, job: JobSummary) -> dict[str, Any]:
+async def execution_resource(desk: SceneJobs, job: JobSummary) -> Execution:
     """Return an execution in full."""
+    work = ExecutionOutline.model_validate(job.payload)
     status = await last_status(desk, job)
     state = state_of(job, status)
-    return {
-        "id": job.id,
-        "state": state,
-        "created_at": job.created_at,
-        "started_at": job.started_at,
-        "finished_at": job.finished_at,
-        "request": job.payload["request"],
-        "scene": job.payload["scene_id"],
-        "group": job.payload["group"],
-        "status": None if status is None else {**status, "state": state},
-        "failure": job.failure,
-        "unrecorded": desk.unrecorded(job),
-    }
+    outcome = None if job.result is None else ExecutionOutcome.model_validate(job.result)
+    failure = None if job.failure is None else Failure.model_validate(job.failure)
+    ended = outcome or failure
+    return Execution(
+        id=job.id,
+        state=state,
+        created_at=job.created_at,
+        started_at=job.started_at,
+        finished_at=job.finished_at,
+        request=work.request,
+        scene=work.scene_id,
+        group=work.group,
+        status=None if status is None else status.model_copy(update={"state": state}),
+        failure=failure,
+        timings={} if ended is None else ended.timings,
+        unrecorded=desk.unrecorded(job),
+    )
 
 
-def state_of(job: JobSummary, status: dict[str, Any] | None) -> str:
-    """Return the state of an execution: the job's where that is final, else what it told last."""
+def state_of(job: JobSummary, status: ExecutionStatus | None) -> ExecutionState:
+    """Return the job's state where that is final, else the state of the latest status."""
     if job.state in _FINAL:
         return _FINAL[job.state]
     if job.is_cancel_requested:
-        return "canceling"
-    if job.state == "queued":
-        return "accepted"
-    told = "executing" if status is None else str(status["state"])
-    return "executing" if told in _FINAL.values() else told
+        return ExecutionState.CANCELING
+    if job.state is JobState.QUEUED:
+        return ExecutionState.ACCEPTED
+    if status is None or status.state in _FINAL.values():
+        return ExecutionState.EXECUTING
+    return status.state

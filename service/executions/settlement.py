@@ -7,6 +7,7 @@ the execution ended, so that nothing is lost if the server ends before.
 
 from service.errors import RevisionConflict
 from service.executions.position import last_status
+from service.executions.tasks import ExecutionOutline
 from service.jobs.tables import JobSummary
 from service.scene_jobs import SceneJobs
 from service.scenes.edits import load_edited
@@ -59,9 +60,9 @@ async def _pending(record: SceneRecord, job: JobSummary, desk: SceneJobs) -> Sce
     status = await last_status(desk, job)
     if status is None:  # it never moved
         return None
-    group = require_group(record, job.payload["group"])
+    group = require_group(record, ExecutionOutline.model_validate(job.payload).group)
     robot = group.name.partition("::")[0]
-    positions = _by_joint(group, robot, status["positions"])
+    positions = _by_joint(group, robot, status.positions)
     operation = SetPositionsOperation(op="set_positions", robot=robot, positions=positions)
     return SceneEdit(operations=[operation])
 

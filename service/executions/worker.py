@@ -3,112 +3,146 @@
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from contextlib import ExitStack
 
 from planning import Simulation, World
+from planning.domain.report.motion_plan import Progress
+from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import Canceled
+from planning.execute import status as domain
 from planning.execute.driver import SimulatedDriver
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
-from service.executions.controls import IS_PAUSED, SPEED
-from service.executions.conversion import StatusLog
+from service.executions.models import Contact, ExecutionStatus
+from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
-from service.plans.models.trajectory_conversion import trajectory_value
-from service.scenes.tasks import SceneWork
+from service.plans.progress import ProgressReporter
 from service.scenes.world_cache import borrow_world
 
 # How long a tick takes, or works [s].
 TICK = 0.01
 _EVENT_PERIOD = 0.05
-# A process that says nothing for so long hangs [s]: it says how it goes twenty times a second.
-LONGEST_SILENCE = 3.0
+# A process that sends nothing for so long hangs [s]: it sends its status twenty times a second.
+MAX_SILENCE = 3.0
 
 
-def execute(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
-    """Follow a plan until it has ended; every `status` event says how it goes.
-
-    Returns:
-        `status`: the last one.
+@EXECUTE.runs
+def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
+    """Follow a plan until it has ended; every `status` event says how far it is.
 
     Raises:
         Canceled: The end was asked for; the robot came to rest on its path first.
         ExecutionFailure: The robot left its trajectory or touched something.
     """
-    with borrow_world(SceneWork.model_validate(payload)) as world:
-        runner = _runner(world, payload)
-        last = follow(runner, channel, payload["speed"])
+    log = ProgressReporter(context)
+    watch = Stopwatch(time.monotonic, lambda stage: log(Progress(stage, 0.0)))
+    with watch.timing_failures(), ExitStack() as stack:
+        with watch.stage("load"):
+            world = stack.enter_context(borrow_world(work))
+        with watch.stage("execute"):
+            status = _carried_out(_runner(world, work), context, work.speed)
+    return ExecutionOutcome(status=status, timings=watch.seconds_by_name)
+
+
+def _carried_out(runner: Runner, context: TaskContext, speed: float) -> ExecutionStatus:
+    """Return the last status of an execution that has reached its end; raises as `execute`."""
+    status = follow(runner, context, speed)
     if runner.execution.failure is not None:
         raise runner.execution.failure
     if runner.execution.state is ExecutionState.CANCELED:
         message = f"canceled {runner.status.time:.2f} s into the motion"
         raise Canceled(message, {"time": runner.status.time})
-    return {"status": last}
+    return status
 
 
-def _runner(world: World, payload: dict[str, Any]) -> Runner:
-    trajectory = trajectory_value(payload["trajectory"])
-    group = world.group(payload["group"])
+def _runner(world: World, work: ExecutionWork) -> Runner:
+    trajectory = work.trajectory.to_domain()
+    group = world.group(work.group)
     simulation = Simulation(world, group, trajectory.start)
     execution = Execution(trajectory, world.limits(group))
     runner = Runner(execution, SimulatedDriver(simulation))
-    runner.set_speed(payload["speed"])
+    runner.set_speed(work.speed)
     return runner
 
 
 def follow(
     runner: Runner,
-    channel: TaskContext,
+    context: TaskContext,
     speed: float,
     clock: Callable[[], float] = time.monotonic,
     wait: Callable[[float], object] | None = None,
-) -> dict[str, Any]:
-    """Tick until it has ended and return the last status.
+) -> ExecutionStatus:
+    """Tick until the execution has ended and return its last status.
 
-    Between two looks at what is asked lies a tick, whatever the speed and however slow the
+    Between two looks at the commands lies a tick, whatever the speed and however slow the
     simulation: a tick works for `TICK` seconds and one step at most.
 
     Args:
         runner: That has not begun.
-        channel: Told of it, and asked what is asked.
+        context: Has the commands, and is sent every status.
         speed: That the runner has.
         clock: Shows the time [s].
         wait: Lets so many seconds pass.
     """
     wait = wait or threading.Event().wait
-    log, told_at, told_state = StatusLog(), 0.0, ExecutionState.ACCEPTED
-    obeyed = {IS_PAUSED: False, SPEED: speed}
-    channel.watch(LONGEST_SILENCE)
+    log, sent_at, sent_state = _StatusLog(), 0.0, ExecutionState.ACCEPTED
+    applied = Commands(speed=speed)
+    context.watch(MAX_SILENCE)
     until = clock()
     runner.start(until)
     while True:
-        obeyed = _obey(runner, channel, obeyed)
+        applied = _apply_commands(runner, context, applied)
         now = clock()
-        log.late(now - until)
+        log.note_delay(now - until)
         until = now + TICK
-        status = log.wire(runner.tick(now, lambda until=until: clock() < until))
+        status = log.enter(runner.tick(now, lambda until=until: clock() < until))
         state = runner.execution.state
-        if state is not told_state or now - told_at > _EVENT_PERIOD:
-            told_state, told_at = state, now
-            channel.update("status", status)
+        if state is not sent_state or now - sent_at > _EVENT_PERIOD:
+            sent_state, sent_at = state, now
+            context.update("status", status.model_dump(mode="json"))
         if runner.is_done:
             return status
         if (left := until - clock()) > 0:
             wait(left)
 
 
-def _obey(runner: Runner, channel: TaskContext, obeyed: dict[str, Any]) -> dict[str, Any]:
-    """Do what was asked since the last tick; return what is obeyed now."""
+def _apply_commands(runner: Runner, context: TaskContext, applied: Commands) -> Commands:
+    """Carry out the commands since the last tick; return those that are carried out now."""
     if runner.is_done or runner.execution.state is ExecutionState.CANCELING:
-        return obeyed
-    if channel.is_canceled():
+        return applied
+    if context.is_canceled():
         runner.cancel()
-        return obeyed
-    asked = obeyed | channel.controls()
-    if asked[SPEED] != obeyed[SPEED]:
-        runner.set_speed(asked[SPEED])
-    if asked[IS_PAUSED] and not obeyed[IS_PAUSED]:
+        return applied
+    latest = Commands.model_validate(applied.model_dump() | context.controls())
+    if latest.speed is not None and latest.speed != applied.speed:
+        runner.set_speed(latest.speed)
+    if latest.is_paused and not applied.is_paused:
         runner.pause()
-    if obeyed[IS_PAUSED] and not asked[IS_PAUSED]:
+    if applied.is_paused and not latest.is_paused:
         runner.resume()
-    return asked
+    return latest
+
+
+class _StatusLog:
+    """Statuses with the worst of all before them: contacts, tracking errors, delays."""
+
+    def __init__(self) -> None:
+        self._max_error = 0.0
+        self._lateness = 0.0
+        self._contacts: dict[tuple[str, str], Contact] = {}
+
+    def note_delay(self, seconds: float) -> None:
+        """Note how much later than it was due a look at the clock came [s]."""
+        self._lateness = max(self._lateness, seconds)
+
+    def enter(self, status: domain.ExecutionStatus) -> ExecutionStatus:
+        """Return a status as clients see it."""
+        self._max_error = max(self._max_error, status.tracking_error)
+        for contact in status.contacts:
+            depth = max(0.0, -contact.distance)
+            first = Contact(bodies=contact.bodies, depth=depth, time=status.time)
+            self._contacts.setdefault(contact.bodies, first)
+        return ExecutionStatus.from_domain(
+            status, self._max_error, self._lateness, list(self._contacts.values())
+        )

@@ -4,7 +4,7 @@ import json
 import sys
 from typing import Any
 
-from planning.errors import PlanningFailure, WayproofError
+from planning.errors import PlanningFailure, StageFailure, WayproofError
 from service.jobs.json_text import encode_leniently
 
 
@@ -42,6 +42,6 @@ def load_error(text: str) -> WayproofError:
         error = kind(told["detail"], evidence)
     else:
         error = RemoteFailure(told["code"], told["stage"], told["detail"], evidence)
-    if isinstance(error, PlanningFailure):
+    if isinstance(error, StageFailure):
         error.in_stage(told["stage"]).timings = dict(told["timings"])
     return error

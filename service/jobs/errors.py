@@ -26,6 +26,10 @@ class IdempotencyConflict(WayproofError):
     code = "idempotency_conflict"
 
 
+class Overtaken(Exception):
+    """Another job of the queue has entered the scene since the request looked: ask again."""
+
+
 class UnknownJob(WayproofError):
     """There is no such job; evidence: `id`."""
 

@@ -132,15 +132,6 @@ class JobService:
                 return
             before, limit = found[-1].sequence, min(2 * limit, _CHUNK)
 
-    async def in_scene(self, lane: str, scene: str) -> JobSummary | None:
-        """Return a job of a lane that waits or runs in a scene, if there is one."""
-        # In the order of its life: one that begins between the two looks is seen by the second.
-        for state in ("queued", "running"):
-            page = await self.page(lane, 1, None, state=state, scene=scene)
-            if page.jobs:
-                return page.jobs[0]
-        return None
-
     async def wait(self, job: Job, seconds: float) -> JobText:
         """Return a job when it has ended, or as it is after so many seconds."""
         if seconds > 0:

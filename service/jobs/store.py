@@ -120,6 +120,7 @@ class JobStore(JobQueries):
 
         Raises:
             IdempotencyConflict: The key was used for another request.
+            Overtaken: Another job of its queue has entered its scene.
             TypeError: The payload is not JSON-compatible.
         """
         return self.insert_draft(draft(spec))
@@ -127,8 +128,10 @@ class JobStore(JobQueries):
     def insert_draft(self, drafted: Draft) -> tuple[Job, bool]:
         """Write a job that was drafted; returns and raises as `insert`."""
         with self.transaction(is_durable=True) as connection:
-            known = find_by_idempotency_key(connection, drafted.job)
-            return (insert_job(connection, drafted), True) if known is None else (known, False)
+            while (known := find_by_idempotency_key(connection, drafted.job)) is None:
+                if (job := insert_job(connection, drafted)) is not None:
+                    return job, True
+            return known, False
 
     def start(self, identifier: str) -> Transition | None:
         """Let a queued job run; None if it is not queued any more. So for the other moves."""

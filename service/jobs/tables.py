@@ -15,6 +15,7 @@ from sqlalchemy import (
     String,
     Table,
     UniqueConstraint,
+    text,
 )
 
 from service.jobs.json_column import JsonText
@@ -32,6 +33,9 @@ COLUMNS = {
     "world_digest": "warm_key",
     "time_limit": "allowed",
 }
+
+# Motions of one scene are not proven against each other: one job at a time, whatever the server.
+_OPEN_EXECUTION = text("lane = 'execution' AND state IN ('queued', 'running')")
 
 # `serial` orders pages; SQLite counts by itself only in INTEGER primary keys.
 jobs = Table(
@@ -64,6 +68,13 @@ jobs = Table(
     Index("jobs_of_scene", "lane", "scene", "serial"),
     Index("jobs_of_scene_by_state", "lane", "scene", "state", "serial"),
     Index("jobs_of_content", "lane", "warm_key", "serial"),
+    Index(
+        "one_open_execution_of_scene",
+        "scene",
+        unique=True,
+        sqlite_where=_OPEN_EXECUTION,
+        postgresql_where=_OPEN_EXECUTION,
+    ),
 )
 
 # What is large is apart from what changes often: databases write rows whole.
@@ -131,6 +142,8 @@ class JobSpec:
         max_attempts: How often it may be run if its process dies.
         key: Idempotency key within the lane, or None.
         request_digest: What a second request with the same key must match.
+        follows: Sequence of the newest job of its queue in its scene, 0 for none, as the request
+            knows it: the job is refused if there is another one by now. None if that is no matter.
     """
 
     queue: str
@@ -144,6 +157,7 @@ class JobSpec:
     max_attempts: int = 2
     key: str | None = None
     request_digest: str = ""
+    follows: int | None = None
 
 
 @dataclass(frozen=True)

@@ -26,9 +26,6 @@ _FORMER_NAMES = {
     "service.tasks.execute:execute": "execute",
 }
 
-_OUTLINES: Mapping[str, Outline] = {
-    "service.executions.worker:execute": Outline(payload=("trajectory",)),
-}
 _NOTHING_LARGE = Outline()
 
 
@@ -141,7 +138,7 @@ def is_declared(name: str) -> bool:
 def outline_of(task: str) -> Outline:
     """Return the outline of what a task is given and gives; nothing is large in one not known."""
     found = _tasks.get(_FORMER_NAMES.get(task, task))
-    return _OUTLINES.get(task, _NOTHING_LARGE) if found is None else found.outline
+    return _NOTHING_LARGE if found is None else found.outline
 
 
 def _json(content: BaseModel, **selection: Any) -> str:

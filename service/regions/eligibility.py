@@ -13,7 +13,7 @@ PLANNER = "GCS"
 
 def uses_gcs(search: Search) -> bool:
     """Return whether the planner that plans inside regions is among those asked for."""
-    return PLANNER in ([search.planner] if isinstance(search.planner, str) else search.planner)
+    return PLANNER in search.planners
 
 
 def own_cars(group: Group) -> dict[str, Steering]:

@@ -26,7 +26,7 @@ class RegionsOutcome(TaskModel):
     """Regions in full, and the seconds of each stage."""
 
     result: RegionsResult
-    timings: dict[str, float] = Field(default_factory=dict)
+    timings: dict[str, float]
 
 
 GROW_REGIONS = Task(

@@ -1,11 +1,13 @@
 """Growing regions, as a job; and reading what was grown, for plans."""
 
 import time
+from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
 
 from planning import Deadline, Regions, grow_regions
 from planning.domain.report.motion_plan import Progress
+from planning.domain.request.stopwatch import Stopwatch
 from service.jobs.context import TaskContext
 from service.plans.progress import ProgressReporter
 from service.regions.models import RegionsResult
@@ -23,19 +25,21 @@ def grow(work: RegionsWork, context: TaskContext) -> RegionsOutcome:
     request = work.request
     progress = ProgressReporter(context)
     progress(Progress("load", 0.0))
-    begun = time.monotonic()
-    with borrow_world(work) as world:
-        loaded = time.monotonic()
-        regions = grow_regions(
-            world,
-            request.group,
-            deadline=Deadline.after(request.allowed_time, time.monotonic, context.is_canceled),
-            options=request.to_domain(),
-            seed=request.seed,
-            on_progress=progress,
-        )
-    timings = {"load": loaded - begun, "regions": time.monotonic() - loaded}
-    return RegionsOutcome(result=RegionsResult.from_domain(regions), timings=timings)
+    watch = Stopwatch(time.monotonic)
+    with watch.timing_failures(), ExitStack() as stack:
+        with watch.stage("load"):
+            world = stack.enter_context(borrow_world(work))
+        with watch.stage("regions"):
+            regions = grow_regions(
+                world,
+                request.group,
+                deadline=Deadline.after(request.allowed_time, time.monotonic, context.is_canceled),
+                options=request.to_domain(),
+                seed=request.seed,
+                on_progress=progress,
+            )
+    result = RegionsResult.from_domain(regions)
+    return RegionsOutcome(result=result, timings=watch.seconds_by_name)
 
 
 @lru_cache(maxsize=8)

@@ -86,8 +86,7 @@ async def get_scene_replay(
     """Replay in 3-D what executions moved in a scene, one motion after the other."""
     record = await scenes.stored(scene)
     motions = await executed_motions(desk, record.id, last)
-    work = ReplayWork.model_validate({"motions": motions})
-    page = await desk.call(REPLAY_MOTIONS, work)
+    page = await desk.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
     return HTMLResponse(page.html)
 
 

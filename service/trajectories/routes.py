@@ -7,7 +7,7 @@ from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.jobs.tasks import Task
-from service.plans.models.trajectory_conversion import IN_QUESTION, require_one_sampling
+from service.plans.models.sampling import IN_QUESTION, require_one_sampling
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.validation import (

@@ -18,26 +18,19 @@ from planning import (
     stop_motion,
 )
 from planning.api.certify_trajectory import certify_positions
-from planning.api.sample_motion import ProvenSamples, sample_motion
+from planning.api.sample_motion import sample_motion
 from planning.api.splice_motion import ProvenMotion
 from planning.domain.request.constraint import PathConstraint
 from planning.domain.robot.joints import JointGroup
 from planning.errors import PlanningFailure, ProblemInvalid
 from service.api.models import Failure
 from service.jobs.context import TaskContext
-from service.plans.models.constraint_values import constraint_values
-from service.plans.models.failures import failure_wire
-from service.plans.models.goal_values import certify_value, retime_value
-from service.plans.models.motion_limit_values import motion_limits
+from service.plans.models.constraints import constraints_to_domain
 from service.plans.models.motion_limits import ScaledLimits
 from service.plans.models.reports import CertifyReport, RetimeReport
 from service.plans.models.result import Certificate
-from service.plans.models.result_conversion import certificate_wire
+from service.plans.models.sampling import IN_QUESTION, require_few
 from service.plans.models.trajectory import Trajectory
-from service.plans.models.trajectory_conversion import (
-    IN_QUESTION,
-    require_few,
-)
 from service.scenes.world_cache import borrow_world
 from service.trajectories.input import Interpolation, OwnTrajectory
 from service.trajectories.models import (
@@ -72,7 +65,7 @@ def retime(work: MotionWork[RetimeRequest], context: TaskContext) -> RetimeRespo
     """
     request = work.request
     sampling = request.retime.sampling
-    demands = _demands(request, retime_value(request.retime))
+    demands = _demands(request, request.retime.to_domain())
     cut_samples: list[str] = []
     with borrow_world(work) as world:
         deadline = _deadline(request, context)
@@ -82,11 +75,11 @@ def retime(work: MotionWork[RetimeRequest], context: TaskContext) -> RetimeRespo
                 request.group,
                 np.array(request.waypoints, dtype=np.float64),
                 deadline=deadline,
-                certify_options=certify_value(request.certify),
+                certify_options=request.certify.to_domain(),
                 **demands,
             )
         except PlanningFailure as failure:
-            why = Failure(**failure_wire(failure))
+            why = Failure.from_error(failure)
             return RetimeResponse(trajectory=None, certificate=None, stages=None, failure=why)
         require_few(motion.trajectory, sampling)
         samples = sample_motion(
@@ -99,11 +92,15 @@ def retime(work: MotionWork[RetimeRequest], context: TaskContext) -> RetimeRespo
             **demands,
         )
     return RetimeResponse(
-        trajectory=_trajectory(samples, motion.trajectory if request.polynomial else None),
-        certificate=Certificate(**certificate_wire(motion.certificate)),
+        trajectory=Trajectory.from_samples(
+            samples.samples,
+            samples.interpolations,
+            motion.trajectory if request.polynomial else None,
+        ),
+        certificate=Certificate.from_domain(motion.certificate),
         stages=RetimeStages(
-            retime=RetimeReport.model_validate(motion.retime, from_attributes=True),
-            certify=CertifyReport.model_validate(motion.certify, from_attributes=True),
+            retime=RetimeReport.model_validate(motion.retime),
+            certify=CertifyReport.model_validate(motion.certify),
         ),
         cut_short=[*motion.cut_short, *cut_samples[:1]],
         failure=None,
@@ -132,16 +129,16 @@ def certify(work: MotionWork[CertifyMotionRequest], context: TaskContext) -> Cer
                 *motion, deadline=deadline, **ends, **demands
             )
         else:
-            certify_options = certify_value(request.certify)
+            certify_options = request.certify.to_domain()
             certificate, report = certify_trajectory(
                 *motion, deadline=deadline, certify_options=certify_options, **ends, **demands
             )
     return CertifyMotionResponse(
-        certificate=Certificate(**certificate_wire(certificate)),
+        certificate=Certificate.from_domain(certificate),
         interpolation=kind,
         unchecked=list(unchecked),
         duration=trajectory.duration,
-        stage=CertifyReport.model_validate(report, from_attributes=True),
+        stage=CertifyReport.model_validate(report),
     )
 
 
@@ -211,7 +208,7 @@ class _Transition:
         try:
             motion = find()
         except PlanningFailure as failure:
-            why = Failure(**failure_wire(failure))
+            why = Failure.from_error(failure)
             return _Answer(trajectory=None, certificate=None, stage=None, failure=why)
         require_few(motion.trajectory, request.sampling, IN_QUESTION)
         samples = sample_motion(
@@ -225,9 +222,13 @@ class _Transition:
             **self.demands,
         )
         return _Answer(
-            trajectory=_trajectory(samples, motion.trajectory if request.polynomial else None),
-            certificate=Certificate(**certificate_wire(motion.certificate)),
-            stage=CertifyReport.model_validate(motion.certify, from_attributes=True),
+            trajectory=Trajectory.from_samples(
+                samples.samples,
+                samples.interpolations,
+                motion.trajectory if request.polynomial else None,
+            ),
+            certificate=Certificate.from_domain(motion.certificate),
+            stage=CertifyReport.model_validate(motion.certify),
             failure=None,
         )
 
@@ -253,14 +254,9 @@ def _deadline(request: MotionRequest, context: TaskContext) -> Deadline:
 
 def _options(limits: ScaledLimits, *, limit_jerk: bool) -> RetimeOptions:
     method: Literal["ruckig", "toppra"] = "ruckig" if limit_jerk else "toppra"
-    return RetimeOptions(method=method, **motion_limits(limits))
+    return RetimeOptions(method=method, **limits.limit_fields())
 
 
 def _demands(request: MotionRequest, options: RetimeOptions) -> _Demands:
-    constraints = constraint_values(request.path_constraints)
+    constraints = constraints_to_domain(request.path_constraints)
     return _Demands(options=options, constraints=constraints, margin=request.margin)
-
-
-def _trajectory(samples: ProvenSamples, exact: TimedTrajectory | None) -> Trajectory:
-    """Return samples as JSON has them, with the exact motion if it is given."""
-    return Trajectory.from_samples(samples.samples, samples.interpolations, exact)

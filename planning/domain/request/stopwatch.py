@@ -3,7 +3,7 @@
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 
-from planning.errors import Canceled, DeadlineExceeded, PlanningFailure
+from planning.errors import Canceled, DeadlineExceeded, StageFailure
 
 
 def _ignore(_: str) -> None:
@@ -66,10 +66,10 @@ class Stopwatch:
 
     @contextmanager
     def timing_failures(self) -> Generator[None]:
-        """Attach the seconds so far to every planning failure that is raised inside the block."""
+        """Attach the seconds so far to every failure of a stage that is raised inside the block."""
         try:
             yield
-        except PlanningFailure as failure:
+        except StageFailure as failure:
             failure.timings = self.seconds
             raise
 

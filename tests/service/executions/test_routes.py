@@ -41,6 +41,8 @@ def test_a_plan_is_carried_out_to_its_goal(client, scene):
     status = execution["status"]
     assert status["progress"] == 1.0
     assert status["contacts"] == []
+    assert set(execution["timings"]) == {"load", "execute"}
+    assert execution["timings"]["execute"] > 0
     assert 0 < status["max_tracking_error"] < 0.05
     np.testing.assert_allclose(status["positions"], plan["result"]["goal_configuration"], atol=0.01)
     assert client.get(f"/v1/executions/{execution['id']}").json() == execution
@@ -86,6 +88,9 @@ def test_a_robot_does_one_thing_at_a_time_and_can_be_stopped(client, scene):
     assert client.post(f"{path}/cancel").json()["state"] in {"canceling", "canceled"}
     ended = finished(client, path)
     assert ended["state"] == "canceled"
+    assert ended["failure"]["stage"] == "execute"
+    assert set(ended["timings"]) == {"load", "execute", "total"}
+    assert ended["timings"] == ended["failure"]["timings"]
     assert 0 <= ended["status"]["progress"] < 1
     assert client.post(f"{path}/cancel").json()["state"] == "canceled"
 

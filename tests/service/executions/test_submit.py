@@ -5,23 +5,51 @@ from types import SimpleNamespace
 
 import pytest
 
-from service.errors import StartMismatch
-from service.executions import submit as admission
+from service.errors import RobotBusy, StartMismatch
+from service.executions import submit
 from service.executions.models import ExecutionRequest
+from service.jobs.errors import Overtaken
+from service.jobs.states import JobState
+from service.jobs.tables import JobSpec
 from service.scenes.models.scene import SceneSummary
 from service.scenes.models.summary import Group, Joint
 from service.scenes.record_cache import Latest
+from service.scenes.tasks import SceneWork
 
 JOINT = Joint(name="arm::j", type="revolute")
+MOVING = {
+    "library": {"model_roots": [], "allow_paths": False, "copies": ""},
+    "scene": {"digest": "d", "document": "file"},
+    "request": {"plan": "pln_1"},
+    "scene_id": "s",
+    "group": "arm",
+    "speed": 1.0,
+}
+STILL = {
+    "breaks": [0, 1],
+    "bases": [[0]],
+    "coefficients": [[[0]]],
+    "joint_names": ["arm::j"],
+    "joint_types": ["revolute"],
+}
 
 
-class Moving:
-    """A scene, and a desk: its robot ends its way from 0 to 1 while somebody looks for it."""
+class Scene:
+    """A scene, and jobs in it; executions of other servers enter it at moments that a test sets."""
 
     def __init__(self):
         self.positions = [0.0]
-        self.admitting_motion = asyncio.Lock()
         self.latest = Latest()
+        self.executions = []
+        self.while_looked_for = self.while_submitted = lambda: None
+
+    def moved(self, *, to, is_over):
+        """Have another execution begin, and end where it leads."""
+        state = JobState.SUCCEEDED if is_over else JobState.RUNNING
+        number = len(self.executions) + 1
+        job = SimpleNamespace(id=f"exe_{number}", sequence=number, state=state, payload=MOVING)
+        self.executions.append(job)
+        self.positions = [to] if is_over else self.positions
 
     async def fresh(self, identifier):
         known = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
@@ -29,26 +57,61 @@ class Moving:
         summary = SceneSummary.model_construct(groups=[group])
         return SimpleNamespace(id=identifier, digest="d", summary=summary)
 
-    async def job(self, lane, identifier):
-        payload = {"request": {"scene": "s", "group": "arm"}, "scene": {"digest": "d"}}
+    async def job(self, queue, identifier):
+        goal = {"type": "joint", "positions": [1.0]}
+        request = {"scene": "s", "group": "arm", "goal": goal}
+        payload = {"request": request, "scene": {"digest": "d", "document": "file"}}
         return SimpleNamespace(payload=payload, result={"result": {"start": [0.0]}})
 
     async def find_by_key(self, spec):
         return None
 
-    async def in_scene(self, lane, scene):
-        self.positions = [1.0]
+    async def newest(self, queue, *, scene):
+        for job in reversed(self.executions):
+            yield job
+        self.while_looked_for()
 
-    async def scene_payload(self, record):
-        return {}
+    async def scene_work(self, record):
+        return SceneWork.model_validate({part: MOVING[part] for part in ("library", "scene")})
 
     async def submit(self, spec):
+        before, self.while_submitted = self.while_submitted, lambda: None
+        before()
+        newest = self.executions[-1].sequence if self.executions else 0
+        if newest != spec.follows:
+            raise Overtaken
         return spec
 
 
-def test_a_motion_that_ends_while_it_is_looked_for_is_not_overlooked(monkeypatch):
-    monkeypatch.setattr(admission, "polynomial_of", lambda plan: {})
-    moving = Moving()
-    request = ExecutionRequest(plan="pln_1")
+@pytest.fixture
+def scene(monkeypatch):
+    monkeypatch.setattr(submit, "spec_of", lambda *_, **__: JobSpec("execution", "", {}))
+    monkeypatch.setattr(submit, "polynomial_of", lambda plan: STILL)
+    return Scene()
+
+
+def submitted(scene):
+    return asyncio.run(submit.submit_execution(ExecutionRequest(plan="pln_1"), None, scene, scene))
+
+
+def test_a_motion_that_ends_while_it_is_looked_for_is_not_overlooked(scene):
+    scene.while_looked_for = lambda: scene.moved(to=1.0, is_over=True)
     with pytest.raises(StartMismatch):
-        asyncio.run(admission.submit_execution(request, None, moving, moving))
+        submitted(scene)
+
+
+def test_one_that_another_server_has_begun_is_in_the_way(scene):
+    scene.while_submitted = lambda: scene.moved(to=1.0, is_over=False)
+    with pytest.raises(RobotBusy) as refusal:
+        submitted(scene)
+    assert refusal.value.evidence == {"execution": "exe_1", "group": "arm"}
+
+
+@pytest.mark.parametrize("to", [0.0, 1.0])
+def test_after_one_that_began_and_ended_meanwhile_the_robot_is_looked_at_again(scene, to):
+    scene.while_submitted = lambda: scene.moved(to=to, is_over=True)
+    if to == 0.0:
+        assert submitted(scene).follows == 1
+    else:
+        with pytest.raises(StartMismatch):
+            submitted(scene)

@@ -1,13 +1,17 @@
 """An execution looks at what is asked of it by the clock on the wall, whatever its speed."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 
+from planning.errors import TrackingLost
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
-from service.executions.worker import LONGEST_SILENCE, TICK, follow
+from service.executions import worker
+from service.executions.worker import MAX_SILENCE, TICK, follow
 from tests.clocks import FakeClock
 from tests.execute.conftest import EchoDriver, limits, quintic
 from tests.profiles import only_campaign
@@ -34,6 +38,9 @@ class TaskContext:
 
     def controls(self):
         return self.asked.pop(0) if self.asked else {}
+
+    def emit(self, _, data):
+        self.told.append((self.clock.now, data))
 
     def update(self, _, data):
         self.told.append((self.clock.now, data))
@@ -70,8 +77,8 @@ FURTHER = only_campaign("slow, fast and twice as fast show it")
 def test_a_look_is_never_further_away_than_a_tick_and_a_step(speed):
     channel = TaskContext(CLOCK, looks_left=200)
     last = followed(channel, speed)
-    assert last["state"] == "canceled"
-    assert 0 < last["progress"] < 1
+    assert last.state == "canceled"
+    assert 0 < last.progress < 1
     gaps = [b - a for a, b in pairwise(channel.looks)]
     assert len(gaps) == 200
     assert max(gaps) <= TICK + COST + 1e-9
@@ -82,10 +89,10 @@ def test_a_look_is_never_further_away_than_a_tick_and_a_step(speed):
 def test_it_says_how_it_goes_more_often_than_it_may_be_silent():
     channel = TaskContext(CLOCK, asked=[{"is_paused": True}] * 200 + [{"is_paused": False}])
     last = followed(channel, 100.0, 4.0)
-    assert last["state"] == "succeeded"
-    assert channel.silence == LONGEST_SILENCE
+    assert last.state == "succeeded"
+    assert channel.silence == MAX_SILENCE
     times = [at for at, _ in channel.told]
-    assert max(b - a for a, b in pairwise(times)) < LONGEST_SILENCE / 10
+    assert max(b - a for a, b in pairwise(times)) < MAX_SILENCE / 10
     assert "paused" in {data["state"] for _, data in channel.told}
 
 
@@ -93,7 +100,7 @@ def test_what_is_asked_is_done_once_and_in_any_combination():
     asked = [{}, {"is_paused": True}, {"is_paused": True, "speed": 4.0}]
     asked += [{"is_paused": True}] * 20 + [{"is_paused": False}]
     channel = TaskContext(CLOCK, asked=asked)
-    assert followed(channel, 0.5, 2.0)["state"] == "succeeded"
+    assert followed(channel, 0.5, 2.0).state == "succeeded"
     states = list(dict.fromkeys(data["state"] for _, data in channel.told))
     assert states == ["executing", "paused", "succeeded"]
 
@@ -109,5 +116,24 @@ def test_it_says_how_late_it_was(delay):
     channel = TaskContext(CLOCK)
     runner = Runner(Execution(quintic(2.0), limits()), SlowDriver())
     last = follow(runner, channel, 1.0, CLOCK, wait)
-    assert delay - 1e-9 <= last["lateness"] <= delay + COST + 1e-9
+    assert delay - 1e-9 <= last.lateness <= delay + COST + 1e-9
     assert channel.told[0][1]["lateness"] == 0.0
+
+
+def test_one_that_fails_tells_its_stage_and_the_seconds_of_all(monkeypatch):
+    runner = Runner(Execution(quintic(2.0), limits()), EchoDriver())
+    monkeypatch.setattr(worker, "borrow_world", lambda work: nullcontext())
+    monkeypatch.setattr(worker, "_runner", lambda world, work: runner)
+
+    def follow_until_it_is_lost(*_):
+        runner.execution = runner.execution.fail(TrackingLost("the robot is elsewhere"))
+
+    monkeypatch.setattr(worker, "follow", follow_until_it_is_lost)
+    context = TaskContext(CLOCK)
+    with pytest.raises(TrackingLost) as failure:
+        worker.execute(SimpleNamespace(speed=1.0), context)
+    assert failure.value.stage == "execute"
+    assert set(failure.value.timings) == {"load", "execute", "total"}
+    stages = [data for _, data in context.told]
+    assert [data["stage"] for data in stages] == ["load", "execute"]
+    assert set(stages[-1]["timings"]) == {"load"}

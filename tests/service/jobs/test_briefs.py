@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from sqlalchemy import event, insert, select, update
 
 from planning.errors import Canceled, NoPathFound
+from service.executions.tasks import EXECUTE
 from service.jobs.database import open_engine
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
@@ -22,14 +23,13 @@ from service.plans.tasks import REVERSE as REVERSE_TASK
 from service.regions.tasks import GROW_REGIONS
 
 PLAN, REVERSE, REGIONS = PLAN_TASK.name, REVERSE_TASK.name, GROW_REGIONS.name
-EXECUTE = "service.executions.worker:execute"
 LARGE = [[0.1] * 7] * 50
 PAYLOAD = {"request": {"seed": 1}, "revision": 2, "motion": LARGE, "trajectory": LARGE}
 RESULTS = {
     PLAN: {"result": LARGE, "polynomial": LARGE, "graph": None, "timings": {"goals": 0.1 + 0.2}},
     REVERSE: {"result": LARGE, "polynomial": LARGE, "timings": {}, "digest": "d"},
     REGIONS: {"result": {"regions": LARGE, "portals": [], "num_regions": 1}, "timings": {"x": 1}},
-    EXECUTE: {"status": {"positions": [0.5], "time": 1.5}},
+    EXECUTE.name: {"status": {"positions": [0.5], "time": 1.5}},
     "m:f": {"anything": LARGE},
 }
 NO_PATH = NoPathFound("none", {"graph": LARGE, "approximate": {"goal_distance": 0.5}})
@@ -92,7 +92,7 @@ def assert_listed(store, engine):
         if brief.task in {PLAN, REVERSE}:
             assert "motion" not in brief.payload
             assert len(encode([brief.result, brief.failure])) < 400
-        if brief.task in {REGIONS, EXECUTE}:
+        if brief.task in {REGIONS, EXECUTE.name}:
             assert len(encode(brief.result)) < 400
 
 

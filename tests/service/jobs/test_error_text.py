@@ -19,6 +19,9 @@ OURS = sorted(
 )
 
 
+STAGED = [planning_errors.DeadlineExceeded, planning_errors.NoPathFound, planning_errors.Contact]
+
+
 @pytest.mark.parametrize("kind", OURS, ids=lambda kind: kind.__name__)
 def test_an_error_keeps_its_class_detail_and_evidence(kind):
     told = load_error(
@@ -29,7 +32,7 @@ def test_an_error_keeps_its_class_detail_and_evidence(kind):
     assert told.evidence == {"depth": 0.1 + 0.2, "pairs": [["a", "b"]]}
 
 
-@pytest.mark.parametrize("kind", [planning_errors.DeadlineExceeded, planning_errors.NoPathFound])
+@pytest.mark.parametrize("kind", STAGED)
 def test_a_failure_keeps_the_stage_it_was_in_and_its_timings(kind):
     failure = kind("late").in_stage("retime")
     failure.timings = {"goals": 0.25, "retime": 1.5, "total": 2.0}

@@ -63,7 +63,7 @@ def test_a_page_of_jobs_reads_its_own_rows(engine, wanted, before):
     store = JobStore(engine)
     store.open()
     for i in range(60):
-        store.insert(JobSpec("plan" if i % 3 else "execution", "m:f", {}, scene=f"s{i % 2}"))
+        store.insert(JobSpec("plan" if i % 3 else "regions", "m:f", {}, scene=f"s{i % 2}"))
     asked = asked_by(engine, lambda: store.page("plan", wanted, before=before, limit=5))
     assert_reads_only_its_rows(steps(engine, asked))
 

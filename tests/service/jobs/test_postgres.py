@@ -18,6 +18,7 @@ from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS, spec
+from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time
 from tests.service.jobs.postgres import cluster
 from tests.service.jobs.test_briefs import check_upgrade
 from tests.service.jobs.test_stopping import eventually, moving
@@ -134,6 +135,13 @@ def test_jobs_on_postgresql(url):
         assert store.get(odd.id).payload == {"text": "\0 \ud800 \u2028", "n": None}
         check_upgrade(engine)
     finally:
+        engine.dispose()
+
+
+def test_one_execution_of_a_scene_is_open_at_most(url):
+    engines = [open_engine(url) for _ in range(NUM_SERVERS)]
+    check_one_at_a_time(engines)
+    for engine in engines:
         engine.dispose()
 
 

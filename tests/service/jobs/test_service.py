@@ -12,6 +12,15 @@ from service.jobs.service import JobService
 from service.jobs.store import JobStore
 from service.jobs.tables import JobSpec
 
+MOVING = {
+    "library": {"model_roots": [], "allow_paths": False, "copies": ""},
+    "scene": {"digest": "d", "document": "file"},
+    "request": {"plan": "pln_1"},
+    "scene_id": "here",
+    "group": "arm",
+    "speed": 1.0,
+}
+
 
 class CountingStore(JobStore):
     """Counts the jobs that it has read from the database."""
@@ -70,28 +79,24 @@ def test_no_more_are_read_than_were_looked_at_and_as_many_again(desk, store, wan
 
 
 @pytest.mark.parametrize("state", ["queued", "running"])
-def test_what_rests_is_not_read_to_find_what_moves(desk, store, state):
-    spec = JobSpec("execution", "", {"group": "arm"}, scene="here")
-
-    def ended():
-        store.cancel(store.insert(spec)[0].id, Canceled("over"))
-
+def test_only_the_last_execution_is_read_to_find_what_moves(desk, store, state):
+    spec = JobSpec("execution", "", MOVING, scene="here")
+    assert asyncio.run(require_at_rest(desk, "here")) == 0
     for _ in range(30):
-        ended()
-    asyncio.run(require_at_rest(desk, "here"))
-    assert store.num_read == 0
+        store.cancel(store.insert(spec)[0].id, Canceled("over"))
+    last = store.page("execution", limit=1)[0].sequence
+    store.num_read = 0
+    assert asyncio.run(require_at_rest(desk, "here")) == last
     moves = store.insert(spec)[0].id
     if state == "running":
         store.start(moves)
-    for _ in range(30):
-        ended()
     with pytest.raises(RobotBusy, match=moves):
         asyncio.run(require_at_rest(desk, "here"))
-    assert store.num_read == 1
-    asyncio.run(require_at_rest(desk, "elsewhere"))
+    assert store.num_read == 2
+    assert asyncio.run(require_at_rest(desk, "elsewhere")) == 0
 
 
 def test_what_begins_to_move_while_it_is_looked_for_is_found(desk, store):
-    store.begins = store.insert(JobSpec("execution", "", {"group": "arm"}, scene="here"))[0].id
+    store.begins = store.insert(JobSpec("execution", "", MOVING, scene="here"))[0].id
     with pytest.raises(RobotBusy, match=store.begins):
         asyncio.run(require_at_rest(desk, "here"))

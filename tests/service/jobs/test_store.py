@@ -16,6 +16,7 @@ from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.tables import JobSpec
 from tests.profiles import num_cases
+from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time
 
 CANCELED = Canceled("on request")
 NO_PATH = NoPathFound("none", {"attempts": 3})
@@ -85,6 +86,13 @@ def test_a_key_used_by_many_at_once_names_one_job(store):
         thread.join()
     assert len({job.id for job, _ in found}) == 1
     assert sum(is_new for _, is_new in found) == 1
+
+
+def test_one_execution_of_a_scene_is_open_at_most(engine):
+    engines = [engine, *(open_engine(str(engine.url)) for _ in range(NUM_SERVERS - 1))]
+    check_one_at_a_time(engines)
+    for other in engines[1:]:
+        other.dispose()
 
 
 def test_pages_join_up_and_filter(store):

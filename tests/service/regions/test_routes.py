@@ -157,13 +157,20 @@ def test_planners_tell_that_gcs_needs_regions(client):
     assert [name for name, entry in planners.items() if entry["needs_regions"]] == ["GCS"]
 
 
-def test_a_cancel_ends_the_growth(client, square):
+def test_a_cancel_ends_the_growth_and_the_stages_until_then_are_timed(client, square):
     job = client.post(f"/v1/scenes/{square}/regions", json=ENDLESS).json()
-    ended = client.post(f"/v1/regions/{job['id']}/cancel")
-    assert ended.status_code == 200
-    with client.stream("GET", f"/v1/regions/{job['id']}/events") as answer:
-        list(decode_events(answer))
-    assert client.get(f"/v1/regions/{job['id']}").json()["state"] == "canceled"
+    path = f"/v1/regions/{job['id']}"
+    with client.stream("GET", f"{path}/events") as answer:
+        events = decode_events(answer)
+        next(event for event in events if event.data.get("stage") == "regions")
+        assert client.post(f"{path}/cancel").status_code == 200
+        list(events)
+    canceled = client.get(path).json()
+    assert canceled["state"] == "canceled"
+    assert canceled["failure"]["stage"] == "regions"
+    assert set(canceled["timings"]) == {"load", "regions", "total"}
+    assert canceled["timings"] == canceled["failure"]["timings"]
+    assert canceled["timings"]["total"] >= canceled["timings"]["regions"] > 0
 
 
 def test_what_does_not_exist_is_named(client, square, scene):

@@ -1,0 +1,75 @@
+"""Tasks about executions: to carry a plan out, and to prove it anew before."""
+
+from pydantic import Field
+
+from service.executions.models import ExecutionRequest, ExecutionStatus
+from service.jobs.outline import Outline
+from service.jobs.tasks import Task, TaskModel
+from service.plans.models.request import PlanRequest
+from service.plans.models.trajectory import Polynomial
+from service.scenes.tasks import SceneWork
+
+
+class ExecutionOutline(SceneWork):
+    """The part of the work that lists show."""
+
+    request: ExecutionRequest
+    scene_id: str
+    group: str
+    speed: float
+
+
+class ExecutionWork(ExecutionOutline):
+    """A motion to carry out in a scene."""
+
+    trajectory: Polynomial
+
+
+class ExecutionOutcome(TaskModel):
+    """The last status of an execution that reached its end, and the seconds of each stage."""
+
+    status: ExecutionStatus
+    timings: dict[str, float] = Field(default_factory=dict)
+
+
+class Commands(TaskModel):
+    """Commands to a running execution, the latest of each kind.
+
+    Attributes:
+        is_paused: Whether the robot shall rest on its path.
+        speed: Seconds of the motion per second; None for what the request says.
+    """
+
+    is_paused: bool = False
+    speed: float | None = None
+
+
+class ProofWork(SceneWork):
+    """A plan's motion to prove in a scene.
+
+    Attributes:
+        request: Of the plan.
+        origin: Of a motion backwards, the request of the plan forwards.
+        trajectory: The motion.
+    """
+
+    request: PlanRequest
+    origin: PlanRequest | None
+    trajectory: Polynomial
+
+
+class Proof(TaskModel):
+    """A lower bound on the distance of all pairs [m]; infinite, and null as JSON, without any."""
+
+    min_clearance: float | None
+
+
+EXECUTE = Task(
+    "execute",
+    ExecutionWork,
+    ExecutionOutcome,
+    queue="execution",
+    max_attempts=1,
+    outline=Outline(payload=("trajectory",)),
+)
+PROVE = Task("prove_execution", ProofWork, Proof)
