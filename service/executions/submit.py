@@ -13,7 +13,7 @@ from service.jobs.tables import Job, JobSpec
 from service.jobs.tasks import TaskModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
-from service.plans.resource import polynomial_of
+from service.plans.resource import motion_of
 from service.scene_jobs import SceneJobs
 from service.scenes.store import SceneStore
 from service.scenes.tasks import SceneWork, StoredScene
@@ -55,7 +55,7 @@ async def submit_execution(
         QueueFull: The queue is full.
     """
     job = await desk.job("plan", request.plan)
-    trajectory = Polynomial.model_validate(polynomial_of(job))
+    trajectory = motion_of(job).polynomial
     plan, outcome = _Plan.model_validate(job.payload), _PlanOutcome.model_validate(job.result)
     idempotency = IdempotencyKey(key, request.model_dump(mode="json"))
     again = JobSpec(

@@ -114,11 +114,6 @@ def delivered_work(job: Job) -> DeliveredWork:
     )
 
 
-def polynomial_of(job: Job) -> dict[str, Any]:
-    """Return the exact trajectory of a plan as JSON; raises as `motion_of`."""
-    return motion_of(job).polynomial.model_dump()
-
-
 def graph_of(job: Job) -> PlannerGraph:
     """Return what the planner of a plan explored.
 

@@ -11,6 +11,7 @@ from service.executions.models import ExecutionRequest
 from service.jobs.errors import Overtaken
 from service.jobs.states import JobState
 from service.jobs.tables import JobSpec
+from service.plans.models.trajectory import Polynomial
 from service.scenes.models.scene import SceneSummary
 from service.scenes.models.summary import Group, Joint
 from service.scenes.record_cache import Latest
@@ -86,7 +87,8 @@ class Scene:
 @pytest.fixture
 def scene(monkeypatch):
     monkeypatch.setattr(submit, "spec_of", lambda *_, **__: JobSpec("execution", "", {}))
-    monkeypatch.setattr(submit, "polynomial_of", lambda plan: STILL)
+    motion = SimpleNamespace(polynomial=Polynomial.model_validate(STILL))
+    monkeypatch.setattr(submit, "motion_of", lambda plan: motion)
     return Scene()
 
 
