@@ -11,7 +11,9 @@ from service.api.body_limit import BodyLimit
 from service.api.client_disconnect import DisconnectWatch
 from service.api.graceful_shutdown import GracefulShutdown
 from service.api.host_check import HostCheck
+from service.api.metrics import MeasureRequests, Metrics
 from service.api.params import require_known_query
+from service.api.request_id import RequestId
 from service.catalog import routes as catalog
 from service.executions import routes as executions
 from service.lifespan import open_services
@@ -28,7 +30,8 @@ _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
     "fields, unknown query parameters, keys given twice and non-finite numbers are refused. Bodies "
     "are `application/json`, of at most 4 MiB; scenes may have 32 MiB, or be YAML of 2 MB. Errors "
-    "are `application/problem+json` (RFC 9457)."
+    "are `application/problem+json` (RFC 9457). Every answer has `X-Request-ID`: that of the "
+    "request, if it is 1 to 64 of `A-Z a-z 0-9 . _ -`, else a new one."
 )
 # What has routes of its own, in the order of the OpenAPI document.
 PARTS = (
@@ -59,12 +62,14 @@ def create_app(
     """
     chosen = settings or Settings()
 
+    metrics = Metrics()
+
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncGenerator[None]:
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken) as (desk, scenes):
+            async with open_services(chosen, on_taken, metrics.note_end) as (desk, scenes):
                 app.state.desk, app.state.scenes = desk, scenes
                 has_started = True
                 yield
@@ -84,6 +89,7 @@ def create_app(
         redirect_slashes=False,
     )
     app.state.settings = chosen
+    app.state.metrics = metrics
     app.add_middleware(DisconnectWatch)
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
@@ -91,6 +97,8 @@ def create_app(
     app.add_middleware(HostCheck, settings=chosen)
     app.state.is_stopping = False
     app.add_middleware(GracefulShutdown, is_stopping=lambda: app.state.is_stopping)
+    app.add_middleware(MeasureRequests, metrics=metrics)
+    app.add_middleware(RequestId)
     problems.install(app)
     openapi.install(app)
     for part in PARTS:

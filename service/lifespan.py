@@ -14,6 +14,7 @@ from service.jobs.dispatcher import Dispatcher
 from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue, Share
 from service.jobs.store import JobStore
+from service.jobs.tables import JobSummary
 from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker, Worker
 from service.jobs.worker.thread_worker import ThreadWorker
@@ -32,13 +33,16 @@ _RESERVED = 1
 
 @asynccontextmanager
 async def open_services(
-    settings: Settings, on_taken: Callable[[], None]
+    settings: Settings,
+    on_taken: Callable[[], None],
+    on_end: Callable[[JobSummary], None] | None = None,
 ) -> AsyncGenerator[tuple[SceneJobs, SceneStore]]:
     """Run jobs from here on; what an earlier server left is taken up again.
 
     Args:
         settings: How the service runs.
         on_taken: Called when another server has taken the database over.
+        on_end: Called with each job that ended here.
 
     Raises:
         DatabaseInUse: Another server works on this database.
@@ -47,7 +51,9 @@ async def open_services(
     engine = open_engine(settings.url)
     keep_off_loops(engine)
     store = JobStore(engine, versions())
-    dispatcher = Dispatcher(store, DispatcherLock(engine), _queues(settings), on_taken=on_taken)
+    queues = _queues(settings)
+    lock = DispatcherLock(engine)
+    dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, on_end=on_end)
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes")

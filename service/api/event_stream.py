@@ -5,12 +5,13 @@ from typing import Any
 
 from fastapi.sse import ServerSentEvent
 
+from service.api.events import JobEvent
 from service.jobs.service import JobService
 from service.jobs.tables import JobSummary
 
-# What an event is made of FastAPI declares itself (`itemSchema`).
 EVENTS: dict[str, Any] = {
-    "description": "Server-sent events with ids; `data` is JSON. The stream ends with the job"
+    "description": "Server-sent events, each as the schema has it; the stream ends with the job",
+    "model": JobEvent,
 }
 
 
@@ -21,4 +22,5 @@ async def server_sent(
     # An id that is not ours is from another stream: then everything is sent.
     is_ours = last_event_id is not None and last_event_id.isdecimal()
     async for event in desk.events(job, int(last_event_id) if is_ours and last_event_id else 0):
-        yield ServerSentEvent(id=str(event.number), event=event.type, data=event.data)
+        data = {"at": event.at.replace("+00:00", "Z"), **event.data}
+        yield ServerSentEvent(id=str(event.number), event=event.type, data=data)

@@ -15,6 +15,7 @@ _TAGS = [
     {"name": "queries", "description": "Questions to a scene, answered at once"},
     {"name": "planners", "description": "OMPL's planners"},
     {"name": "plans", "description": "Certified motions, made by durable jobs"},
+    {"name": "regions", "description": "Convex regions of free configurations, for GCS"},
     {"name": "trajectories", "description": "Paths and motions of your own, timed and proven"},
     {"name": "executions", "description": "Motions that are being carried out"},
     {"name": "operations", "description": "The server itself"},
@@ -47,8 +48,17 @@ def _document(app: FastAPI) -> dict[str, Any]:
         for name, part in schema.pop("$defs", {}).items():
             schemas.setdefault(name, part)
         schemas[model.__name__] = schema
+    _declare_events(document)
     inlined: dict[str, Any] = _inlined(document, schemas)
     return inlined
+
+
+def _declare_events(document: dict[str, Any]) -> None:
+    """Leave out what FastAPI adds to streams: `itemSchema` is of OpenAPI 3.2, the rest of 3.1."""
+    for operations in document["paths"].values():
+        for operation in operations.values():
+            for answer in operation["responses"].values():
+                answer.get("content", {}).get("text/event-stream", {}).pop("itemSchema", None)
 
 
 def _inlined(part: Any, schemas: dict[str, Any]) -> Any:

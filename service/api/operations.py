@@ -16,7 +16,7 @@ from fastapi.responses import (
 from pydantic import Field
 
 import planning
-from service.api.metrics import exposition
+from service.api.metrics import MEDIA_TYPE, Metrics
 from service.api.models import ResponseModel
 from service.api.responses import problems
 from service.dependencies import JobsDep, ScenesDep
@@ -82,10 +82,11 @@ async def get_readiness(desk: JobsDep, scenes: ScenesDep) -> Readiness:
     response_class=PlainTextResponse,
     responses={200: _METRICS, **problems(422, 503)},
 )
-async def get_metrics(desk: JobsDep) -> PlainTextResponse:
-    """Count jobs by lane and state, as Prometheus reads it."""
-    text = exposition(await desk.counts())
-    return PlainTextResponse(text, media_type="text/plain; version=0.0.4")
+async def get_metrics(request: Request, desk: JobsDep) -> PlainTextResponse:
+    """Count jobs, requests, stages, what waits, workers and failures, as Prometheus reads it."""
+    metrics: Metrics = request.app.state.metrics
+    text = metrics.exposition(await desk.counts(), desk.loads())
+    return PlainTextResponse(text, media_type=MEDIA_TYPE)
 
 
 @router.get("/", include_in_schema=False)

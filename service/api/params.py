@@ -9,11 +9,6 @@ from fastapi.routing import APIRoute
 from planning.errors import UnknownName
 from service.errors import RequestInvalid
 
-type Limit = Annotated[int, Query(ge=1, le=200, description="How many on a page")]
-type Cursor = Annotated[
-    str | None,
-    Query(pattern=r"^[0-9]{1,18}$", description="`next` of the page before; none for the first"),
-]
 type SceneId = Annotated[str, Path(max_length=128, description="Id of a scene")]
 type Revision = Annotated[
     int | None, Query(ge=1, le=2**31 - 1, description="Of the scene; by default the latest")

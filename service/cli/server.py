@@ -6,17 +6,38 @@ import socket
 import sys
 import threading
 from collections.abc import Callable
-from typing import override
+from typing import Any, override
 
 import uvicorn
+import uvicorn.config
 from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from planning.errors import WayproofError
+from service.api.request_id import RequestIdFilter
 from service.app import create_app
 from service.cli.connections import Connections, bounded_protocol, most_connections
 from service.settings import Settings
 
+_HANDLERS = uvicorn.config.LOGGING_CONFIG["handlers"]
+_FORMATS = uvicorn.config.LOGGING_CONFIG["formatters"]
+# Uvicorn's, and the service's warnings beside them; records say to which request they belong.
+LOGGING: dict[str, Any] = {
+    **uvicorn.config.LOGGING_CONFIG,
+    "filters": {"request": {"()": RequestIdFilter}},
+    "formatters": {
+        name: {
+            **kind,
+            "fmt": kind["fmt"].replace("%(levelprefix)s ", "%(levelprefix)s %(request)s"),
+        }
+        for name, kind in _FORMATS.items()
+    },
+    "handlers": {name: {**kind, "filters": ["request"]} for name, kind in _HANDLERS.items()},
+    "loggers": {
+        **uvicorn.config.LOGGING_CONFIG["loggers"],
+        "service": {"handlers": ["default"], "level": "WARNING"},
+    },
+}
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
 # What the process ends with when another server has its database.
@@ -57,6 +78,7 @@ def run(
     config = uvicorn.Config(
         app,
         log_level=log_level,
+        log_config=LOGGING,
         timeout_graceful_shutdown=_GRACE,
         loop="uvloop",
         http=bounded_protocol(Connections(most, settings.header_timeout)),

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field
 
 from planning.execute import status as domain
+from service.api.events import EventData, EventId, FinishedEvent, QueuedEvent, StartedEvent
 from service.api.models import UNRECORDED, Failure, Identifier, Real, RequestModel, ResponseModel
 
 
@@ -88,6 +89,39 @@ class ExecutionStatus(ResponseModel):
             lateness=lateness,
             contacts=contacts,
         )
+
+
+class StatusData(ExecutionStatus, EventData):
+    """How far an execution is, and when it was there."""
+
+
+class ControlsData(EventData):
+    """What is asked of an execution from now on; what is left out stays as it was."""
+
+    is_paused: bool | None = Field(default=None, description="Whether it rests on its path")
+    speed: float | None = Field(default=None, description="Seconds of the motion per second")
+
+
+class StatusEvent(ResponseModel):
+    """The execution moves, or changes its state; at most twenty times a second."""
+
+    id: EventId
+    event: Literal["status"] = Field(description="What happened")
+    data: StatusData = Field(description="How far it is")
+
+
+class ControlsEvent(ResponseModel):
+    """The execution was paused or resumed, or its speed set."""
+
+    id: EventId
+    event: Literal["controls"] = Field(description="What happened")
+    data: ControlsData = Field(description="What is asked of it")
+
+
+type ExecutionEvent = Annotated[
+    QueuedEvent | StartedEvent | ControlsEvent | StatusEvent | FinishedEvent,
+    Field(discriminator="event", description="What happened to an execution"),
+]
 
 
 class Execution(ResponseModel):

@@ -13,6 +13,16 @@ _FINAL = {
     JobState.FAILED: ExecutionState.ABORTED,
     JobState.CANCELED: ExecutionState.CANCELED,
 }
+# The state of the job of an execution; one that is canceled before it begins ends at once.
+JOB_STATES = {
+    ExecutionState.ACCEPTED: JobState.QUEUED,
+    ExecutionState.EXECUTING: JobState.RUNNING,
+    ExecutionState.PAUSED: JobState.RUNNING,
+    ExecutionState.CANCELING: JobState.RUNNING,
+    ExecutionState.SUCCEEDED: JobState.SUCCEEDED,
+    ExecutionState.CANCELED: JobState.CANCELED,
+    ExecutionState.ABORTED: JobState.FAILED,
+}
 
 
 async def execution_resource(desk: SceneJobs, job: JobSummary) -> Execution:

@@ -9,7 +9,8 @@ from fastapi import APIRouter, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.event_stream import EVENTS, server_sent
-from service.api.params import Cursor, LastEventId, Limit
+from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
+from service.api.params import LastEventId
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
@@ -17,16 +18,18 @@ from service.dependencies import ExecutionJob, JobsDep, OpenExecution, ScenesDep
 from service.executions.commands import send_command
 from service.executions.models import (
     Execution,
+    ExecutionEvent,
     ExecutionPage,
     ExecutionRequest,
+    ExecutionState,
     SpeedRequest,
 )
-from service.executions.resource import execution_resource
+from service.executions.resource import JOB_STATES, execution_resource
 from service.executions.submit import submit_execution
 from service.executions.tasks import Commands
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/executions", tags=["executions"])
-type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
+type State = Annotated[ExecutionState | None, Query(description="Only those in this state")]
 
 
 @router.post(
@@ -46,12 +49,18 @@ async def create_execution(
 
 @router.get("", operation_id="listExecutions", responses=problems(422))
 async def list_executions(
-    desk: JobsDep, scene: OfScene = None, limit: Limit = 50, cursor: Cursor = None
+    desk: JobsDep,
+    state: State = None,
+    scene: OfScene = None,
+    limit: Limit = 50,
+    cursor: Cursor = None,
 ) -> ExecutionPage:
-    """List executions, newest first."""
-    page = await desk.page("execution", limit, cursor, scene=scene)
+    """List executions, newest first; a page in a state before the last may have fewer of them."""
+    of_jobs = None if state is None else JOB_STATES[state]
+    page = await desk.page("execution", limit, before(cursor), state=of_jobs, scene=scene)
     items = [await execution_resource(desk, job) for job in page.jobs]
-    return ExecutionPage(items=items, next=page.following)
+    kept = [item for item in items if state in {None, item.state}]
+    return ExecutionPage(items=kept, next=cursor_of(page.following))
 
 
 @router.get(
@@ -68,7 +77,7 @@ async def get_execution(job: ExecutionJob, desk: JobsDep) -> Execution:
     "/{execution}/events",
     operation_id="streamExecutionEvents",
     response_class=EventSourceResponse,
-    responses={200: EVENTS, **problems(404, 422)},
+    responses={200: {**EVENTS, "model": ExecutionEvent}, **problems(404, 422)},
 )
 async def stream_execution_events(
     job: ExecutionJob, desk: JobsDep, last_event_id: LastEventId = None

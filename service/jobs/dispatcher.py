@@ -16,7 +16,7 @@ from service.jobs.ownership_watch import DatabaseTimeouts, LockWatch
 from service.jobs.queue import JobQueue
 from service.jobs.recorder import JobRecorder
 from service.jobs.recovery import Recovery
-from service.jobs.scheduler import Scheduler
+from service.jobs.scheduler import QueueLoad, Scheduler
 from service.jobs.steering import JobControl
 from service.jobs.store import JobStore
 from service.jobs.tables import Job, JobSpec, JobSummary, JobText, LoggedEvent
@@ -42,6 +42,7 @@ class Dispatcher:
         queues: Mapping[str, JobQueue],
         *,
         on_taken: Callable[[], None] = _nothing,
+        on_end: Callable[[JobSummary], None] | None = None,
         timeouts: DatabaseTimeouts | None = None,
     ) -> None:
         """Put the parts together; `start` begins.
@@ -51,10 +52,12 @@ class Dispatcher:
             lock: On the database.
             queues: Where jobs run, by name.
             on_taken: Called once when another server has taken the database over.
+            on_end: Called with each job that ended here.
             timeouts: How long a database may be out of reach.
         """
         self.is_taken = False
         self._on_taken = on_taken
+        self._on_end = on_end
         self._timeouts = timeouts or DatabaseTimeouts()
         self._store = store
         self._lock = lock
@@ -140,6 +143,10 @@ class Dispatcher:
     def attempt_of(self, identifier: str) -> Attempt | None:
         """Return what memory has of a job that waits or runs here, None if it does not."""
         return self._attempts.get(identifier)
+
+    def loads(self) -> dict[str, QueueLoad]:
+        """Return what waits and what works, by queue."""
+        return self._scheduler.loads()
 
     def faults(self) -> dict[str, str]:
         """Return why lanes cannot begin a job well, by name; empty if all can."""
@@ -250,6 +257,8 @@ class Dispatcher:
         finally:
             self._attempts.pop(run.job.id, None)
             run.concluded.set()
+        if run.ended is not None and self._on_end is not None:
+            self._on_end(run.ended.summary)
         if is_queued_again:
             job = replace(run.job, is_cancel_requested=run.is_cancel_requested)
             self._enqueue(job, run.controls, place[0])

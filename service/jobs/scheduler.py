@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Callable, Coroutine, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from service.jobs.durations import CallKind
@@ -12,6 +13,19 @@ from service.jobs.worker.process_worker import Worker
 from service.jobs.worker_pool import WorkerPool
 
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class QueueLoad:
+    """How busy a queue is.
+
+    Attributes:
+        num_waiting: Jobs and questions that wait.
+        num_ready: Workers that may run them and are warm, busy or not.
+    """
+
+    num_waiting: int
+    num_ready: int
 
 
 class Scheduler:
@@ -77,6 +91,15 @@ class Scheduler:
             if None not in known:
                 found[name] = next(fault for fault in known if fault is not None)
         return found
+
+    def loads(self) -> dict[str, QueueLoad]:
+        """Return what waits and what works, by queue."""
+        return {
+            name: QueueLoad(
+                queue.num_waiting, sum(worker.fault is None for worker in queue.pool.workers)
+            )
+            for name, queue in self._queues.items()
+        }
 
     def check_room(self, name: str) -> None:
         """Go on only if one more may wait in a lane.

@@ -9,6 +9,7 @@ from anyio import to_thread
 from service.errors import NotReady, UnknownResource
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
+from service.jobs.scheduler import QueueLoad
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.tables import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
@@ -98,21 +99,20 @@ class JobService:
         self,
         lane: str,
         limit: int,
-        cursor: str | None,
+        before: int | None,
         *,
         state: str | None = None,
         scene: str | None = None,
         world_digest: str | None = None,
     ) -> JobPage:
-        """Return jobs of a lane, newest first, from a cursor on."""
-        before = None if cursor is None else int(cursor)
+        """Return jobs of a lane, newest first, of those before a number of the list."""
 
         def read() -> list[JobSummary]:
             wanted = {"state": state, "scene": scene, "world_digest": world_digest}
             return self._store.page(lane, wanted, before=before, limit=limit + 1)
 
         found = await to_thread.run_sync(read)
-        following = str(found[limit - 1].sequence) if len(found) > limit else None
+        following = found[limit - 1].sequence if len(found) > limit else None
         return JobPage(found[:limit], following)
 
     async def newest(
@@ -187,6 +187,10 @@ class JobService:
         if faults:
             named = "; ".join(f"{lane}: {fault}" for lane, fault in faults.items())
             raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
+
+    def loads(self) -> dict[str, QueueLoad]:
+        """Return what waits and what works, by queue."""
+        return self._dispatcher.loads()
 
     async def counts(self) -> dict[str, dict[str, int]]:
         """Return how many jobs there are, by state and lane."""

@@ -226,7 +226,7 @@ class LoggedEvent:
 
 @dataclass(frozen=True)
 class JobPage:
-    """Some jobs of a lane, newest first, and the cursor of those that follow."""
+    """Some jobs of a lane, newest first, and the number before which the next page begins."""
 
     jobs: list[JobSummary]
-    following: str | None
+    following: int | None

@@ -9,7 +9,8 @@ from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.event_stream import EVENTS, server_sent
-from service.api.params import Cursor, LastEventId, Limit
+from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
+from service.api.params import LastEventId
 from service.api.responses import accepted, problems, whole
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
@@ -25,7 +26,6 @@ from service.scene_jobs import SceneJobs
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
-type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
 
 
 @router.post(
@@ -53,9 +53,9 @@ async def list_plans(
     cursor: Cursor = None,
 ) -> PlanPage:
     """List plans, newest first, without their results."""
-    page = await desk.page("plan", limit, cursor, state=state, scene=scene)
+    page = await desk.page("plan", limit, before(cursor), state=state, scene=scene)
     plans = [plan_resource(desk, job) for job in page.jobs]
-    return PlanPage(items=plans, next=page.following)
+    return PlanPage(items=plans, next=cursor_of(page.following))
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Plan, responses=problems(404, 422))

@@ -3,21 +3,25 @@
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
 from collections.abc import AsyncIterator
+from typing import Annotated
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.event_stream import EVENTS, server_sent
-from service.api.params import Cursor, LastEventId, Limit, SceneId
+from service.api.paging import Cursor, Limit, before, cursor_of
+from service.api.params import LastEventId, SceneId
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
+from service.jobs.states import JobState
 from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
 from service.regions.resource import regions_brief, regions_in_full
 from service.regions.submit import submit_regions
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
+type State = Annotated[JobState | None, Query(description="Only those in this state")]
 
 
 @router.post(
@@ -46,13 +50,15 @@ async def list_regions(
     scene: SceneId,
     desk: JobsDep,
     scenes: ScenesDep,
+    state: State = None,
     limit: Limit = 50,
     cursor: Cursor = None,
 ) -> RegionsPage:
     """List the regions that were asked for in a scene, newest first, without their faces."""
     record = await scenes.get(scene)
-    page = await desk.page("regions", limit, cursor, scene=record.id)
-    return RegionsPage(items=[regions_brief(desk, job) for job in page.jobs], next=page.following)
+    page = await desk.page("regions", limit, before(cursor), state=state, scene=record.id)
+    items = [regions_brief(desk, job) for job in page.jobs]
+    return RegionsPage(items=items, next=cursor_of(page.following))
 
 
 @router.get(

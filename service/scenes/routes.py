@@ -6,7 +6,8 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from planning.errors import UnknownName
-from service.api.params import Cursor, Limit, Revision, SceneId
+from service.api.paging import Cursor, Limit, before, cursor_of
+from service.api.params import Revision, SceneId
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
@@ -56,9 +57,9 @@ async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Re
 @router.get("", operation_id="listScenes", responses=problems(422))
 async def list_scenes(scenes: ScenesDep, limit: Limit = 50, cursor: Cursor = None) -> ScenePage:
     """List scenes, newest first."""
-    records = await scenes.page(limit, None if cursor is None else int(cursor))
-    following = str(records[-1].serial) if len(records) == limit else None
-    items = [SceneBrief.model_validate(record) for record in records]
+    records = await scenes.page(limit + 1, before(cursor))
+    following = cursor_of(records[limit - 1].serial) if len(records) > limit else None
+    items = [SceneBrief.model_validate(record) for record in records[:limit]]
     return ScenePage(items=items, next=following)
 
 

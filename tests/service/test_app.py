@@ -134,7 +134,9 @@ def test_wrong_methods_are_problems_that_name_the_right_ones(client, path, allow
 
 def test_metrics_count_jobs(client, solved):
     text = client.get("/metrics").text
-    found = re.search(r'^wayproof_jobs\{lane="plan",state="succeeded"\} (\d+)$', text, re.MULTILINE)
+    found = re.search(
+        r'^wayproof_jobs\{queue="plan",state="succeeded"\} (\d+)\.0$', text, re.MULTILINE
+    )
     assert found
     assert int(found[1]) >= 1
     assert "# TYPE wayproof_jobs gauge" in text

@@ -1,5 +1,7 @@
 """The OpenAPI document is complete enough to generate a pleasant client from."""
 
+from openapi_spec_validator import OpenAPIV31SpecValidator
+
 VERBS = {"get", "post", "put", "patch", "delete"}
 
 
@@ -21,6 +23,11 @@ def references(part):
     elif isinstance(part, list):
         for child in part:
             yield from references(child)
+
+
+def test_the_document_is_valid(document):
+    faults = OpenAPIV31SpecValidator(document).iter_errors()
+    assert [(list(fault.absolute_path), fault.message[:80]) for fault in faults] == []
 
 
 def test_every_call_of_the_contract_is_there(document):

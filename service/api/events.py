@@ -1,0 +1,118 @@
+"""Events of jobs: what is streamed of plans and regions."""
+
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from service.api.models import Failure, ResponseModel
+
+type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
+
+
+class EventData(ResponseModel):
+    """What every event says."""
+
+    at: datetime = Field(description="When it happened (UTC)")
+
+
+class RequeuedData(EventData):
+    """Why a job runs again."""
+
+    reason: str = Field(description="For a person")
+
+
+class ProgressData(EventData):
+    """How far a job is."""
+
+    stage: str = Field(description="The stage that it is in")
+    progress: float = Field(description="Of the whole job, 0 to 1")
+    detail: str = Field(description="For a person, or empty")
+
+
+class StageData(ProgressData):
+    """Which stage begins."""
+
+    timings: dict[str, float] = Field(description="Seconds of the stages before it")
+
+
+class BestPathData(EventData):
+    """A path that is better than those before it."""
+
+    detail: str = Field(description="For a person")
+    length: float = Field(description="Weighted length of the path")
+
+
+class FinishedData(EventData):
+    """How a job ended."""
+
+    state: Literal["succeeded", "failed", "canceled"] = Field(description="Final state of the job")
+    failure: Failure | None = Field(default=None, description="Why there is no result")
+
+
+class QueuedEvent(ResponseModel):
+    """The job was accepted."""
+
+    id: EventId
+    event: Literal["queued"] = Field(description="What happened")
+    data: EventData = Field(description="When")
+
+
+class StartedEvent(ResponseModel):
+    """A worker took the job."""
+
+    id: EventId
+    event: Literal["started"] = Field(description="What happened")
+    data: EventData = Field(description="When")
+
+
+class RequeuedEvent(ResponseModel):
+    """The job waits again: its worker or the server ended."""
+
+    id: EventId
+    event: Literal["requeued"] = Field(description="What happened")
+    data: RequeuedData = Field(description="When and why")
+
+
+class StageEvent(ResponseModel):
+    """The job enters a stage."""
+
+    id: EventId
+    event: Literal["stage"] = Field(description="What happened")
+    data: StageData = Field(description="Which stage, and how long those before it took")
+
+
+class ProgressEvent(ResponseModel):
+    """The job is further, at most twenty times a second."""
+
+    id: EventId
+    event: Literal["progress"] = Field(description="What happened")
+    data: ProgressData = Field(description="How far it is")
+
+
+class BestSoFarEvent(ResponseModel):
+    """The search found a better path."""
+
+    id: EventId
+    event: Literal["best-so-far"] = Field(description="What happened")
+    data: BestPathData = Field(description="How long the path is")
+
+
+class FinishedEvent(ResponseModel):
+    """The job ended; no event follows."""
+
+    id: EventId
+    event: Literal["finished"] = Field(description="What happened")
+    data: FinishedData = Field(description="How it ended")
+
+
+type JobEvent = Annotated[
+    QueuedEvent
+    | StartedEvent
+    | RequeuedEvent
+    | StageEvent
+    | ProgressEvent
+    | BestSoFarEvent
+    | FinishedEvent,
+    Field(discriminator="event", description="What happened to a plan or to regions"),
+]

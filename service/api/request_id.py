@@ -1,0 +1,57 @@
+"""RequestId: `X-Request-ID` in every answer, and in the log records that belong to a request."""
+
+import logging
+import re
+import uuid
+from contextvars import ContextVar
+from typing import override
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+HEADER = "X-Request-ID"
+_SANE = re.compile(r"[A-Za-z0-9._-]{1,64}")
+_request_id: ContextVar[str] = ContextVar("request_id", default="")
+
+
+def request_id() -> str:
+    """Return the id of the request that this task answers, "" outside of one."""
+    return _request_id.get()
+
+
+class RequestId:
+    """Middleware that takes the id of a request from its header, or makes one."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        """Stand around `app`."""
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        given = Headers(scope=scope).getlist(HEADER)
+        is_sane = len(given) == 1 and _SANE.fullmatch(given[0])
+        name = given[0] if is_sane else uuid.uuid4().hex
+        # Not reset: each request is answered by a task of its own, and what handles unexpected
+        # errors and logs the access stands around this middleware.
+        _request_id.set(name)
+
+        async def send_named(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message)[HEADER] = name
+            await send(message)
+
+        await self._app(scope, receive, send_named)
+
+
+class RequestIdFilter(logging.Filter):
+    """Adds `request_id` to log records, and `request` to put before a message."""
+
+    @override
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Let every record pass."""
+        record.request_id = request_id()
+        record.request = f"[{record.request_id}] " if record.request_id else ""
+        return True
