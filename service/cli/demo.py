@@ -13,7 +13,7 @@ from service.cli.plan import finished
 from service.cli.session import scene_text, session
 from service.client.client import Client
 from service.executions.models import Execution, ExecutionState
-from service.plans.models.job import Job
+from service.plans.models.plan import Plan
 
 _SCENE = "ur5e_pickup"
 _ARM, _GRIPPER = "arm", "arm::gripper"
@@ -120,7 +120,7 @@ def _table() -> Table:
     return table
 
 
-def _facts(job: Job, execution: Execution) -> list[str]:
+def _facts(job: Plan, execution: Execution) -> list[str]:
     if job.result is None or execution.status is None:
         return []
     proof, status = job.result.certificate, execution.status
@@ -133,7 +133,7 @@ def _facts(job: Job, execution: Execution) -> list[str]:
     ]
 
 
-def executed(client: Client, name: str, job: Job, speed: float) -> Execution:
+def executed(client: Client, name: str, job: Plan, speed: float) -> Execution:
     """Carry out a plan, show its progress, and return how it ended.
 
     Raises:

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from service.api.models import Failure
 from service.client.events import Event
-from service.plans.models.job import Job
+from service.plans.models.plan import Plan
 from service.plans.models.result import PlanResult
 from service.scenes.models.summary import Group
 
@@ -59,7 +59,7 @@ def unit_of(group: Group) -> str:
     return "rad" if turns == {True} else "m" if shifts == {True} else "rad or m"
 
 
-def show_plans(plans: Mapping[str, Job], unit: str = "rad or m") -> None:
+def show_plans(plans: Mapping[str, Plan], unit: str = "rad or m") -> None:
     """Print plans that succeeded, a column each; `unit` is of joint-space lengths."""
     table = Table(title="What was planned, and what is proven of it", title_justify="left")
     table.add_column("")
@@ -71,7 +71,7 @@ def show_plans(plans: Mapping[str, Job], unit: str = "rad or m") -> None:
     console.print(table)
 
 
-def _facts(job: Job, unit: str) -> dict[str, str]:
+def _facts(job: Plan, unit: str) -> dict[str, str]:
     result = job.result
     if result is None:
         return {"state": str(job.state)}

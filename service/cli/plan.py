@@ -10,7 +10,7 @@ from service.cli.options import MAX_SEED, above_zero
 from service.cli.output import console, follow, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
 from service.client.client import Client
-from service.plans.models.job import Job
+from service.plans.models.plan import Plan
 
 
 def plan(  # noqa: PLR0913  (one parameter per option)
@@ -54,7 +54,7 @@ def plan(  # noqa: PLR0913  (one parameter per option)
             console.print(f"written to {out}", markup=False)
 
 
-def finished(client: Client, title: str, request: dict[str, Any]) -> Job:
+def finished(client: Client, title: str, request: dict[str, Any]) -> Plan:
     """Ask for a plan, show its progress, and return it once it succeeded.
 
     Raises:
@@ -69,7 +69,7 @@ def finished(client: Client, title: str, request: dict[str, Any]) -> Job:
     return job
 
 
-def write(client: Client, job: Job, out: Path) -> None:
+def write(client: Client, job: Plan, out: Path) -> None:
     """Write a plan to a file, as its ending says."""
     out.parent.mkdir(parents=True, exist_ok=True)
     match out.suffix:

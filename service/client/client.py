@@ -9,7 +9,7 @@ import httpx
 from service.client.errors import raise_for_problem
 from service.client.events import Event, decode_events
 from service.executions.models import Execution
-from service.plans.models.job import Job
+from service.plans.models.plan import Plan
 from service.scenes.models.scene import Scene
 from service.scenes.models.summary import Model
 
@@ -77,7 +77,7 @@ class Client:
         """Forget a scene."""
         self._send("DELETE", f"/v1/scenes/{scene}")
 
-    def submit_plan(self, request: dict[str, Any], key: str | None = None) -> Job:
+    def submit_plan(self, request: dict[str, Any], key: str | None = None) -> Plan:
         """Ask for a plan.
 
         Args:
@@ -86,16 +86,16 @@ class Client:
         """
         headers = {} if key is None else {"Idempotency-Key": key}
         answer = self._send("POST", "/v1/plans", json=request, headers=headers)
-        return Job.model_validate_json(answer.content)
+        return Plan.model_validate_json(answer.content)
 
-    def plan(self, plan: str) -> Job:
+    def plan(self, plan: str) -> Plan:
         """Return how far a plan is."""
-        return Job.model_validate_json(self._get(f"/v1/plans/{plan}").content)
+        return Plan.model_validate_json(self._get(f"/v1/plans/{plan}").content)
 
-    def cancel_plan(self, plan: str) -> Job:
+    def cancel_plan(self, plan: str) -> Plan:
         """Ask for the end of a plan."""
         answer = self._send("POST", f"/v1/plans/{plan}/cancel")
-        return Job.model_validate_json(answer.content)
+        return Plan.model_validate_json(answer.content)
 
     def plan_events(self, plan: str, after: str | None = None) -> Iterator[Event]:
         """Yield what happens to a plan, from the first event or after one, until it is over."""

@@ -1,1 +1,1 @@
-"""Plans as resources: admission, and jobs to the wire."""
+"""Plans: requests for motions, the jobs that make them, and what is delivered of them."""

@@ -137,8 +137,8 @@ def _utilisation(figure: Figure, series: MotionSeries) -> None:
     figure.set_size_inches(_WIDTH, max(3.0, _ENTRY * (len(shown) + 2)))
     axes = figure.subplots()
     for i, (name, values) in enumerate(shown.items()):
-        told = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}..."
-        axes.plot(series.times, values, label=told, linewidth=1.1, linestyle=_STROKES[i // 10 % 4])
+        label = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}..."
+        axes.plot(series.times, values, label=label, linewidth=1.1, linestyle=_STROKES[i // 10 % 4])
     axes.axhline(1.0, color=_LIMIT, linestyle="--", linewidth=0.8)
     unlimited = "" if series.is_jerk_limited else "; jerk was not limited"
     axes.set_title(f"use of the limits, of the joint that uses most{unlimited}", fontsize=8)

@@ -9,13 +9,12 @@ from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, PlanJob
 from service.plans.models.trajectory import Trajectory
-from service.plans.resource import motion_of, work_of
+from service.plans.resource import delivered_work, motion_of, work_of
 from service.plans.tasks import (
     PLOT,
     REPLAY,
     SAMPLE,
     SAMPLE_TABLE,
-    DeliveredWork,
     PlotWork,
     SampleWork,
 )
@@ -71,7 +70,7 @@ type Chart = Annotated[
         "utilisation",
         "velocity",
     ],
-    Path(description="What to draw over time, against its limits as the plan was asked to keep"),
+    Path(description="What to draw over time, against the limits that the plan keeps"),
 ]
 
 # The header that says what is proven of a table.
@@ -109,16 +108,13 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     scale: Slowness = 1.0,
     polynomial: Exact = False,
 ) -> Response:
-    """Sample the motion of a plan anew, slowed down if asked for, and prove the samples."""
-    motion, made = motion_of(job), work_of(job)
+    """Sample the motion of a plan anew, slower if `scale` says so, and prove the samples."""
+    result, made = motion_of(job).result, work_of(job)
     work = SampleWork(
-        library=made.library,
-        scene=made.scene,
-        group=made.request.group,
-        trajectory=motion.polynomial,
+        **dict(delivered_work(job)),
         request=made.origin or made.request,
-        parts=motion.result.parts,
-        clearance=motion.result.certificate.proven_clearance,
+        parts=result.parts,
+        clearance=result.certificate.proven_clearance,
         sampling=made.request.retime.sampling_with(period, points, even=even),
         scale=scale,
         polynomial=polynomial and format == "json",
@@ -138,14 +134,7 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
 )
 async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
     """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
-    made = work_of(job)
-    work = DeliveredWork(
-        library=made.library,
-        scene=made.scene,
-        group=made.request.group,
-        trajectory=motion_of(job).polynomial,
-    )
-    page = await desk.call(REPLAY, work)
+    page = await desk.call(REPLAY, delivered_work(job))
     return HTMLResponse(page.html)
 
 
@@ -157,15 +146,9 @@ async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
 )
 async def get_plot(job: PlanJob, desk: JobsDep, name: Chart) -> Response:
     """Draw the motion of a plan against its limits, or its clearance, over time."""
-    made = work_of(job)
+    request = work_of(job).request
     work = PlotWork(
-        library=made.library,
-        scene=made.scene,
-        group=made.request.group,
-        trajectory=motion_of(job).polynomial,
-        name=name,
-        retime=made.request.retime,
-        margin=made.request.margin,
+        **dict(delivered_work(job)), name=name, retime=request.retime, margin=request.margin
     )
     drawing = await desk.call(PLOT, work)
     return Response(drawing.svg, media_type="image/svg+xml")

@@ -11,7 +11,7 @@ _EVENT_PERIOD = 0.05
 
 
 class ProgressReporter:
-    """Tells the server which stage a plan is in; drops events that come too thick.
+    """Reports to the server which stage a plan is in, at most twenty times a second.
 
     With a stage come the seconds of those before it: they are known even if the process is ended.
     """

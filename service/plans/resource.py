@@ -1,18 +1,32 @@
 """Plans as their jobs have them: what clients are shown, and the motion that was delivered."""
 
 import math
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, SkipValidation
 
 from planning.domain.report.motion_plan import PlanPart
 from service.errors import NotFinished
 from service.jobs.job import Job, JobSummary
 from service.jobs.outline import without
 from service.jobs.tasks import TaskModel, outline_of
-from service.plans.models.job import JobBrief as Plan
+from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
-from service.plans.tasks import MotionWork
+from service.plans.tasks import DeliveredWork, MotionWork
 from service.scene_jobs import SceneJobs
+
+
+def _trusted(stored: dict[str, Any]) -> Polynomial:
+    return Polynomial.model_construct(**stored)
+
+
+def _ends(rows: list[list[float]]) -> list[list[float]]:
+    return [rows[0], rows[-1]]
+
+
+# What workers have written may be megabytes, and is not validated again.
+type _Rows = SkipValidation[list[list[float]]]
 
 
 class ProvenClearance(TaskModel):
@@ -31,16 +45,16 @@ class ProvenClearance(TaskModel):
 
 
 class Ends(TaskModel):
-    """The samples of a motion, of which the first and the last are needed."""
+    """The first and the last sample of a motion."""
 
-    positions: list[list[float]]
+    positions: Annotated[_Rows, BeforeValidator(_ends)]
 
 
 class DeliveredResult(TaskModel):
     """What is needed of a `PlanResult`."""
 
     start: list[float]
-    path: list[list[float]]
+    path: _Rows
     parts: tuple[PlanPart, ...] = ()
     trajectory: Ends
     certificate: ProvenClearance
@@ -49,15 +63,15 @@ class DeliveredResult(TaskModel):
 class DeliveredMotion(TaskModel):
     """What is needed of a `PlanOutcome` to use its motion."""
 
-    polynomial: Polynomial
+    polynomial: Annotated[Polynomial, BeforeValidator(_trusted)]
     result: DeliveredResult
 
 
-def plan_resource(desk: SceneJobs, job: JobSummary) -> Plan:
+def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
     """Return a plan without its result; a graph is large and has an address of its own."""
-    work: dict[str, Any] = job.payload["request"]
+    request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
-    return Plan.model_validate({
+    return PlanSummary.model_validate({
         "id": job.id,
         "state": job.state,
         "stage": job.stage,
@@ -65,9 +79,9 @@ def plan_resource(desk: SceneJobs, job: JobSummary) -> Plan:
         "created_at": job.created_at,
         "started_at": job.started_at,
         "finished_at": job.finished_at,
-        "request": work,
+        "request": request,
         "failure": without(job.failure, outline_of(job.task).failure),
-        "seed": work["seed"],
+        "seed": request["seed"],
         "digest": outcome.get("digest"),
         "versions": job.made_by or {},
         # However it ended.
@@ -93,11 +107,19 @@ def motion_of(job: Job) -> DeliveredMotion:
     return DeliveredMotion.model_validate(job.result)
 
 
+def delivered_work(job: Job) -> DeliveredWork:
+    """Return the motion of a plan in its scene; raises as `motion_of`."""
+    work, trajectory = work_of(job), motion_of(job).polynomial
+    return DeliveredWork(
+        library=work.library, scene=work.scene, group=work.request.group, trajectory=trajectory
+    )
+
+
 def graph_of(job: Job) -> PlannerGraph:
     """Return what the planner of a plan explored.
 
     Raises:
-        NotFinished: There is no graph: not yet, or it was not asked for, or its planner has none.
+        NotFinished: There is no graph: not yet, or none was kept, or its planner has none.
     """
     evidence = (job.failure or {}).get("evidence", {})
     graph: dict[str, Any] | None = (job.result or {}).get("graph") or evidence.get("graph")

@@ -1,4 +1,4 @@
-"""/v1/plans: ask for plans, poll them, stop them."""
+"""/v1/plans: request plans, poll them, stop them."""
 
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
@@ -16,7 +16,8 @@ from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
 from service.jobs.job import JobText
-from service.plans.models.job import Job, JobPage, JobState
+from service.jobs.states import JobState
+from service.plans.models.plan import Plan, PlanPage
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.resource import graph_of, plan_resource
@@ -31,13 +32,13 @@ type State = Annotated[JobState | None, Query(description="Only those in this st
     "",
     operation_id="createPlan",
     status_code=202,
-    response_model=Job,
-    responses=accepted(Job, "the plan", 400, 404, 409, 413, 422, 429, 503),
+    response_model=Plan,
+    responses=accepted(Plan, "the plan", 400, 404, 409, 413, 422, 429, 503),
 )
 async def create_plan(
     request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep
 ) -> Response:
-    """Ask for a plan: a job that is polled, streamed or waited for."""
+    """Request a plan: a job that is polled, streamed or waited for."""
     job = await submit_plan(request, submission.key, scenes, submission.desk)
     found = await submission.awaited(job, "/v1/plans")
     return await _whole(submission.desk, found, submission.response)
@@ -50,14 +51,14 @@ async def list_plans(
     scene: OfScene = None,
     limit: Limit = 50,
     cursor: Cursor = None,
-) -> JobPage:
+) -> PlanPage:
     """List plans, newest first, without their results."""
     page = await desk.page("plan", limit, before(cursor), state=state, scene=scene)
     plans = [plan_resource(desk, job) for job in page.jobs]
-    return JobPage(items=plans, next=cursor_of(page.following))
+    return PlanPage(items=plans, next=cursor_of(page.following))
 
 
-@router.get("/{plan}", operation_id="getPlan", response_model=Job, responses=problems(404, 422))
+@router.get("/{plan}", operation_id="getPlan", response_model=Plan, responses=problems(404, 422))
 async def get_plan(found: PlanText, desk: JobsDep) -> Response:
     """Show a plan: how far it is, and its result once it succeeded."""
     return await _whole(desk, found)
@@ -83,7 +84,7 @@ async def stream_plan_events(
     responses=problems(404, 409, 422),
 )
 async def get_planner_graph(job: PlanJob) -> PlannerGraph:
-    """Show what the planner explored, if the request's `search.keep_graph` asked for it."""
+    """Show what the planner explored, if `search.keep_graph` of the request had it kept."""
     return graph_of(job)
 
 
@@ -91,18 +92,18 @@ async def get_planner_graph(job: PlanJob) -> PlannerGraph:
     "/{plan}/reverse",
     operation_id="reversePlan",
     status_code=202,
-    response_model=Job,
-    responses=accepted(Job, "the plan", 404, 409, 422, 429, 503),
+    response_model=Plan,
+    responses=accepted(Plan, "the plan", 404, 409, 422, 429, 503),
 )
 async def reverse_plan(job: PlanJob, submission: SubmissionDep, scenes: ScenesDep) -> Response:
-    """Ask for the same motion from its end to its start: a plan of its own, proven anew."""
+    """Request the same motion from its end to its start: a plan of its own, proven anew."""
     reverse = await submit_reversed(job, submission.key, scenes, submission.desk)
     found = await submission.awaited(reverse, "/v1/plans")
     return await _whole(submission.desk, found, submission.response)
 
 
 @router.post(
-    "/{plan}/cancel", operation_id="cancelPlan", response_model=Job, responses=problems(404, 422)
+    "/{plan}/cancel", operation_id="cancelPlan", response_model=Plan, responses=problems(404, 422)
 )
 async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Response:
     """End a plan, in whatever state it is; asking again changes nothing.

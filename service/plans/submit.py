@@ -51,13 +51,13 @@ async def submit_plan(
 
     Raises:
         UnknownResource: There is no such scene or revision.
-        UnknownName: The scene has no such group, joint, frame or configuration, or nobody has
-            the planner.
-        ProblemInvalid: A base cannot drive as is asked, or a planner cannot search for that, or
-            regions are named and no planner needs them, or samples are asked for twice.
+        UnknownName: The scene has no such group, joint, frame or configuration, or there is no
+            such planner.
+        ProblemInvalid: A base cannot drive as requested, or a planner cannot search for that, or
+            regions are named and no planner needs them, or the request says twice how to sample.
         WrongCount: A list of positions does not fit the group.
         IdempotencyConflict: The key was used for another request.
-        NoRegions: The planner GCS is asked for, and no regions fit.
+        NoRegions: The planner is GCS, and no regions fit.
         QueueFull: The queue is full.
     """
     record = await scenes.get(request.scene, request.revision)
@@ -68,10 +68,8 @@ async def submit_plan(
     require_cars(group, request.search)
     regions = await select_regions(request, record, desk)
     folder = desk.regions_folder
-    scene = await desk.scene_work(record)
     work = PlanWork(
-        library=scene.library,
-        scene=scene.scene,
+        **dict(await desk.scene_work(record)),
         request=_settled(request, record, regions),
         revision=record.revision,
         roadmaps=desk.roadmaps,
@@ -95,13 +93,11 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: 
     """
     motion, former = motion_of(plan), work_of(plan)
     record = await scenes.get(former.request.scene, former.revision)
-    first, *_, last = motion.result.trajectory.positions
+    first, last = motion.result.trajectory.positions
     goal = JointGoal(type="joint", positions=first)
     changes = {"revision": record.revision, "start": last, "goal": goal}
-    scene = await desk.scene_work(record)
     work = ReverseWork(
-        library=scene.library,
-        scene=scene.scene,
+        **dict(await desk.scene_work(record)),
         request=former.request.model_copy(update=changes),
         revision=record.revision,
         # Reversed twice, a motion has the lines of the first one again.
@@ -127,7 +123,7 @@ async def _queue[W: MotionWork](
 def _settled(
     request: PlanRequest, record: SceneRecord, regions: SelectedRegions | None
 ) -> PlanRequest:
-    """Return the request with what time would decide: asked again, it gives the same bytes."""
+    """Return the request with what time would decide: posted again, it gives the same bytes."""
     grown = {} if regions is None else {"regions": regions.id}
     search = request.search.model_copy(update=grown)
     return request.model_copy(update={"revision": record.revision, "search": search})
@@ -151,12 +147,12 @@ def require_planner(planners: Sequence[Planner], search: Search) -> None:
 
 
 def require_cars(group: Group, search: Search) -> None:
-    """Go on only if the group's bases can drive as is asked, and the planners can search for that.
+    """Go on only if the group's bases can drive as requested, and the planners can search for that.
 
     Raises:
         UnknownName: There is no such planar joint.
         ProblemInvalid: The robot cannot drive so, or a planner checks motions backwards, or the
-            group can have no regions and the planner GCS is asked for.
+            planner is GCS and the group can have no regions.
     """
     planar = [joint.name for joint in group.joints if joint.type == "planar"]
     cars = resolve_steering(own_cars(group), search.cars, planar)

@@ -48,7 +48,7 @@ class MotionWork(SceneWork):
     """What plans and reversed plans have in common, as jobs store it.
 
     Attributes:
-        request: What was asked for, with what time would decide.
+        request: As it was posted, with what time would decide.
         revision: Of the scene.
         origin: Of a reversed plan, the request of the first motion: what both were made to keep.
     """

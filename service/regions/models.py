@@ -17,7 +17,7 @@ from service.api.models import (
     RequestModel,
     ResponseModel,
 )
-from service.plans.models.job import JobState
+from service.jobs.states import JobState
 from service.plans.models.search import Interval
 
 

@@ -5,7 +5,7 @@ from fastapi import Response
 from service.api.models import Failure
 from service.api.responses import whole
 from service.jobs.job import JobSummary, JobText
-from service.plans.models.job import JobState
+from service.jobs.states import JobState
 from service.regions.models import RegionsBrief
 from service.regions.tasks import RegionsOutline, RegionsWork
 from service.scene_jobs import SceneJobs

@@ -15,7 +15,7 @@ from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
-from service.plans.models.job import JobState
+from service.jobs.states import JobState
 from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
 from service.regions.resource import regions_brief, regions_in_full
 from service.regions.submit import submit_regions

@@ -8,7 +8,6 @@ import pytest
 
 import planning
 from planning.world.world import World
-from service.plans.models.goal_values import goal_value
 from service.plans.models.goals import PoseGoal
 from tests.clocks import no_hurry
 from tests.conventions.guide import ROOT, values
@@ -56,11 +55,11 @@ def test_the_robot_loads_with_its_card_and_nothing_is_odd(folder: Path) -> None:
 def test_its_goal_needs_the_tolerance_that_the_page_gives(folder: Path) -> None:
     world = loaded(folder, "robot.yaml")
     (body,) = values(PAGE)
-    goal = goal_value(PoseGoal.model_validate(body))
+    goal = PoseGoal.model_validate(body).to_domain()
     options = planning.IkOptions(max_configurations=3, max_trials=40)
     found = planning.solve_ik(world, "r", goal, deadline=no_hurry(), options=options)
     assert len(found.positions)
-    exact = goal_value(PoseGoal.model_validate({**body, "tolerance": {}}))
+    exact = PoseGoal.model_validate({**body, "tolerance": {}}).to_domain()
     few = planning.IkOptions(max_configurations=1, max_trials=4)
     with pytest.raises(planning.errors.GoalUnreachable, match=r"give a `tolerance`"):
         planning.solve_ik(world, "r", exact, deadline=no_hurry(), options=few)

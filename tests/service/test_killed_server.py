@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from service.plans.models.job import Job
+from service.plans.models.plan import Plan
 from service.scenes.models.scene import Scene
 from tests.service.regions.test_routes import ENDLESS, REQUEST, SCENE
 from tests.service.servers import ARM, endless, helpers_of, living, request_of, server, until
@@ -23,9 +23,9 @@ class Left:
     folder: Path
     scene: Scene
     square: str
-    done: Job
-    running: Job
-    waiting: list[Job]
+    done: Plan
+    running: Plan
+    waiting: list[Plan]
     grown: dict[str, object]
     growing: str
     processes: set[int]

@@ -1,1 +1,1 @@
-"""Plans in JSON: what is asked for, and what is answered."""
+"""Plans in JSON: requests, results and reports."""

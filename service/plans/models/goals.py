@@ -68,7 +68,7 @@ class ConfigurationGoal(RequestModel):
 type Weight = Annotated[Real, Field(ge=0, le=1e3)]
 
 
-class PoseBall(RequestModel):
+class PoseDistanceTolerance(RequestModel):
     """All poses within a weighted distance: sqrt(sum (w_i * way_i)^2 + (w_r * angle)^2)."""
 
     tolerance: Annotated[Real, Field(ge=1e-6, le=1e3)] = Field(
@@ -110,7 +110,7 @@ class PoseGoal(RequestModel):
     )
     frame: ToolFrame = None
     tolerance: Tolerance = Field(default_factory=Tolerance, description="How far off it may be")
-    metric: PoseBall | None = Field(
+    metric: PoseDistanceTolerance | None = Field(
         default=None,
         description="Instead of `tolerance`: how far off it may be by a weighted metric",
     )

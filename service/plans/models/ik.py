@@ -69,7 +69,7 @@ class Ik(RequestModel):
         )
 
 
-class PairTally(ResponseModel):
+class CollidingPair(ResponseModel):
     """How often two bodies were the deepest collision of a rejected configuration."""
 
     bodies: tuple[str, str] = Field(description="Full names")
@@ -78,7 +78,7 @@ class PairTally(ResponseModel):
     max_depth: float = Field(description="Largest depth among them [m]")
 
 
-class LegTally(ResponseModel):
+class ApproachFailures(ResponseModel):
     """How often one thing stopped the approach or retreat of a configuration."""
 
     leg: str = Field(description="`approach` or `retreat`")
@@ -99,13 +99,13 @@ class Funnel(ResponseModel):
     collision_free: int = Field(description="Touch nothing")
     approach_ok: int = Field(
         default=0,
-        description="Have a free, continuous approach and retreat; all of them if none is asked",
+        description="Have a free, continuous approach and retreat; all without a request for them",
     )
     distinct: int = Field(description="Differ from all others")
-    rejected_by: list[PairTally] = Field(
+    rejected_by: list[CollidingPair] = Field(
         description="Which pairs the colliding ones hit, of the first few that were measured"
     )
-    blocked_by: list[LegTally] = Field(
+    blocked_by: list[ApproachFailures] = Field(
         default=[], description="What stopped approaches and retreats, most frequent first"
     )
     violating: int = Field(

@@ -24,7 +24,7 @@ class Deviation(RequestModel):
     rotation: Turn = Field(default=0.008726646259971648, description="Of its rotation [rad]")
 
 
-class Way(RequestModel):
+class Translation(RequestModel):
     """A way without a turn."""
 
     vector: Triple = Field(description="The way [m]")
@@ -37,7 +37,7 @@ class Way(RequestModel):
         return Displacement(vector(self.vector), self.frame)
 
 
-class LineEnd(RequestModel):
+class LineTarget(RequestModel):
     """Where a straight line ends that begins where the tool stands."""
 
     pose: Pose | None = Field(
@@ -45,7 +45,7 @@ class LineEnd(RequestModel):
         description="Where the line ends, and the rotation turns along with the translation; this "
         "or `displacement`",
     )
-    displacement: Way | None = Field(
+    displacement: Translation | None = Field(
         default=None, description="Or the way from where the tool stands"
     )
 
@@ -60,10 +60,10 @@ class LineEnd(RequestModel):
         """Return where the line leads."""
         if self.pose is not None:
             return self.pose.to_target()
-        return (self.displacement or Way(vector=[0.0, 0.0, 0.0])).to_domain()
+        return (self.displacement or Translation(vector=[0.0, 0.0, 0.0])).to_domain()
 
 
-class LineGoal(LineEnd):
+class LineGoal(LineTarget):
     """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
 
     model_config = ConfigDict(

@@ -35,8 +35,8 @@ class RefineReport(ResponseModel):
     )
     shortfall: float | None = Field(
         default=None,
-        description="By how much the clearance falls short of what was wished for, on average over "
-        "the motion [m]; null if nothing was wished for or refined",
+        description="By how much the clearance falls short of the preferred one, on average over "
+        "the motion [m]; null if none was preferred or nothing was refined",
     )
 
 
@@ -48,7 +48,7 @@ class BindingInterval(ResponseModel):
     limit: str = Field(
         description="velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, "
         "speed_zone or acceleration_bounds: the one that is used the most; duration where the "
-        "motion takes longer than it must because that was asked for; empty while nothing moves"
+        "motion takes longer than it must because the request says so; empty while nothing moves"
     )
     where: str = Field(description="The joint, block, frame or zone whose limit it is, or empty")
     share: float = Field(
@@ -91,7 +91,7 @@ class RetimeReport(ResponseModel):
     )
     explanation: DurationExplanation | None = Field(
         default=None,
-        description="Why it takes that long; null if not asked for, or no time was left",
+        description="Why it takes that long; null if not requested, or no time was left",
     )
 
 
@@ -141,11 +141,11 @@ class CertifyReport(ResponseModel):
     refused: list[str] = Field(description="What was wrong with those before the delivered one")
     stop: StopReport | None = Field(
         default=None,
-        description="How it can be stopped; null if not asked for, or no time was left",
+        description="How it can be stopped; null if not requested, or no time was left",
     )
     robustness: Robustness | None = Field(
         default=None,
-        description="How wrong world and robot may be; null if not asked for, or no time was left",
+        description="How wrong world and robot may be; null if not requested, or no time was left",
     )
 
 

@@ -40,8 +40,8 @@ EXAMPLE: dict[str, Any] = {
 }
 
 
-class ClearanceWish(RequestModel):
-    """Clearance that is wished for, beyond the margin that is demanded."""
+class ClearanceObjective(RequestModel):
+    """Clearance that is preferred, beyond the margin that is required."""
 
     distance: Annotated[Real, Field(gt=0, le=1)] = Field(
         description="Between bodies, but for those of one robot [m]"
@@ -64,7 +64,7 @@ class Refine(RequestModel):
         description="Optimise the duration; do so only if at least half a second is left; or leave "
         "the path as it is",
     )
-    clearance: ClearanceWish | None = Field(
+    clearance: ClearanceObjective | None = Field(
         default=None,
         description="What the duration is weighed against; `none` has no use for it",
     )
@@ -101,7 +101,7 @@ class Retime(Sampling, ScaledLimits):
     )
     explain: Boolean = Field(
         default=False,
-        description="Say which limit binds when, and what relaxing it would save "
+        description="Report which limit binds when, and what relaxing it would save "
         "(`stages.retime.explanation`), once the motion is proven and if there is time; takes some "
         "20 ms for each part, with ruckig as long as timing it once more for each limit that "
         "binds, six at most",
@@ -120,7 +120,7 @@ class Retime(Sampling, ScaledLimits):
 
 
 class Certify(RequestModel):
-    """What to find out about the motion once it is proven; told in the report on `certify`."""
+    """What to find out about the motion once it is proven; the report on `certify` has it."""
 
     stop_anywhere: Boolean = Field(
         default=False,

@@ -9,7 +9,7 @@ from planning.domain.report import certificate as domain
 from planning.domain.report.motion_plan import MotionPlan
 from service.api.arrays import FiniteOrNull, Row, Rows
 from service.api.models import ResponseModel
-from service.plans.models.checked import Check
+from service.plans.models.checks import Check
 from service.plans.models.reports import Stages
 from service.plans.models.trajectory import Trajectory
 from service.scenes.models.pairs import Pair, UncheckedPair
@@ -104,14 +104,14 @@ class PlanResult(ResponseModel):
     parts: list[Part] = Field(
         default=[], description="The free motion and the straight lines it is made of, in order"
     )
-    trajectory: Trajectory = Field(description="The timed motion, sampled as asked for")
+    trajectory: Trajectory = Field(description="The timed motion, sampled as `retime` says")
     certificate: Certificate = Field(description="The proof")
     stages: Stages = Field(description="What every stage did")
     cut_short: list[str] | None = Field(
         default=None,
         description="Stages that ended early because of the clock, by their names in `timings`: "
         "what they give may be something else another time. Empty: the same request gives the "
-        "same numbers again, but for `timings`. Null: made by a version that did not tell",
+        "same numbers again, but for `timings`. Null: made by a version that did not record it",
     )
     digest: str = Field(description="sha256 over the delivered numbers")
 

@@ -43,7 +43,7 @@ class Sampling(RequestModel):
     @model_validator(mode="before")
     @classmethod
     def _know_no_period_of_points(cls, given: Any) -> Any:
-        """Let the default go where a number of points stands: whoever gives both is refused."""
+        """Drop the default where a number of points is given; to give both is refused later."""
         if isinstance(given, dict) and given.get("num_points") is not None:
             return {"sample_period": None, **given}
         return given

@@ -63,7 +63,7 @@ def _kind_of_space(space: object) -> str:
     return "space[car]" if isinstance(space, dict | Car) else "space[name]"
 
 
-# Faults are told of what was meant alone; steps in brackets are no part of a fault's path.
+# A fault names the alternative that was meant; steps in brackets are no part of its path.
 type Space = Annotated[
     Annotated[Literal["full", "position"], Tag("space[name]")] | Annotated[Car, Tag("space[car]")],
     Discriminator(_kind_of_space),
@@ -149,8 +149,8 @@ class Search(RequestModel):
     )
     approximate: Boolean = Field(
         default=False,
-        description="Whether a failure tells, as evidence `approximate`, the nearest configuration "
-        "to a goal that was reached",
+        description="Whether a failure has, as evidence `approximate`, the reached configuration "
+        "that is nearest to a goal",
     )
     keep_graph: Boolean = Field(
         default=False, description="Whether the planner's graph is kept for GET /plans/{id}/graph"
@@ -167,7 +167,7 @@ class Search(RequestModel):
     )
     roadmap: Roadmap | None = Field(
         default=None,
-        description="Look for a path in this roadmap first, and ask the planner only where it has "
+        description="Look for a path in this roadmap first, and use the planner only where it has "
         "none; under `path_constraints` it is one that keeps them",
     )
 

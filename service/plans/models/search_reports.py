@@ -55,8 +55,8 @@ class RoadmapReport(ResponseModel):
         "not_proven",
     ] = Field(
         description="Why not: a straight line is better, no free way leads from the start or to a "
-        "goal, none through it, its path is blocked on a closer look, the search ended while "
-        "it was asked, or its path was not proven; or empty"
+        "goal, none through it, its path is blocked on a closer look, the search ended "
+        "before it answered, or its path was not proven; or empty"
     )
 
 
@@ -79,7 +79,8 @@ class SearchReport(ResponseModel):
     resolution: float = Field(description="At which edges were checked [rad or m]")
     padding: float = Field(description="Distance that was demanded beyond the margin [m]")
     direct: bool = Field(
-        default=False, description="Whether the straight line was free, so that nobody searched"
+        default=False,
+        description="Whether the straight line was free, so that no search was needed",
     )
     objective: str = Field(default="length", description="By what solutions were compared")
     cost: float = Field(
@@ -95,11 +96,11 @@ class SearchReport(ResponseModel):
         default=None, description="What regions were good for, if the planner is GCS"
     )
     roadmap: RoadmapReport | None = Field(
-        default=None, description="What a roadmap did, if one was asked for"
+        default=None, description="What a roadmap did, if the request has one"
     )
     interpolated: bool = Field(
         default=True,
-        description="Whether the path has `num_states` waypoints, if they were asked for; false "
+        description="Whether the path has `num_states` waypoints, if the request has it; false "
         "where `interpolate_time` was over before",
     )
 

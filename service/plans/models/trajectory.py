@@ -12,7 +12,7 @@ from planning.domain.curves.sampling import SampledTrajectory
 from planning.domain.robot.joints import Joint, JointType
 from service.api.arrays import Row, Rows, matrix, vector
 from service.api.models import ResponseModel
-from service.plans.models.checked import Interpolation
+from service.plans.models.checks import Interpolation
 
 
 class Polynomial(ResponseModel):
@@ -91,7 +91,7 @@ class Trajectory(ResponseModel):
         "certificate beside them is that of the exact motion. Empty of plans that are older",
     )
     polynomial: Polynomial | None = Field(
-        default=None, description="The exact motion, where it was asked for"
+        default=None, description="The exact motion, if the request has it added"
     )
 
     @classmethod

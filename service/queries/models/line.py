@@ -16,7 +16,7 @@ from service.api.models import (
     ResponseModel,
     listed,
 )
-from service.plans.models.line_goals import Deviation, LineEnd, ToolFrame
+from service.plans.models.line_goals import Deviation, LineTarget, ToolFrame
 from service.scenes.models.pairs import Pair
 
 
@@ -27,7 +27,7 @@ class FoundDeviation(ResponseModel):
     rotation: float = Field(description="Of its rotation [rad]")
 
 
-class LineRequest(LineEnd):
+class LineRequest(LineTarget):
     """Move a tool in a straight line, as far as it goes."""
 
     model_config = ConfigDict(

@@ -12,7 +12,7 @@ from service.jobs import json_steps
 from service.jobs.database import is_in_loop
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
-from service.plans.models.job import Job
+from service.plans.models.plan import Plan
 from service.plans.models.trajectory import Trajectory
 from service.plans.tasks import PLAN
 from service.regions.models import RegionsJob
@@ -45,8 +45,8 @@ def small_steps(monkeypatch):
 
 
 def test_answers_are_what_is_declared(client, solved, few_regions):
-    for answer, model in ((solved, Job), (few_regions, RegionsJob)):
-        kind = "plans" if model is Job else "regions"
+    for answer, model in ((solved, Plan), (few_regions, RegionsJob)):
+        kind = "plans" if model is Plan else "regions"
         again = client.get(f"/v1/{kind}/{answer['id']}").json()
         assert again == {**answer, "unrecorded": []}
         assert model.model_validate(again).model_dump(mode="json") == again

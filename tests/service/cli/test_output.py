@@ -4,7 +4,7 @@ import pytest
 
 from service.cli import output
 from service.client.events import Event
-from service.plans.models.job import Job
+from service.plans.models.plan import Plan
 from service.scenes.models.scene import Scene
 from service.scenes.models.summary import Joint
 
@@ -16,7 +16,7 @@ def wide(monkeypatch):
 
 @pytest.mark.usefixtures("wide")
 def test_the_summary_has_stages_funnel_length_duration_and_proof(solved, capsys):
-    job = Job.model_validate(solved)
+    job = Plan.model_validate(solved)
     assert job.result is not None
     output.show_plans({"to ready": job})
     told = capsys.readouterr().out
@@ -28,7 +28,7 @@ def test_the_summary_has_stages_funnel_length_duration_and_proof(solved, capsys)
 
 @pytest.mark.usefixtures("wide")
 def test_what_is_not_in_the_total_stands_below_it(solved, capsys):
-    output.show_plans({"to ready": Job.model_validate(solved)})
+    output.show_plans({"to ready": Plan.model_validate(solved)})
     rows = [line for line in capsys.readouterr().out.splitlines() if ", ms" in line]
     total = next(i for i, row in enumerate(rows) if "total, ms" in row)
     assert [("loading the scene" in row, "not in the total" in row) for row in rows] == [
@@ -50,7 +50,7 @@ def test_lengths_have_the_unit_of_the_joints(client, scene, solved, capsys, type
     group = Scene.model_validate(client.get(f"/v1/scenes/{scene}").json()).groups[0]
     joints = [Joint(name="r::j", type=type_) for type_ in types]
     measured = output.unit_of(group.model_copy(update={"joints": joints}))
-    output.show_plans({"to ready": Job.model_validate(solved)}, measured)
+    output.show_plans({"to ready": Plan.model_validate(solved)}, measured)
     assert f"path length, {unit} " in capsys.readouterr().out
 
 

@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from service.plans.models.trajectory_conversion import trajectory_value
+from service.plans.models.trajectory import Polynomial
 from tests.profiles import only_campaign
 
 
@@ -24,7 +24,7 @@ def test_the_default_is_what_the_plan_delivered(client, solved):
 @pytest.mark.parametrize("scale", [0.25, 0.5, 1.0])
 def test_scale_slows_the_same_motion(client, solved, scale):
     exact = trajectory(client, solved, "?polynomial=true").json()
-    motion = trajectory_value(exact["polynomial"])
+    motion = Polynomial.model_validate(exact["polynomial"]).to_domain()
     slow = trajectory(client, solved, f"?scale={scale}&period={0.01 / scale}").json()
     assert slow["duration"] == pytest.approx(motion.duration / scale)
     times = np.array(slow["times"]) * scale

@@ -1,38 +1,28 @@
-"""Job: a plan that was asked for, and how far it is."""
+"""Plan: a requested motion, how far its job is, and what it gave."""
 
 from datetime import datetime
-from enum import StrEnum
 
 from pydantic import Field
 
 from service.api.models import UNRECORDED, Failure, ResponseModel
+from service.jobs.states import JobState
 from service.plans.models.request import PlanRequest
 from service.plans.models.result import PlanResult
 
 
-class JobState(StrEnum):
-    """States of a job; the last three are final."""
-
-    QUEUED = "queued"
-    RUNNING = "running"
-    SUCCEEDED = "succeeded"
-    FAILED = "failed"
-    CANCELED = "canceled"
-
-
-class JobBrief(ResponseModel):
+class PlanSummary(ResponseModel):
     """A plan without its result."""
 
     id: str = Field(description="Of the plan")
     state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
     stage: str = Field(description="The stage that it is in or ended in, or empty")
     progress: float = Field(description="Of the whole plan, 0 to 1", ge=0, le=1)
-    created_at: datetime = Field(description="When it was asked for (UTC)")
+    created_at: datetime = Field(description="When it was requested (UTC)")
     started_at: datetime | None = Field(description="When a worker took it (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
     request: PlanRequest = Field(
-        description="What was asked for, defaults filled in, and the scene's latest `revision` and "
-        "the newest `search.regions` where they were left open: asked again, it gives the same plan"
+        description="The request with its defaults, and the scene's latest `revision` and the "
+        "newest `search.regions` where they were left open: posted again, it gives the same plan"
     )
     failure: Failure | None = Field(description="Why there is no result")
     seed: int = Field(description="Of all randomness")
@@ -47,14 +37,14 @@ class JobBrief(ResponseModel):
     unrecorded: list[str] = Field(description=UNRECORDED)
 
 
-class Job(JobBrief):
-    """A plan that was asked for; poll it until its state is final."""
+class Plan(PlanSummary):
+    """A plan; poll it until its state is final."""
 
     result: PlanResult | None = Field(description="What it gave, once it succeeded")
 
 
-class JobPage(ResponseModel):
+class PlanPage(ResponseModel):
     """Plans, newest first."""
 
-    items: list[JobBrief] = Field(description="On this page, without their results")
+    items: list[PlanSummary] = Field(description="On this page, without their results")
     next: str | None = Field(description="Cursor of the next page; null on the last one")

@@ -1,6 +1,4 @@
-"""Trajectories go over the wire exactly."""
-
-import json
+"""Trajectories survive JSON exactly."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -9,11 +7,7 @@ from hypothesis import strategies as st
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.sampling import Sampling, sample_trajectory
 from planning.domain.robot.joints import Joint, JointType
-from service.plans.models.trajectory_conversion import (
-    polynomial_wire,
-    sampled_wire,
-    trajectory_value,
-)
+from service.plans.models.trajectory import Polynomial, Trajectory
 from tests.profiles import num_cases
 
 
@@ -32,7 +26,8 @@ def random_trajectory(seed, kind):
 @settings(max_examples=num_cases(6))
 def test_polynomials_survive_json_bit_for_bit(seed, kind):
     trajectory = random_trajectory(seed, kind)
-    assert trajectory_value(json.loads(json.dumps(polynomial_wire(trajectory)))) == trajectory
+    text = Polynomial.from_domain(trajectory).model_dump_json()
+    assert Polynomial.model_validate_json(text).to_domain() == trajectory
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 3.0))
@@ -40,11 +35,14 @@ def test_polynomials_survive_json_bit_for_bit(seed, kind):
 def test_samples_have_both_ends_and_no_longer_gap_than_asked(seed, period):
     trajectory = random_trajectory(seed, JointType.FLOATING)
     samples = sample_trajectory(trajectory, Sampling(period), np.full(7, np.inf))
-    wire = sampled_wire(samples, ())
-    times = np.array(wire["times"])
+    motion = Trajectory.from_samples(samples, (), trajectory)
+    assert motion.polynomial.to_domain() == trajectory
+    assert Trajectory.model_validate_json(motion.model_dump_json()) == motion
+    motion = motion.model_dump()
+    times = np.array(motion["times"])
     assert times[0] == 0.0
-    assert times[-1] == trajectory.duration == wire["duration"]
+    assert times[-1] == trajectory.duration == motion["duration"]
     assert np.diff(times).max() <= period * (1 + 1e-9)
-    assert np.array(wire["positions"]).shape == (len(times), len(wire["joint_names"]))
-    assert np.array(wire["velocities"]).shape == (len(times), len(wire["velocity_names"]))
-    assert np.array(wire["accelerations"]).shape == (len(times), len(wire["velocity_names"]))
+    assert np.array(motion["positions"]).shape == (len(times), len(motion["joint_names"]))
+    assert np.array(motion["velocities"]).shape == (len(times), len(motion["velocity_names"]))
+    assert np.array(motion["accelerations"]).shape == (len(times), len(motion["velocity_names"]))

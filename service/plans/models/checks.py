@@ -1,4 +1,4 @@
-"""What was checked of a motion, and of what receivers make of its samples."""
+"""Checks of a motion, and of its samples as receivers read them."""
 
 from typing import Literal
 

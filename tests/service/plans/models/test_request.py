@@ -14,17 +14,16 @@ from planning.domain.goals.goal import (
 )
 from planning.domain.request.options import ClearanceObjective, IkOptions, PoseMetric, RefineOptions
 from planning.domain.request.problem import PlanningProblem
-from service.plans.models.goal_values import problem_value
 from service.plans.models.request import PlanRequest
 
 BASE = {"scene": "s", "group": "arm"}
 
 
 def problem(**fields):
-    return problem_value(PlanRequest.model_validate({**BASE, **fields}))
+    return PlanRequest.model_validate({**BASE, **fields}).to_domain()
 
 
-def test_defaults_of_the_wire_are_those_of_the_domain():
+def test_defaults_of_requests_are_those_of_the_domain():
     goal = {"type": "configuration", "name": "home"}
     assert problem(goal=goal) == PlanningProblem("arm", ConfigurationGoal("home"))
 
