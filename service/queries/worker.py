@@ -14,6 +14,7 @@ from planning import (
     trace_line,
 )
 from planning.api.ik import assess_configurations
+from planning.api.trace_line import TraceResolution
 from planning.domain.goals.funnel import funnel_evidence
 from planning.errors import (
     ApproachBlocked,
@@ -145,7 +146,9 @@ def line(work: QueryWork[LineRequest], context: TaskContext) -> LineResponse:
             start=_start(request.start),
             frame=request.frame or "",
             margin=request.margin,
-            fineness=request.resolution,
+            fineness=TraceResolution(
+                request.deviation.position, request.deviation.rotation, request.max_step
+            ),
         )
     return LineResponse.from_domain(trace, with_poses=request.poses)
 

@@ -4,7 +4,6 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field
 
-from planning.api.trace_line import TraceResolution
 from planning.domain.goals import line_trace as domain
 from service.api.models import (
     Boolean,
@@ -58,11 +57,6 @@ class LineRequest(LineTarget):
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
         default=5.0, description="Give up after this long [s]"
     )
-
-    @property
-    def resolution(self) -> TraceResolution:
-        """How closely the line shall be followed."""
-        return TraceResolution(self.deviation.position, self.deviation.rotation, self.max_step)
 
 
 class LineStop(ResponseModel):
