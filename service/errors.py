@@ -239,7 +239,9 @@ def problem_of(code: str, status: int, detail: str, evidence: Evidence) -> dict[
         "evidence": {name: fact for name, fact in evidence.items() if name != "errors"},
     }
     faults = [evidence] if "pointer" in evidence else evidence.get("faults", ())
-    errors = evidence.get("errors") or [_error_of({"message": detail, **one}) for one in faults]
+    # Workers have faults as well, by queue.
+    listed = faults if isinstance(faults, list) else ()
+    errors = evidence.get("errors") or [_error_of({"message": detail, **one}) for one in listed]
     return {**problem, "errors": errors} if errors else problem
 
 

@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, Json
 
 from service.api.models import Failure, ResponseModel
 
@@ -55,7 +55,7 @@ class QueuedEvent(ResponseModel):
 
     id: EventId
     event: Literal["queued"] = Field(description="What happened")
-    data: EventData = Field(description="When")
+    data: Json[EventData] = Field(description="When")
 
 
 class StartedEvent(ResponseModel):
@@ -63,7 +63,7 @@ class StartedEvent(ResponseModel):
 
     id: EventId
     event: Literal["started"] = Field(description="What happened")
-    data: EventData = Field(description="When")
+    data: Json[EventData] = Field(description="When")
 
 
 class RequeuedEvent(ResponseModel):
@@ -71,7 +71,7 @@ class RequeuedEvent(ResponseModel):
 
     id: EventId
     event: Literal["requeued"] = Field(description="What happened")
-    data: RequeuedData = Field(description="When and why")
+    data: Json[RequeuedData] = Field(description="When and why")
 
 
 class StageEvent(ResponseModel):
@@ -79,7 +79,7 @@ class StageEvent(ResponseModel):
 
     id: EventId
     event: Literal["stage"] = Field(description="What happened")
-    data: StageData = Field(description="Which stage, and how long those before it took")
+    data: Json[StageData] = Field(description="Which stage, and how long those before it took")
 
 
 class ProgressEvent(ResponseModel):
@@ -87,7 +87,7 @@ class ProgressEvent(ResponseModel):
 
     id: EventId
     event: Literal["progress"] = Field(description="What happened")
-    data: ProgressData = Field(description="How far it is")
+    data: Json[ProgressData] = Field(description="How far it is")
 
 
 class BestSoFarEvent(ResponseModel):
@@ -95,7 +95,7 @@ class BestSoFarEvent(ResponseModel):
 
     id: EventId
     event: Literal["best-so-far"] = Field(description="What happened")
-    data: BestPathData = Field(description="How long the path is")
+    data: Json[BestPathData] = Field(description="How long the path is")
 
 
 class FinishedEvent(ResponseModel):
@@ -103,7 +103,7 @@ class FinishedEvent(ResponseModel):
 
     id: EventId
     event: Literal["finished"] = Field(description="What happened")
-    data: FinishedData = Field(description="How it ended")
+    data: Json[FinishedData] = Field(description="How it ended")
 
 
 type JobEvent = Annotated[

@@ -4,7 +4,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Annotated, Literal, Self
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, Json
 
 from planning.execute import status as domain
 from service.api.events import (
@@ -116,7 +116,7 @@ class StatusEvent(ResponseModel):
 
     id: EventId
     event: Literal["status"] = Field(description="What happened")
-    data: StatusData = Field(description="How far it is")
+    data: Json[StatusData] = Field(description="How far it is")
 
 
 class ControlsEvent(ResponseModel):
@@ -124,7 +124,7 @@ class ControlsEvent(ResponseModel):
 
     id: EventId
     event: Literal["controls"] = Field(description="What happened")
-    data: ControlsData = Field(description="What is asked of it")
+    data: Json[ControlsData] = Field(description="What is asked of it")
 
 
 type ExecutionEvent = Annotated[

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from service.client.errors import Refused
+from service.client.errors import ApiError
 from tests.service.servers import ARM, endless, helpers_of, living, request_of, until
 
 
@@ -39,10 +39,10 @@ def test_a_plan_streams_its_events(client):
 
 
 def test_the_server_answers_while_it_plans(client, running):
-    with pytest.raises(Refused) as refusal:
+    with pytest.raises(ApiError) as refusal:
         client.add_scene(b"robots: []")
     assert refusal.value.problem.code == "scene_invalid"
-    with pytest.raises(Refused) as refusal:
+    with pytest.raises(ApiError) as refusal:
         client.plan("pln_nothing")
     assert refusal.value.problem.status == 404
     assert client.plan(running.id).state == "running"

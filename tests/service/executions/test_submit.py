@@ -61,7 +61,7 @@ class Scene:
         goal = {"type": "joint", "positions": [1.0]}
         request = {"scene": "s", "group": "arm", "goal": goal}
         payload = {**MOVING, "request": request, "revision": 1}
-        result = {"start": [0.0], "path": [], "trajectory": {"positions": []}}
+        result = {"start": [0.0], "path": [], "trajectory": {"positions": [[0.0], [1.0]]}}
         result["certificate"] = {"min_clearance": None}
         outcome = {"polynomial": STILL, "result": result}
         return SimpleNamespace(payload=payload, result=outcome, state=JobState.SUCCEEDED)

@@ -72,13 +72,13 @@ def test_own_paths_are_timed_and_own_trajectories_held_against_them(client, scen
 @pytest.mark.parametrize(
     ("limits", "status", "words"),
     [
-        ({"tool_limits": [{"frame": "arm::tpc", "speed": 1}]}, 409, "arm::tcp"),
+        ({"tool_limits": [{"frame": "arm::tpc", "speed": 1}]}, 422, "arm::tcp"),
         ({"tool_limits": [{"frame": "arm::tcp"}]}, 422, "speed"),
         ({"tool_limits": [{"frame": "arm::tcp", "speed": 0}]}, 422, "speed"),
         ({"tool_limits": LIMITS["tool_limits"] * 2}, 422, "twice"),
         ({"speed_zones": LIMITS["speed_zones"] * 2}, 422, "twice"),
-        ({"speed_zones": [{**LIMITS["speed_zones"][0], "frame": "hand"}]}, 409, "hand"),
-        ({"acceleration_bounds": {"arm::elbow": [-1, 1]}}, 409, "arm::elbow_joint"),
+        ({"speed_zones": [{**LIMITS["speed_zones"][0], "frame": "hand"}]}, 422, "hand"),
+        ({"acceleration_bounds": {"arm::elbow": [-1, 1]}}, 422, "arm::elbow_joint"),
         ({"acceleration_bounds": {"arm::elbow_joint": [0, 1]}}, 422, "below 0"),
     ],
 )
@@ -143,6 +143,6 @@ def test_a_planar_joint_is_told_what_of_it_can_be_bounded(client):
         "retime": {"acceleration_bounds": {"body::base_joint.x": [-1, 1]}},
     }
     answer = client.post("/v1/plans", json=body)
-    assert answer.status_code == 409
+    assert answer.status_code == 422
     assert answer.json()["evidence"]["known"] == ["body::base_joint.angular"]
     assert "body::base_joint.linear" in answer.json()["detail"]

@@ -57,7 +57,7 @@ BAD = {
     "no mass": ({"mass": 0}, 422),
     "no body": ({"inertia": [1, 1, 3, 0, 0, 0]}, 422),
     "an unknown field": ({"weight": 3}, 422),
-    "an unknown frame": ({"frame": "arm::hook"}, 409),
+    "an unknown frame": ({"frame": "arm::hook"}, 422),
     "a frame that does not move": ({"frame": "arm::base_link"}, 422),
 }
 
