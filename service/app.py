@@ -69,8 +69,8 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken, metrics.note_end) as (desk, scenes):
-                app.state.desk, app.state.scenes = desk, scenes
+            async with open_services(chosen, on_taken, metrics.note_end) as (jobs, scenes):
+                app.state.jobs, app.state.scenes = jobs, scenes
                 has_started = True
                 yield
         except Exception as fault:

@@ -24,42 +24,42 @@ async def _scenes(request: Request) -> SceneStore:
     return scenes
 
 
-async def _desk(request: Request) -> SceneJobs:
-    desk: SceneJobs = request.app.state.desk
-    return desk
+async def _jobs(request: Request) -> SceneJobs:
+    jobs: SceneJobs = request.app.state.jobs
+    return jobs
 
 
 type SettingsDep = Annotated[Settings, Depends(_settings)]
 type ScenesDep = Annotated[SceneStore, Depends(_scenes)]
-type JobsDep = Annotated[SceneJobs, Depends(_desk)]
+type JobsDep = Annotated[SceneJobs, Depends(_jobs)]
 
 
-async def _plan_job(plan: PlanId, desk: JobsDep) -> Job:
-    return await desk.job("plan", plan)
+async def _plan_job(plan: PlanId, jobs: JobsDep) -> Job:
+    return await jobs.job("plan", plan)
 
 
-async def _plan_text(plan: PlanId, desk: JobsDep) -> JobText:
-    return await desk.job_text("plan", plan)
+async def _plan_text(plan: PlanId, jobs: JobsDep) -> JobText:
+    return await jobs.job_text("plan", plan)
 
 
-async def _execution_job(execution: ExecutionId, desk: JobsDep) -> Job:
-    return await desk.job("execution", execution)
+async def _execution_job(execution: ExecutionId, jobs: JobsDep) -> Job:
+    return await jobs.job("execution", execution)
 
 
-async def _regions_text(regions: RegionsId, desk: JobsDep) -> JobText:
-    return await desk.job_text("regions", regions)
+async def _regions_text(regions: RegionsId, jobs: JobsDep) -> JobText:
+    return await jobs.job_text("regions", regions)
 
 
-async def _open_plan(plan: PlanId, desk: JobsDep) -> JobSummary:
-    return await desk.open_job("plan", plan)
+async def _open_plan(plan: PlanId, jobs: JobsDep) -> JobSummary:
+    return await jobs.open_job("plan", plan)
 
 
-async def _open_execution(execution: ExecutionId, desk: JobsDep) -> JobSummary:
-    return await desk.open_job("execution", execution)
+async def _open_execution(execution: ExecutionId, jobs: JobsDep) -> JobSummary:
+    return await jobs.open_job("execution", execution)
 
 
-async def _open_regions(regions: RegionsId, desk: JobsDep) -> JobSummary:
-    return await desk.open_job("regions", regions)
+async def _open_regions(regions: RegionsId, jobs: JobsDep) -> JobSummary:
+    return await jobs.open_job("regions", regions)
 
 
 type PlanJob = Annotated[Job, Depends(_plan_job)]

@@ -79,7 +79,7 @@ class MethodNotAllowed(Refusal):
 
 
 class NotReady(Refusal):
-    """Workers are not warm yet, or cannot be; evidence: `faults` by lane."""
+    """Workers are not warm yet, or cannot be; evidence: `faults` by queue."""
 
     code = "not_ready"
     status = 503

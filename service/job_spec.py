@@ -1,35 +1,40 @@
-"""spec_of(): a job about a scene, as the dispatcher takes it."""
+"""spec_of(): a task about a scene as a job."""
 
-from typing import Any
+from pydantic import BaseModel
 
 from service.jobs.job import IdempotencyKey, JobSpec
+from service.jobs.tasks import Task
 from service.scenes.records import SceneBrief
 
-# Of the ids of each lane's jobs.
+# Of the ids of each queue's jobs.
 PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}
-# A robot that has moved is not where a second attempt would begin.
-_ATTEMPTS = {"plan": 2, "execution": 1, "regions": 2}
 
 
-def spec_of(
-    lane: str,
-    task: str,
-    payload: dict[str, Any],
-    *,
+def spec_of[In: BaseModel, Out: BaseModel](
+    task: Task[In, Out],
+    work: In,
     scene: SceneBrief,
     key: IdempotencyKey,
-    allowed: float | None = None,
+    time_limit: float | None = None,
 ) -> JobSpec:
-    """Return the spec of a job about a scene."""
+    """Return the job that carries a task out in a scene.
+
+    Args:
+        task: Of a queue of jobs.
+        work: What it is given.
+        scene: That it is about.
+        key: By which a repeated request finds the same job.
+        time_limit: Seconds after which it is told to end; None without one.
+    """
     return JobSpec(
-        queue=lane,
-        task=task,
-        payload=payload,
-        prefix=PREFIXES[lane],
+        queue=task.queue,
+        task=task.name,
+        payload=work.model_dump(mode="json"),
+        prefix=PREFIXES[task.queue],
         scene=scene.id,
         world_digest=scene.digest,
-        time_limit=allowed,
-        max_attempts=_ATTEMPTS[lane],
+        time_limit=time_limit,
+        max_attempts=task.max_attempts,
         key=key.text,
         request_digest=key.digest,
     )

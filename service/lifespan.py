@@ -62,14 +62,14 @@ async def open_services(
         await scenes.open()
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
-            desk = SceneJobs(settings, store, dispatcher, scenes)
-            scenes.settle = partial(settled, scenes=scenes, desk=desk)
+            jobs = SceneJobs(settings, store, dispatcher, scenes)
+            scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
             scenes.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             async with _meanwhile(sweeper.run(), retention.run()):
-                yield desk, scenes
+                yield jobs, scenes
         finally:
             await dispatcher.stop()
     finally:

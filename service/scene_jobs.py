@@ -1,4 +1,4 @@
-"""SceneJobs: jobs and questions about scenes, and what tasks are told of scenes and settings."""
+"""SceneJobs: jobs and short tasks, and what they are given of scenes and settings."""
 
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ QUEUES = ("plan", "query", "execution", "regions")
 
 
 class SceneJobs(JobService):
-    """Jobs, and questions that scenes answer at once, from coroutines of one event loop."""
+    """Jobs and short tasks, from coroutines of one event loop."""
 
     def __init__(
         self, settings: Settings, store: JobStore, dispatcher: Dispatcher, scenes: SceneStore
@@ -40,7 +40,7 @@ class SceneJobs(JobService):
 
     @property
     def common(self) -> dict[str, Any]:
-        """What every task is told: which robots may be loaded, and where copies of files are."""
+        """What every task is given: which robots may be loaded, and where copies of files are."""
         return {
             "library": {
                 "model_roots": list(self._model_roots),
@@ -50,7 +50,7 @@ class SceneJobs(JobService):
         }
 
     async def scene_payload(self, record: SceneRecord) -> dict[str, Any]:
-        """Return what a task is told of a scene."""
+        """Return what a task is given of a scene."""
         file = await self._scenes.file(record)
         return {**self.common, "scene": {"digest": record.digest, "document": str(file)}}
 
@@ -66,14 +66,19 @@ class SceneJobs(JobService):
     async def call[In: BaseModel, Out: BaseModel](
         self, task: Task[In, Out], work: In, size: int = 0
     ) -> Out:
-        """Have a worker carry out a short task and return its answer; raises as `ask`.
+        """Have a worker carry out a short task and return its answer; it ends if the client leaves.
 
         Args:
             task: Of the queue of questions.
             work: What it is given.
-            size: How much is asked: what is twice as much takes longer.
+            size: Number of items: twice as many take longer.
+
+        Raises:
+            WayproofError: What the task raised, or that it took too long, or that it crashed, or
+                that no worker was free in time.
+            ClientLeft: The client closed its connection.
         """
-        content = await self._ask(task.name, work.model_dump(mode="json"), size=size)
+        content = await self._call(task.name, work.model_dump(mode="json"), size=size)
         return task.result.model_validate(content)
 
     async def call_text[In: BaseModel, Out: BaseModel](
@@ -81,27 +86,7 @@ class SceneJobs(JobService):
     ) -> Encoded:
         """Call as `call` does, for an answer that is passed on as it is."""
         payload = work.model_dump(mode="json")
-        found: Encoded = await self._ask(task.name, payload, size=size, is_raw=True)
-        return found
-
-    async def ask(self, task: str, payload: dict[str, Any], size: int = 0) -> Any:
-        """Run a short task in the query queue and return its answer; it ends if the client leaves.
-
-        Args:
-            task: To run.
-            payload: With `scene` where it is about one.
-            size: How much is asked: what is twice as much takes longer.
-
-        Raises:
-            WayproofError: What the task raised, or that it took too long, or that it crashed, or
-                that no worker was free in time.
-            ClientLeft: Its client does not wait any more.
-        """
-        return await self._ask(task, payload, size=size)
-
-    async def ask_text(self, task: str, payload: dict[str, Any]) -> Encoded:
-        """Ask as `ask` does, for an answer that is passed on as it is."""
-        found: Encoded = await self._ask(task, payload, is_raw=True)
+        found: Encoded = await self._call(task.name, payload, size=size, is_raw=True)
         return found
 
     async def load[In: BaseModel](
@@ -110,26 +95,16 @@ class SceneJobs(JobService):
         """Call as `call` does, for a scene that the task loads."""
         payload = work.model_dump(mode="json")
         more = {"digest_field": "digest", "is_partly_raw": True}
-        content = await self._ask(task.name, payload, size=size, **more)
+        content = await self._call(task.name, payload, size=size, **more)
         return LoadedScene.model_validate(content)
 
-    async def _ask(self, task: str, payload: dict[str, Any], **more: Any) -> Any:
+    async def _call(self, task: str, payload: dict[str, Any], **more: Any) -> Any:
         time_limit, worker_timeout = self._settings.query_timeout, self._settings.query_patience
         digest = payload["scene"]["digest"] if "scene" in payload else None
         call = Call(task, payload, "query", time_limit, worker_timeout, digest, **more)
         answer = await unless_client_leaves(self._dispatcher.call(call))
         note_question(answer.waited, answer.worked)
         return answer.content
-
-    async def ask_scene(self, task: str, record: SceneRecord, request: BaseModel) -> Any:
-        """Ask a loaded scene something; raises as `ask`."""
-        return await self.ask(task, *await self._about(record, request))
-
-    async def _about(self, record: SceneRecord, request: BaseModel) -> tuple[dict[str, Any], int]:
-        """Return the payload of a question to a scene, and how much it asks."""
-        fields = request.model_dump(mode="json")
-        payload = {**await self.scene_payload(record), "request": fields}
-        return payload, sum(len(field) for field in fields.values() if isinstance(field, list))
 
     async def planners(self) -> list[Planner]:
         """Return all planners; they are asked for once, because they never change."""
@@ -144,7 +119,7 @@ class SceneJobs(JobService):
 
     @property
     def regions_folder(self) -> Path:
-        """Where slots read regions; the files are a copy of what the database has."""
+        """Where workers read regions; the files are a copy of what the database has."""
         return self._folder / "regions"
 
     @property

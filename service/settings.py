@@ -75,7 +75,7 @@ class Settings(BaseSettings):
         ge=_GIB // 2,
         description="What one worker may use [bytes]; what needs more fails",
     )
-    max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
+    max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per queue")
     retention_days: float = Field(
         default=30.0,
         ge=0,

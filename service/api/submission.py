@@ -44,12 +44,12 @@ class Submission:
     """How a client asks for a job.
 
     Attributes:
-        desk: Where jobs are asked for.
+        jobs: Where jobs are asked for.
         key: The idempotency key, or None.
         response: Status and headers of the answer.
     """
 
-    desk: SceneJobs
+    jobs: SceneJobs
     key: str | None
     response: Response
     _seconds: float
@@ -61,7 +61,7 @@ class Submission:
             job: As it was taken in.
             path: Of the resources of its kind; the answer says where to poll.
         """
-        found = await self.desk.wait(job, self._seconds)
+        found = await self.jobs.wait(job, self._seconds)
         self.response.headers["Location"] = f"{path}/{job.id}"
         if found.summary.state.is_final:
             self.response.status_code = 200
@@ -70,7 +70,7 @@ class Submission:
 
 async def _submission(
     response: Response,
-    desk: JobsDep,
+    jobs: JobsDep,
     settings: SettingsDep,
     *,
     wait: Wait = None,
@@ -78,7 +78,7 @@ async def _submission(
     idempotency_key: IdempotencyKey = None,
 ) -> Submission:
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
-    return Submission(desk, idempotency_key, response, seconds)
+    return Submission(jobs, idempotency_key, response, seconds)
 
 
 type SubmissionDep = Annotated[Submission, Depends(_submission)]

@@ -23,9 +23,9 @@ router = APIRouter(route_class=StrictRoute, prefix="/v1")
     responses=problems(422, 429, 503),
     tags=["models"],
 )
-async def list_models(desk: JobsDep) -> Response:
+async def list_models(jobs: JobsDep) -> Response:
     """List the robots that scenes may name."""
-    return passed_on(await desk.call_text(LIST_MODELS, desk.library))
+    return passed_on(await jobs.call_text(LIST_MODELS, jobs.library))
 
 
 @router.get(
@@ -36,12 +36,12 @@ async def list_models(desk: JobsDep) -> Response:
     tags=["models"],
 )
 async def get_model(
-    desk: JobsDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
+    jobs: JobsDep, name: Annotated[str, Path(max_length=256, description="Name of a robot")]
 ) -> Response:
     """Show a robot: its groups, joints, limits, tool frames and configurations."""
     try:
-        work = ModelWork(library=desk.library.library, name=name)
-        return passed_on(await desk.call_text(SHOW_MODEL, work))
+        work = ModelWork(library=jobs.library.library, name=name)
+        return passed_on(await jobs.call_text(SHOW_MODEL, work))
     except UnknownName as fault:
         raise UnknownResource(fault.detail, fault.evidence) from fault
 
@@ -52,6 +52,6 @@ async def get_model(
     responses=problems(422, 429, 503),
     tags=["planners"],
 )
-async def list_planners(desk: JobsDep) -> PlannerList:
+async def list_planners(jobs: JobsDep) -> PlannerList:
     """List the planners that a plan may name, with their parameters."""
-    return PlannerList(items=await desk.planners())
+    return PlannerList(items=await jobs.planners())

@@ -37,7 +37,7 @@ def check_at_start(group: Group, start: list[float]) -> None:
         raise StartMismatch(message, evidence)
 
 
-async def require_at_rest(desk: SceneJobs, scene: str) -> int:
+async def require_at_rest(jobs: SceneJobs, scene: str) -> int:
     """Return the sequence of the last execution in a scene, 0 for none, if nothing moves there.
 
     A motion was proven against other robots where they stood, not against other motions.
@@ -45,7 +45,7 @@ async def require_at_rest(desk: SceneJobs, scene: str) -> int:
     Raises:
         RobotBusy: An execution moves a robot of the scene.
     """
-    async for job in desk.newest("execution", scene=scene):  # no older one can be open
+    async for job in jobs.newest("execution", scene=scene):  # no older one can be open
         if job.state.is_final:
             return job.sequence
         group = ExecutionOutline.model_validate(job.payload).group
@@ -57,11 +57,11 @@ async def require_at_rest(desk: SceneJobs, scene: str) -> int:
     return 0
 
 
-async def last_status(desk: SceneJobs, job: JobSummary) -> ExecutionStatus | None:
+async def last_status(jobs: SceneJobs, job: JobSummary) -> ExecutionStatus | None:
     """Return the last status of an execution, None if it never moved."""
     if job.result is not None:
         return ExecutionOutcome.model_validate(job.result).status
-    latest = await desk.latest_event(job, "status")
+    latest = await jobs.latest_event(job, "status")
     return None if latest is None else ExecutionStatus.model_validate(latest)
 
 

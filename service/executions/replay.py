@@ -9,7 +9,7 @@ from service.plans.tasks import ShownWork
 from service.scene_jobs import SceneJobs
 
 
-async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[ShownWork]:
+async def executed_motions(jobs: SceneJobs, scene: str, most: int) -> list[ShownWork]:
     """Return the last motions that were carried out in a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
@@ -18,20 +18,20 @@ async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[Shown
         NotFinished: Nothing has moved in the scene yet.
     """
     found: list[ShownWork] = []
-    async for job in desk.newest("execution", scene=scene):
+    async for job in jobs.newest("execution", scene=scene):
         if len(found) == most:
             break
-        status = await last_status(desk, job)
+        status = await last_status(jobs, job)
         if job.finished_at is not None and status is not None:
-            found.append(await _motion(desk, job, status))
+            found.append(await _motion(jobs, job, status))
     if not found:
         message = f"no execution has moved anything in scene {scene} and ended: nothing to replay"
         raise NotFinished(message, {"id": scene, "state": "unmoved"})
     return found[::-1]
 
 
-async def _motion(desk: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
-    job = await desk.job("execution", summary.id)  # lists have no trajectory
+async def _motion(jobs: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
+    job = await jobs.job("execution", summary.id)  # lists have no trajectory
     work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"
     title = work.request.title or f"{work.group} moves"

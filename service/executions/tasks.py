@@ -69,6 +69,7 @@ EXECUTE = Task(
     ExecutionWork,
     ExecutionOutcome,
     queue="execution",
+    # A robot that has moved is not where a second attempt would begin.
     max_attempts=1,
     outline=Outline(payload=("trajectory",)),
 )

@@ -67,7 +67,7 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
+def plan_resource(jobs: SceneJobs, job: JobSummary) -> PlanSummary:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
@@ -86,7 +86,7 @@ def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
         "versions": job.made_by or {},
         # However it ended.
         "timings": (job.result or job.failure or {}).get("timings") or {},
-        "unrecorded": desk.unrecorded(job),
+        "unrecorded": jobs.unrecorded(job),
     })
 
 

@@ -25,14 +25,14 @@ async def check(
     scene: SceneId,
     request: CheckRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Check configurations: limits, and every pair of bodies that collides, with its depth."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[CheckRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(CHECK, work, size=len(request.configurations)))
+    work = QueryWork[CheckRequest].about(await jobs.scene_work(record), request)
+    return passed_on(await jobs.call_text(CHECK, work, size=len(request.configurations)))
 
 
 @router.post("/fk", operation_id="computeForwardKinematics", response_model=FkResponse)
@@ -40,14 +40,14 @@ async def fk(
     scene: SceneId,
     request: FkRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Compute where frames are in given configurations."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[FkRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(FK, work, size=len(request.configurations)))
+    work = QueryWork[FkRequest].about(await jobs.scene_work(record), request)
+    return passed_on(await jobs.call_text(FK, work, size=len(request.configurations)))
 
 
 @router.post("/ik", operation_id="solveInverseKinematics", response_model=IkResponse)
@@ -55,14 +55,14 @@ async def ik(
     scene: SceneId,
     request: IkRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Find all distinct configurations that reach a goal, or say why there is none."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[IkRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(IK, work))
+    work = QueryWork[IkRequest].about(await jobs.scene_work(record), request)
+    return passed_on(await jobs.call_text(IK, work))
 
 
 @router.post("/line", operation_id="traceLine", response_model=LineResponse)
@@ -70,11 +70,11 @@ async def line(
     scene: SceneId,
     request: LineRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[LineRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(LINE, work))
+    work = QueryWork[LineRequest].about(await jobs.scene_work(record), request)
+    return passed_on(await jobs.call_text(LINE, work))

@@ -35,9 +35,9 @@ async def grow_regions(
     scene: SceneId, request: RegionsRequest, asked: SubmissionDep, scenes: ScenesDep
 ) -> Response:
     """Grow convex regions of free configurations, for plans with the planner GCS."""
-    job = await submit_regions(scene, request, asked.key, scenes, asked.desk)
+    job = await submit_regions(scene, request, asked.key, scenes, asked.jobs)
     return await regions_in_full(
-        asked.desk, await asked.awaited(job, "/v1/regions"), asked.response
+        asked.jobs, await asked.awaited(job, "/v1/regions"), asked.response
     )
 
 
@@ -48,7 +48,7 @@ async def grow_regions(
 )
 async def list_regions(
     scene: SceneId,
-    desk: JobsDep,
+    jobs: JobsDep,
     scenes: ScenesDep,
     state: State = None,
     limit: Limit = 50,
@@ -56,8 +56,8 @@ async def list_regions(
 ) -> RegionsPage:
     """List the regions that were asked for in a scene, newest first, without their faces."""
     record = await scenes.get(scene)
-    page = await desk.page("regions", limit, before(cursor), state=state, scene=record.id)
-    items = [regions_brief(desk, job) for job in page.jobs]
+    page = await jobs.page("regions", limit, before(cursor), state=state, scene=record.id)
+    items = [regions_brief(jobs, job) for job in page.jobs]
     return RegionsPage(items=items, next=cursor_of(page.following))
 
 
@@ -67,9 +67,9 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(found: RegionsText, desk: JobsDep) -> Response:
+async def get_regions(found: RegionsText, jobs: JobsDep) -> Response:
     """Show regions: how far they are, and all of them once they have grown."""
-    return await regions_in_full(desk, found)
+    return await regions_in_full(jobs, found)
 
 
 @router.get(
@@ -79,10 +79,10 @@ async def get_regions(found: RegionsText, desk: JobsDep) -> Response:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_regions_events(
-    job: OpenRegions, desk: JobsDep, last_event_id: LastEventId = None
+    job: OpenRegions, jobs: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to regions: queued, started, stage, progress, finished."""
-    async for event in server_sent(desk, job, last_event_id):
+    async for event in server_sent(jobs, job, last_event_id):
         yield event
 
 
@@ -92,6 +92,6 @@ async def stream_regions_events(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Response:
+async def cancel_regions(job: OpenRegions, jobs: JobsDep) -> Response:
     """End the growth, in whatever state it is; asking again changes nothing."""
-    return await regions_in_full(desk, await desk.text_of(await desk.cancel(job)))
+    return await regions_in_full(jobs, await jobs.text_of(await jobs.cancel(job)))

@@ -42,7 +42,7 @@ class SelectedRegions:
 
 
 async def select_regions(
-    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+    request: PlanRequest, record: SceneRecord, jobs: SceneJobs
 ) -> SelectedRegions | None:
     """Return the regions that a plan is given; None if its planners need none.
 
@@ -62,10 +62,10 @@ async def select_regions(
     margin = request.margin
     margin = float(record.document.get("margin") or 0.0) if margin is None else margin
     seen: list[dict[str, object]] = []
-    async for job in _candidates(request, record, desk):
+    async for job in _candidates(request, record, jobs):
         grown = _grown(job)
         if grown is not None and _fits(grown, record, group, margin):
-            outcome = (await desk.job_text("regions", job.id)).result
+            outcome = (await jobs.job_text("regions", job.id)).result
             return SelectedRegions(job.id, grown.digest, outcome or Encoded("{}"))
         if len(seen) < _MAX_NAMED:
             seen.append(_describe(job, grown))
@@ -90,12 +90,12 @@ def _check_unnamed(search: Search) -> None:
 
 
 async def _candidates(
-    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+    request: PlanRequest, record: SceneRecord, jobs: SceneJobs
 ) -> AsyncIterator[JobSummary]:
     if request.search.regions is not None:
-        yield (await desk.job_text("regions", request.search.regions)).summary
+        yield (await jobs.job_text("regions", request.search.regions)).summary
         return
-    async for job in desk.newest("regions", world_digest=record.digest):
+    async for job in jobs.newest("regions", world_digest=record.digest):
         yield job
 
 

@@ -15,7 +15,7 @@ _SLACK = 60.0
 
 
 async def submit_regions(
-    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, jobs: SceneJobs
 ) -> Job:
     """Queue the growth of regions.
 
@@ -30,17 +30,12 @@ async def submit_regions(
     group = check_request(record, request)
     check_eligible(group, own_cars(group), "group")
     validate_one_turn(group.domain_joints, request.bounds)
-    loaded = await desk.scene_work(record)
+    loaded = await jobs.scene_work(record)
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
     )
-    return await desk.submit(
-        spec_of(
-            GROW_REGIONS.queue,
-            GROW_REGIONS.name,
-            work.model_dump(mode="json"),
-            scene=record,
-            key=IdempotencyKey(key, {"scene": record.id, **request.model_dump(mode="json")}),
-            allowed=request.allowed_time + _SLACK,
-        )
+    fingerprint = {"scene": record.id, **request.model_dump(mode="json")}
+    time_limit = request.allowed_time + _SLACK
+    return await jobs.submit(
+        spec_of(GROW_REGIONS, work, record, IdempotencyKey(key, fingerprint), time_limit)
     )

@@ -50,11 +50,11 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     responses={201: _WITH_ETAG, **problems(400, 413, 415, 422, 429, 503)},
     openapi_extra={"requestBody": REQUEST_BODY},
 )
-async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Response:
+async def create_scene(request: Request, scenes: ScenesDep, jobs: JobsDep) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
-    work = LoadWork(library=desk.library.library, text=text, media=media)
-    record = await scenes.add(await desk.load(LOAD_SCENE, work, size=len(text)))
+    work = LoadWork(library=jobs.library.library, text=text, media=media)
+    record = await scenes.add(await jobs.load(LOAD_SCENE, work, size=len(text)))
     return scene_response(record, 201, f"/v1/scenes/{record.id}")
 
 
@@ -90,12 +90,12 @@ async def get_scene(
     responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
 )
 async def get_scene_replay(
-    scene: SceneId, scenes: ScenesDep, desk: JobsDep, last: LastMotions = _MOST_MOTIONS
+    scene: SceneId, scenes: ScenesDep, jobs: JobsDep, last: LastMotions = _MOST_MOTIONS
 ) -> HTMLResponse:
     """Replay in 3-D what executions moved in a scene, one motion after the other."""
     record = await scenes.stored(scene)
-    motions = await executed_motions(desk, record.id, last)
-    page = await desk.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
+    motions = await executed_motions(jobs, record.id, last)
+    page = await jobs.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
     return HTMLResponse(page.html)
 
 
@@ -110,11 +110,11 @@ async def edit_scene(
     scene: SceneId,
     request: SceneEdit,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     if_match: IfMatch = None,
 ) -> Response:
     """Edit a scene: its next revision, which plans use from now on; older ones stay."""
-    return scene_response(await apply_edits(scene, request, if_match, scenes, desk))
+    return scene_response(await apply_edits(scene, request, if_match, scenes, jobs))
 
 
 @router.delete(
