@@ -15,6 +15,7 @@ from service.api.metrics import MeasureRequests, Metrics
 from service.api.params import require_known_query
 from service.api.request_id import RequestId
 from service.catalog import routes as catalog
+from service.executions import replay
 from service.executions import routes as executions
 from service.lifespan import open_services
 from service.plans import outputs
@@ -43,6 +44,7 @@ PARTS = (
     outputs,
     trajectories,
     executions,
+    replay,
     operations,
 )
 

@@ -8,13 +8,13 @@ from pydantic import BaseModel
 from service.api.client_disconnect import note_question, unless_client_leaves
 from service.catalog.models import Planner
 from service.catalog.tasks import LIST_PLANNERS, NoWork
-from service.job_spec import PREFIXES
 from service.jobs.calls import Call
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.json_text import Encoded
 from service.jobs.service import JobService
 from service.jobs.store import JobStore
 from service.jobs.tasks import Task
+from service.scenes.job_spec import PREFIXES
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
 from service.scenes.tasks import LibraryWork, LoadedScene, SceneWork

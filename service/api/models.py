@@ -45,6 +45,7 @@ type NonNegative = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), 
 type Scale = Annotated[float, Strict(), AllowInfNan(allow_inf_nan=False), Field(gt=0, le=1)]
 type Triple = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 type Quadruple = Annotated[list[Coordinate], Field(min_length=4, max_length=4)]
+type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 type Positions = Annotated[list[Coordinate], Field(min_length=1, max_length=256)]
 type Name = Annotated[str, StringConstraints(min_length=1, max_length=256)]
 type Identifier = Annotated[str, StringConstraints(min_length=1, max_length=128)]

@@ -1,12 +1,49 @@
-"""What a replay of a scene shows: the motions that executions carried out in it, in order."""
+"""/v1/scenes/{id}/replay.html: the motions that executions carried out in a scene, in order."""
 
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from fastapi.responses import HTMLResponse
+
+from service.api.params import SceneId
+from service.api.responses import problems
+from service.api.strict_route import StrictRoute
+from service.dependencies import JobsDep, ScenesDep
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionWork
 from service.jobs.job import JobSummary
-from service.plans.tasks import ShownWork
+from service.plans.tasks import REPLAY_MOTIONS, ReplayWork, ShownWork
 from service.scene_jobs import SceneJobs
+
+router = APIRouter(
+    route_class=StrictRoute, prefix="/v1/scenes/{scene}/replay.html", tags=["scenes"]
+)
+
+# Each may need a world of its own in memory.
+_MOST_MOTIONS = 32
+
+type LastMotions = Annotated[
+    int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
+]
+_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
+
+
+@router.get(
+    "",
+    operation_id="getSceneReplay",
+    response_class=HTMLResponse,
+    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_scene_replay(
+    scene: SceneId, scenes: ScenesDep, jobs: JobsDep, last: LastMotions = _MOST_MOTIONS
+) -> HTMLResponse:
+    """Replay in 3-D what executions moved in a scene, one motion after the other."""
+    record = await scenes.stored(scene)
+    motions = await executed_motions(jobs, record.id, last)
+    page = await jobs.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
+    return HTMLResponse(page.html)
 
 
 async def executed_motions(jobs: SceneJobs, scene: str, most: int) -> list[ShownWork]:

@@ -6,13 +6,13 @@ from dataclasses import replace
 from service.executions.models import ExecutionRequest
 from service.executions.position import check_at_start, require_at_rest
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
-from service.job_spec import spec_of
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
 from service.plans.models.trajectory import Polynomial
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import MotionWork
 from service.scene_jobs import SceneJobs
+from service.scenes.job_spec import spec_of
 from service.scenes.store import SceneStore
 from service.scenes.tasks import SceneWork
 from service.scenes.validation import find_group

@@ -17,7 +17,7 @@ from planning.execute.states import ExecutionState
 from service.executions.models import Contact, ExecutionStatus
 from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
-from service.plans.progress import ProgressReporter
+from service.jobs.worker.progress import ProgressReporter
 from service.scenes.world_cache import borrow_world
 
 # How long a tick takes, or works [s].

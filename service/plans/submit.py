@@ -8,13 +8,13 @@ from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
 from service.catalog.models import Planner
-from service.job_spec import spec_of
 from service.jobs.job import IdempotencyKey, Job
 from service.jobs.tasks import Task
 from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
 from service.plans.models.sampling import require_one_sampling
 from service.plans.models.search import Search
+from service.plans.region_selection import SelectedRegions, regions_file, select_regions, uses_gcs
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import (
     PLAN,
@@ -26,9 +26,9 @@ from service.plans.tasks import (
     PlanWork,
     ReverseWork,
 )
-from service.regions.eligibility import check_eligible, own_cars, uses_gcs
-from service.regions.selection import SelectedRegions, regions_file, select_regions
+from service.regions.eligibility import check_eligible, own_cars
 from service.scene_jobs import SceneJobs
+from service.scenes.job_spec import spec_of
 from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore

@@ -17,11 +17,11 @@ from planning.parallel.core_leases import CoreLeases
 from planning.parallel.fork_pool import ForkPool
 from service.api.arrays import matrix
 from service.jobs.context import TaskContext
+from service.jobs.worker.progress import ProgressReporter
 from service.plans.models.result import PlanResult
 from service.plans.models.sampling import require_few
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial, Trajectory
-from service.plans.progress import ProgressReporter
 from service.plans.tasks import PLAN, REVERSE, Cores, PlanOutcome, PlanWork, ReverseWork
 from service.regions.worker import read_regions
 from service.scenes.world_cache import borrow_world

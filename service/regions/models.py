@@ -10,6 +10,7 @@ from service.api.models import (
     UNRECORDED,
     WHOLE,
     Failure,
+    Interval,
     Name,
     NonNegative,
     PositionName,
@@ -18,7 +19,6 @@ from service.api.models import (
     ResponseModel,
 )
 from service.jobs.states import JobState
-from service.plans.models.search import Interval
 
 
 class RegionsRequest(RequestModel):

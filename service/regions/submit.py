@@ -1,12 +1,12 @@
 """Queueing the growth of regions."""
 
 from planning.domain.request.region_request import validate_one_turn
-from service.job_spec import spec_of
 from service.jobs.job import IdempotencyKey, Job
 from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork
 from service.scene_jobs import SceneJobs
+from service.scenes.job_spec import spec_of
 from service.scenes.store import SceneStore
 from service.scenes.validation import check_request
 

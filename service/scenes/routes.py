@@ -1,9 +1,6 @@
 """/v1/scenes: post, list, show, edit, forget."""
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query, Request, Response
-from fastapi.responses import HTMLResponse
+from fastapi import APIRouter, Request, Response
 
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.params import Revision, SceneId
@@ -11,8 +8,6 @@ from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
 from service.errors import RevisionConflict
-from service.executions.replay import executed_motions
-from service.plans.tasks import REPLAY_MOTIONS, ReplayWork
 from service.scenes.edits import apply_edits
 from service.scenes.etags import (
     ETAG_HEADER,
@@ -30,15 +25,8 @@ from service.scenes.tasks import LOAD_SCENE, LoadWork
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes", tags=["scenes"])
 
-# Each may need a world of its own in memory.
-_MOST_MOTIONS = 32
-
-type LastMotions = Annotated[
-    int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
-]
 _WITH_ETAG = {"headers": ETAG_HEADER}
 _UNCHANGED = {"description": "`If-None-Match` names this revision", "headers": ETAG_HEADER}
-_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
 @router.post(
@@ -81,22 +69,6 @@ async def get_scene(
     if is_known(record, known):
         return Response(status_code=304, headers={"ETag": etag_of(record)})
     return scene_response(record)
-
-
-@router.get(
-    "/{scene}/replay.html",
-    operation_id="getSceneReplay",
-    response_class=HTMLResponse,
-    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
-)
-async def get_scene_replay(
-    scene: SceneId, scenes: ScenesDep, jobs: JobsDep, last: LastMotions = _MOST_MOTIONS
-) -> HTMLResponse:
-    """Replay in 3-D what executions moved in a scene, one motion after the other."""
-    record = await scenes.stored(scene)
-    motions = await executed_motions(jobs, record.id, last)
-    page = await jobs.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
-    return HTMLResponse(page.html)
 
 
 @router.patch(

@@ -14,16 +14,21 @@ from service.jobs.json_steps import member_of
 from service.jobs.json_text import Encoded
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
-from service.regions.eligibility import PLANNER, uses_gcs
 from service.regions.models import RegionsSummary
 from service.regions.tasks import RegionsOutline, RegionsWork
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.validation import find_group
 
+PLANNER = "GCS"
 _MAX_NAMED = 20
 # Some hundred files; many more than can be waited for at once.
 _MAX_BYTES = 2**29
+
+
+def uses_gcs(search: Search) -> bool:
+    """Return whether the planner that plans inside regions is among those asked for."""
+    return PLANNER in search.planners
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import pytest
 
 from planning.domain.report.motion_plan import Progress
-from service.plans.progress import ProgressReporter
+from service.jobs.worker.progress import ProgressReporter
 from tests.clocks import FakeClock
 
 
