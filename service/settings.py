@@ -2,6 +2,7 @@
 
 import ipaddress
 import os
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -124,6 +125,11 @@ class Settings(BaseSettings):
     def url(self) -> str:
         """The database's URL."""
         return self.database_url or f"sqlite:///{self.data_dir / 'wayproof.sqlite'}"
+
+    @cached_property
+    def folder(self) -> Path:
+        """The data folder, links followed: it is the same for workers."""
+        return self.data_dir.resolve()
 
     @property
     def owner(self) -> str:

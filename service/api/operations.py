@@ -16,10 +16,10 @@ from fastapi.responses import (
 from pydantic import Field
 
 import planning
+from service.api.dependencies import JobsDep
 from service.api.metrics import MEDIA_TYPE, Metrics
 from service.api.models import ResponseModel
 from service.api.responses import problems
-from service.dependencies import JobsDep, ScenesDep
 from service.versions import versions
 
 
@@ -68,7 +68,7 @@ async def get_health() -> Health:
 
 
 @router.get("/readyz", operation_id="getReadiness", responses=problems(422, 503))
-async def get_readiness(jobs: JobsDep, scenes: ScenesDep) -> Readiness:
+async def get_readiness(jobs: JobsDep) -> Readiness:
     """Say whether jobs begin at once: the database answers, and workers have planned a motion."""
     jobs.check_ready()
     await scenes.page(1)

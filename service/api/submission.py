@@ -9,9 +9,10 @@ from typing import Annotated
 
 from fastapi import Depends, Header, Query, Response
 
-from service.dependencies import JobsDep, SettingsDep
+from service.api.dependencies import JobsDep, SettingsDep
 from service.jobs.job import Job, JobText
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
+from service.settings import Settings
 
 _PREFERENCE = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6}(?:\.\d{1,6})?)")
 
@@ -47,11 +48,13 @@ class Submission:
         jobs: Where jobs are asked for.
         key: The idempotency key, or None.
         response: Status and headers of the answer.
+        settings: Of the server.
     """
 
-    jobs: SceneJobs
+    jobs: JobService
     key: str | None
     response: Response
+    settings: Settings
     _seconds: float
 
     async def awaited(self, job: Job, path: str) -> JobText:
@@ -78,7 +81,7 @@ async def _submission(
     idempotency_key: IdempotencyKey = None,
 ) -> Submission:
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
-    return Submission(jobs, idempotency_key, response, seconds)
+    return Submission(jobs, idempotency_key, response, settings, seconds)
 
 
 type SubmissionDep = Annotated[Submission, Depends(_submission)]

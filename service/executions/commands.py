@@ -3,10 +3,10 @@
 from planning.errors import IllegalTransition
 from service.executions.tasks import Commands
 from service.jobs.job import Job, JobSummary
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 
 
-async def send_command(jobs: SceneJobs, job: JobSummary, commands: Commands) -> Job:
+async def send_command(jobs: JobService, job: JobSummary, commands: Commands) -> Job:
     """Have an execution rest, move on, or move at another speed, and return it.
 
     Args:

@@ -5,17 +5,18 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
 
+from service.api.dependencies import JobsDep
 from service.api.params import SceneId
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import JobsDep, ScenesDep
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionWork
 from service.jobs.job import JobSummary
+from service.jobs.service import JobService
 from service.plans.tasks import REPLAY_MOTIONS, ReplayWork, ShownWork
-from service.scene_jobs import SceneJobs
+from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(
     route_class=StrictRoute, prefix="/v1/scenes/{scene}/replay.html", tags=["scenes"]
@@ -46,7 +47,7 @@ async def get_scene_replay(
     return HTMLResponse(page.html)
 
 
-async def executed_motions(jobs: SceneJobs, scene: str, most: int) -> list[ShownWork]:
+async def executed_motions(jobs: JobService, scene: str, most: int) -> list[ShownWork]:
     """Return the last motions that were carried out in a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
@@ -67,7 +68,7 @@ async def executed_motions(jobs: SceneJobs, scene: str, most: int) -> list[Shown
     return found[::-1]
 
 
-async def _motion(jobs: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
+async def _motion(jobs: JobService, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
     job = await jobs.job("execution", summary.id)  # lists have no trajectory
     work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"

@@ -5,8 +5,8 @@ from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.job import JobSummary
+from service.jobs.service import JobService
 from service.jobs.states import JobState
-from service.scene_jobs import SceneJobs
 
 _FINAL = {
     JobState.SUCCEEDED: ExecutionState.SUCCEEDED,
@@ -25,7 +25,7 @@ JOB_STATES = {
 }
 
 
-async def execution_resource(jobs: SceneJobs, job: JobSummary) -> Execution:
+async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
     """Return an execution in full."""
     work = ExecutionOutline.model_validate(job.payload)
     status = await last_status(jobs, job)

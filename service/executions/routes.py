@@ -5,16 +5,16 @@
 from collections.abc import AsyncIterator
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Depends, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
-from service.api.params import LastEventId
+from service.api.params import ExecutionId, LastEventId
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
-from service.dependencies import ExecutionJob, JobsDep, OpenExecution, ScenesDep
 from service.executions.commands import send_command
 from service.executions.models import (
     Execution,
@@ -27,8 +27,24 @@ from service.executions.models import (
 from service.executions.resource import JOB_STATES, execution_resource
 from service.executions.submit import submit_execution
 from service.executions.tasks import Commands
+from service.jobs.job import Job, JobSummary
+from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/executions", tags=["executions"])
+
+
+async def _execution_job(execution: ExecutionId, jobs: JobsDep) -> Job:
+    return await jobs.job("execution", execution)
+
+
+async def _open_execution(execution: ExecutionId, jobs: JobsDep) -> JobSummary:
+    return await jobs.open_job("execution", execution)
+
+
+type ExecutionJob = Annotated[Job, Depends(_execution_job)]
+# As memory has it while it waits or runs: what is to be stopped waits for no database.
+type OpenExecution = Annotated[JobSummary, Depends(_open_execution)]
+
 type State = Annotated[ExecutionState | None, Query(description="Only those in this state")]
 
 

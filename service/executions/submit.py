@@ -8,10 +8,10 @@ from service.executions.position import check_at_start, require_at_rest
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
+from service.jobs.service import JobService
 from service.plans.models.trajectory import Polynomial
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import MotionWork
-from service.scene_jobs import SceneJobs
 from service.scenes.job_spec import spec_of
 from service.scenes.store import SceneStore
 from service.scenes.tasks import SceneWork
@@ -19,7 +19,7 @@ from service.scenes.validation import find_group
 
 
 async def submit_execution(
-    request: ExecutionRequest, key: str | None, scenes: SceneStore, jobs: SceneJobs
+    request: ExecutionRequest, key: str | None, scenes: SceneStore, jobs: JobService
 ) -> Job:
     """Queue an execution in the latest revision of the plan's scene.
 
@@ -47,7 +47,7 @@ async def submit_execution(
         record = await scenes.fresh(plan.request.scene)
         group = find_group(record, plan.request.group)
         check_at_start(group, motion.result.start)
-        loaded = await jobs.scene_work(record)
+        loaded = await scenes.work(record)
         await _check_proven(jobs, loaded, plan, motion.polynomial)
         work = ExecutionWork(
             library=loaded.library,
@@ -65,7 +65,7 @@ async def submit_execution(
 
 
 async def _check_proven(
-    jobs: SceneJobs, scene: SceneWork, plan: MotionWork, trajectory: Polynomial
+    jobs: JobService, scene: SceneWork, plan: MotionWork, trajectory: Polynomial
 ) -> None:
     """Check that the motion is proven in a scene, by the plan's own proof or by a new one.
 

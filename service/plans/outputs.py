@@ -5,9 +5,10 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
 
+from service.api.dependencies import JobsDep
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import JobsDep, PlanJob
+from service.plans.dependencies import PlanJob
 from service.plans.models.trajectory import Trajectory
 from service.plans.resource import delivered_work, motion_of, work_of
 from service.plans.tasks import (

@@ -12,11 +12,11 @@ from service.errors import NoRegions
 from service.jobs.job import JobSummary
 from service.jobs.json_steps import member_of
 from service.jobs.json_text import Encoded
+from service.jobs.service import JobService
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
 from service.regions.models import RegionsSummary
 from service.regions.tasks import RegionsOutline, RegionsWork
-from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.validation import find_group
 
@@ -47,7 +47,7 @@ class SelectedRegions:
 
 
 async def select_regions(
-    request: PlanRequest, record: SceneRecord, jobs: SceneJobs
+    request: PlanRequest, record: SceneRecord, jobs: JobService
 ) -> SelectedRegions | None:
     """Return the regions that a plan is given; None if its planners need none.
 
@@ -95,7 +95,7 @@ def _check_unnamed(search: Search) -> None:
 
 
 async def _candidates(
-    request: PlanRequest, record: SceneRecord, jobs: SceneJobs
+    request: PlanRequest, record: SceneRecord, jobs: JobService
 ) -> AsyncIterator[JobSummary]:
     if request.search.regions is not None:
         yield (await jobs.job_text("regions", request.search.regions)).summary

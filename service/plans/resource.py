@@ -9,12 +9,12 @@ from planning.domain.report.motion_plan import PlanPart
 from service.errors import NotFinished
 from service.jobs.job import Job, JobSummary
 from service.jobs.outline import without
+from service.jobs.service import JobService
 from service.jobs.tasks import TaskModel, outline_of
 from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, MotionWork
-from service.scene_jobs import SceneJobs
 
 
 def _trusted(stored: dict[str, Any]) -> Polynomial:
@@ -67,7 +67,7 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-def plan_resource(jobs: SceneJobs, job: JobSummary) -> PlanSummary:
+def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}

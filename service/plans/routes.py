@@ -8,21 +8,23 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
 from service.api.params import LastEventId
 from service.api.responses import accepted, problems, whole
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
-from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
 from service.jobs.job import JobText
+from service.jobs.service import JobService
 from service.jobs.states import JobState
+from service.plans.dependencies import OpenPlan, PlanJob, PlanText
 from service.plans.models.plan import Plan, PlanPage
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.resource import graph_of, plan_resource
 from service.plans.submit import submit_plan, submit_reversed
-from service.scene_jobs import SceneJobs
+from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
@@ -39,7 +41,7 @@ async def create_plan(
     request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep
 ) -> Response:
     """Request a plan: a job that is polled, streamed or waited for."""
-    job = await submit_plan(request, submission.key, scenes, submission.jobs)
+    job = await submit_plan(request, submission, scenes)
     found = await submission.awaited(job, "/v1/plans")
     return await _whole(submission.jobs, found, submission.response)
 
@@ -113,6 +115,6 @@ async def cancel_plan(job: OpenPlan, jobs: JobsDep) -> Response:
     return await _whole(jobs, await jobs.text_of(await jobs.cancel(job)))
 
 
-async def _whole(jobs: SceneJobs, found: JobText, answer: Response | None = None) -> Response:
+async def _whole(jobs: JobService, found: JobText, answer: Response | None = None) -> Response:
     """Return a plan in full."""
     return await whole(plan_resource(jobs, found.summary), found.result, answer)

@@ -2,14 +2,15 @@
 
 from fastapi import APIRouter, Response
 
+from service.api.dependencies import JobsDep
 from service.api.params import Revision, SceneId
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import JobsDep, ScenesDep
 from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse
 from service.queries.tasks import CHECK, FK, IK, LINE, QueryWork
+from service.scenes.dependencies import ScenesDep
 from service.scenes.validation import check_request
 
 router = APIRouter(
@@ -31,7 +32,7 @@ async def check(
     """Check configurations: limits, and every pair of bodies that collides, with its depth."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[CheckRequest].about(await jobs.scene_work(record), request)
+    work = QueryWork[CheckRequest].about(await scenes.work(record), request)
     return passed_on(await jobs.call_text(CHECK, work, size=len(request.configurations)))
 
 
@@ -46,7 +47,7 @@ async def fk(
     """Compute where frames are in given configurations."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[FkRequest].about(await jobs.scene_work(record), request)
+    work = QueryWork[FkRequest].about(await scenes.work(record), request)
     return passed_on(await jobs.call_text(FK, work, size=len(request.configurations)))
 
 
@@ -61,7 +62,7 @@ async def ik(
     """Find all distinct configurations that reach a goal, or say why there is none."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[IkRequest].about(await jobs.scene_work(record), request)
+    work = QueryWork[IkRequest].about(await scenes.work(record), request)
     return passed_on(await jobs.call_text(IK, work))
 
 
@@ -76,5 +77,5 @@ async def line(
     """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[LineRequest].about(await jobs.scene_work(record), request)
+    work = QueryWork[LineRequest].about(await scenes.work(record), request)
     return passed_on(await jobs.call_text(LINE, work))

@@ -5,22 +5,39 @@
 from collections.abc import AsyncIterator
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Depends, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, before, cursor_of
-from service.api.params import LastEventId, SceneId
+from service.api.params import LastEventId, RegionsId, SceneId
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
-from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
+from service.jobs.job import JobSummary, JobText
 from service.jobs.states import JobState
 from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
 from service.regions.resource import regions_brief, regions_in_full
 from service.regions.submit import submit_regions
+from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
+
+
+async def _regions_text(regions: RegionsId, jobs: JobsDep) -> JobText:
+    return await jobs.job_text("regions", regions)
+
+
+async def _open_regions(regions: RegionsId, jobs: JobsDep) -> JobSummary:
+    return await jobs.open_job("regions", regions)
+
+
+# With its result, which is passed on as it is.
+type RegionsText = Annotated[JobText, Depends(_regions_text)]
+# As memory has it while it waits or runs: what is to be stopped waits for no database.
+type OpenRegions = Annotated[JobSummary, Depends(_open_regions)]
+
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
 
 

@@ -2,12 +2,13 @@
 
 from fastapi import APIRouter, Request, Response
 
+from service.api.dependencies import JobsDep
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.params import Revision, SceneId
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import JobsDep, ScenesDep
 from service.errors import RevisionConflict
+from service.scenes.dependencies import ScenesDep
 from service.scenes.edits import apply_edits
 from service.scenes.etags import (
     ETAG_HEADER,
@@ -41,8 +42,8 @@ _UNCHANGED = {"description": "`If-None-Match` names this revision", "headers": E
 async def create_scene(request: Request, scenes: ScenesDep, jobs: JobsDep) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
-    work = LoadWork(library=jobs.library.library, text=text, media=media)
-    record = await scenes.add(await jobs.load(LOAD_SCENE, work, size=len(text)))
+    work = LoadWork(library=scenes.library, text=text, media=media)
+    record = await scenes.add(await jobs.call_loading(LOAD_SCENE, work, size=len(text)))
     return scene_response(record, 201, f"/v1/scenes/{record.id}")
 
 

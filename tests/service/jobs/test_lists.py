@@ -11,12 +11,15 @@ from service.jobs.job import JobSpec
 from service.jobs.store import JobStore
 from service.jobs.tables import jobs
 from service.scenes.store import SceneStore
+from service.scenes.tasks import Library
 
 # Every way in which lists are asked for.
 FILTERS = [
     dict(zip(("state", "scene", "world_digest"), chosen, strict=True))
     for chosen in itertools.product([None, "queued"], [None, "s1"], [None])
 ] + [{"world_digest": "w1"}]
+
+LIBRARY = Library(model_roots=[], allow_paths=False, copies="")
 
 
 @pytest.fixture
@@ -70,7 +73,7 @@ def test_a_page_of_jobs_reads_its_own_rows(engine, wanted, before):
 
 
 def test_a_page_of_scenes_reads_its_own_rows(engine, tmp_path):
-    store = SceneStore(engine, tmp_path / "scenes")
+    store = SceneStore(engine, tmp_path / "scenes", LIBRARY)
     asyncio.run(store.open())
     for before in (None, 40):
         asked = asked_by(engine, lambda before=before: asyncio.run(store.page(5, before)))
