@@ -71,7 +71,6 @@ async def get_health() -> Health:
 async def get_readiness(jobs: JobsDep) -> Readiness:
     """Say whether jobs begin at once: the database answers, and workers have planned a motion."""
     jobs.check_ready()
-    await scenes.page(1)
     counts = await jobs.counts()
     return Readiness(status="ready", queued=counts["queued"], running=counts["running"])
 
