@@ -14,7 +14,7 @@ from service.jobs.dispatcher import Dispatcher
 from service.jobs.json_text import Encoded
 from service.jobs.service import JobService
 from service.jobs.store import JobStore
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
 from service.scenes.tasks import LibraryWork, LoadedScene, SceneWork

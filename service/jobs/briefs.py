@@ -7,7 +7,7 @@ from sqlalchemy import Connection, Engine, delete, insert, or_, select
 from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.tables import bodies, jobs, summaries
-from service.jobs.tasks import outline_of
+from service.jobs.task import outline_of
 
 # Jobs that are read at once: each may be megabytes.
 _AT_ONCE = 16

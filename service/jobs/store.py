@@ -21,7 +21,7 @@ from service.jobs.outline import without
 from service.jobs.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.states import JobEvent, JobState
 from service.jobs.tables import bodies, jobs, makers, metadata, owner, summaries
-from service.jobs.tasks import outline_of
+from service.jobs.task import outline_of
 from service.jobs.transitions import (
     Draft,
     Transition,

@@ -9,7 +9,7 @@ from planning.domain.report.motion_plan import PlanPart
 from service.errors import NotFinished
 from service.jobs.job import Job, JobSummary
 from service.jobs.outline import without
-from service.jobs.tasks import TaskModel, outline_of
+from service.jobs.task import TaskModel, outline_of
 from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial

@@ -10,7 +10,7 @@ from planning.errors import UnknownName
 from service.catalog.models import Planner
 from service.job_spec import spec_of
 from service.jobs.job import IdempotencyKey, Job
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
 from service.plans.models.sampling import require_one_sampling

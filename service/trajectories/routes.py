@@ -6,7 +6,7 @@ from service.api.models import ResponseModel
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.dependencies import JobsDep, ScenesDep
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
 from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord

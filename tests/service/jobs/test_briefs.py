@@ -18,7 +18,7 @@ from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.tables import bodies, jobs, metadata, summaries
-from service.jobs.tasks import outline_of
+from service.jobs.task import outline_of
 from service.plans.tasks import PLAN as PLAN_TASK
 from service.plans.tasks import REVERSE as REVERSE_TASK
 from service.regions.tasks import GROW_REGIONS
