@@ -59,9 +59,9 @@ async def open_services(
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes")
     try:
-        await scenes.open()
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
+            await scenes.open()  # behind the lock: others may not change the database meanwhile
             desk = SceneJobs(settings, store, dispatcher, scenes)
             scenes.settle = partial(settled, scenes=scenes, desk=desk)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)

@@ -132,6 +132,13 @@ def test_jobs_on_postgresql(url):
         store = JobStore(engine)
         odd, _ = store.insert(spec("x", payload={"text": "\0 \ud800 \u2028", "n": float("nan")}))
         assert store.get(odd.id).payload == {"text": "\0 \ud800 \u2028", "n": None}
+    finally:
+        engine.dispose()
+
+
+def test_a_database_of_version_0_1_is_brought_up_to_date_on_postgresql(url):
+    engine = open_engine(url)
+    try:
         check_upgrade(engine)
     finally:
         engine.dispose()
