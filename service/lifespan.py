@@ -21,7 +21,7 @@ from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
 from service.retention import Retention
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 from service.scenes.file_cleanup import Sweeper
 from service.scenes.store import SceneStore
 from service.settings import Settings
@@ -37,7 +37,7 @@ async def open_services(
     settings: Settings,
     on_taken: Callable[[], None],
     on_end: Callable[[JobSummary], None] | None = None,
-) -> AsyncGenerator[tuple[SceneJobs, SceneStore]]:
+) -> AsyncGenerator[tuple[JobService, SceneStore]]:
     """Run jobs from here on; what an earlier server left is taken up again.
 
     Args:
@@ -62,14 +62,14 @@ async def open_services(
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
             await scenes.open()  # behind the lock: others may not change the database meanwhile
-            desk = SceneJobs(settings, store, dispatcher, scenes)
-            scenes.settle = partial(settled, scenes=scenes, desk=desk)
+            jobs = JobService(settings, store, dispatcher, scenes)
+            scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
             scenes.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             async with _meanwhile(sweeper.run(), retention.run()):
-                yield desk, scenes
+                yield jobs, scenes
         finally:
             await dispatcher.stop()
     finally:

@@ -1,4 +1,4 @@
-"""SceneJobs: jobs and questions about scenes, and what tasks are told of scenes and settings."""
+"""JobService: jobs and questions about scenes, and what tasks are told of scenes and settings."""
 
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from service.settings import Settings
 QUEUES = ("plan", "query", "execution", "regions")
 
 
-class SceneJobs(JobService):
+class JobService(JobService):
     """Jobs, and questions that scenes answer at once, from coroutines of one event loop."""
 
     def __init__(

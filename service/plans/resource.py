@@ -14,7 +14,7 @@ from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, MotionWork
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 
 
 def _trusted(stored: dict[str, Any]) -> Polynomial:
@@ -67,7 +67,7 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
+def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
@@ -86,7 +86,7 @@ def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
         "versions": job.made_by or {},
         # However it ended.
         "timings": (job.result or job.failure or {}).get("timings") or {},
-        "unrecorded": desk.unrecorded(job),
+        "unrecorded": jobs.unrecorded(job),
     })
 
 

@@ -28,7 +28,7 @@ from service.plans.tasks import (
 )
 from service.regions.eligibility import check_eligible, own_cars, uses_gcs
 from service.regions.selection import SelectedRegions, regions_file, select_regions
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
@@ -39,7 +39,7 @@ SLACK = 15.0
 
 
 async def submit_plan(
-    request: PlanRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
+    request: PlanRequest, key: str | None, scenes: SceneStore, jobs: JobService
 ) -> Job:
     """Queue a plan.
 
@@ -47,7 +47,7 @@ async def submit_plan(
         request: What to plan.
         key: Idempotency key, or None.
         scenes: Where its scene is.
-        desk: Where jobs are queued.
+        jobs: Where jobs are queued.
 
     Raises:
         UnknownResource: There is no such scene or revision.
@@ -64,25 +64,25 @@ async def submit_plan(
     group = check_request(record, request)
     request.retime.check_group(group)
     require_one_sampling(request.retime.sample_period, request.retime.num_points)
-    require_planner(await desk.planners(), request.search)
+    require_planner(await jobs.planners(), request.search)
     require_cars(group, request.search)
-    regions = await select_regions(request, record, desk)
-    folder = desk.regions_folder
+    regions = await select_regions(request, record, jobs)
+    folder = jobs.regions_folder
     work = PlanWork(
-        **dict(await desk.scene_work(record)),
+        **dict(await scenes.work(record)),
         request=_settled(request, record, regions),
         revision=record.revision,
-        roadmaps=desk.roadmaps,
-        cores=None if desk.cores is None else Cores.model_validate(desk.cores),
+        roadmaps=jobs.roadmaps,
+        cores=None if jobs.cores is None else Cores.model_validate(jobs.cores),
         regions=regions and await to_thread.run_sync(regions_file, folder, regions),
-        cancel_grace=desk.best_grace if request.search.on_cancel == "best" else None,
+        cancel_grace=jobs.best_grace if request.search.on_cancel == "best" else None,
     )
     return await _queue(
-        desk, PLAN, work, record, IdempotencyKey(key, request.model_dump(mode="json"))
+        jobs, PLAN, work, record, IdempotencyKey(key, request.model_dump(mode="json"))
     )
 
 
-async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: SceneJobs) -> Job:
+async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, jobs: JobService) -> Job:
     """Queue the reversed motion of a plan, as a plan of its own.
 
     Raises:
@@ -97,7 +97,7 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: 
     goal = JointGoal(type="joint", positions=first)
     changes = {"revision": record.revision, "start": last, "goal": goal}
     work = ReverseWork(
-        **dict(await desk.scene_work(record)),
+        **dict(await scenes.work(record)),
         request=former.request.model_copy(update=changes),
         revision=record.revision,
         # Reversed twice, a motion has the lines of the first one again.
@@ -107,15 +107,15 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: 
         ),
     )
     # Two plans with the same ends have the same reversed request, but not the same motion.
-    return await _queue(desk, REVERSE, work, record, IdempotencyKey(key, {"reverse": plan.id}))
+    return await _queue(jobs, REVERSE, work, record, IdempotencyKey(key, {"reverse": plan.id}))
 
 
 async def _queue[W: MotionWork](
-    desk: SceneJobs, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
+    jobs: JobService, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
 ) -> Job:
     allowed = work.request.search.allowed_planning_time + SLACK
     payload = work.model_dump(mode="json")
-    return await desk.submit(
+    return await jobs.submit(
         spec_of("plan", task.name, payload, scene=record, key=key, allowed=allowed)
     )
 
