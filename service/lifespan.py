@@ -64,9 +64,9 @@ async def open_services(
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes", _library(settings))
     try:
-        await scenes.open()
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
+            await scenes.open()  # behind the lock: others may not change the database meanwhile
             terms = CallTerms(settings.query_timeout, settings.query_patience, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
             scenes.settle = partial(settled, scenes=scenes, jobs=jobs)

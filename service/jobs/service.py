@@ -17,7 +17,7 @@ from service.jobs.json_text import Encoded
 from service.jobs.scheduler import QueueLoad
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 
 _CHUNK = 20
 

@@ -25,7 +25,7 @@ from service.jobs.queries import (
 )
 from service.jobs.states import JobEvent, JobState, advance, sources
 from service.jobs.tables import COLUMNS, bodies, events, jobs, summaries
-from service.jobs.tasks import outline_of
+from service.jobs.task import outline_of
 
 _MAX_STAGE = 40
 _EVENT_NAMES = {

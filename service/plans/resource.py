@@ -10,7 +10,7 @@ from service.errors import NotFinished
 from service.jobs.job import Job, JobSummary
 from service.jobs.outline import without
 from service.jobs.service import JobService
-from service.jobs.tasks import TaskModel, outline_of
+from service.jobs.task import TaskModel, outline_of
 from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial

@@ -12,7 +12,7 @@ from service.catalog.models import Planner
 from service.catalog.planners import known_planners
 from service.jobs.job import IdempotencyKey, Job
 from service.jobs.service import JobService
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
 from service.plans.models.sampling import require_one_sampling

@@ -3,7 +3,7 @@
 from pydantic import BaseModel
 
 from service.jobs.job import IdempotencyKey, JobSpec
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.scenes.records import SceneBrief
 
 # Of the ids of each queue's jobs.

@@ -17,9 +17,10 @@ from service.errors import RevisionConflict, UnknownResource
 from service.jobs.database import set_durability
 from service.jobs.errors import DatabaseUnavailable
 from service.jobs.json_text import encode
+from service.jobs.schema import bring_up_to_date
 from service.scenes import rows
 from service.scenes.record_cache import Latest, RecentScenes
-from service.scenes.records import SceneBrief, SceneRecord, metadata, scenes
+from service.scenes.records import SceneBrief, SceneRecord
 from service.scenes.tasks import Library, LoadedScene, SceneWork, StoredScene
 
 # How long a write waits for the writes of others [s].
@@ -60,7 +61,7 @@ class SceneStore:
         self.on_delete: Callable[[], None] | None = None
 
     async def open(self) -> None:
-        """Create what is missing."""
+        """Create what is missing, and bring the database to the newest revision."""
         await to_thread.run_sync(self._open)
 
     async def add(self, loaded: LoadedScene) -> SceneRecord:
@@ -161,9 +162,7 @@ class SceneStore:
             self._writing.release()
 
     def _open(self) -> None:
-        metadata.create_all(self._engine)
-        for index in scenes.indexes:  # that a table of an older version lacks
-            index.create(self._engine, checkfirst=True)
+        bring_up_to_date(self._engine)
         self._folder.mkdir(parents=True, exist_ok=True)
 
     def _add(self, loaded: LoadedScene) -> SceneRecord:

@@ -7,7 +7,7 @@ from service.api.models import ResponseModel
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.jobs.service import JobService
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
 from service.scenes.dependencies import ScenesDep
 from service.scenes.records import SceneRecord

@@ -8,6 +8,7 @@ from sqlalchemy import event, text
 
 from service.jobs.database import open_engine
 from service.jobs.job import JobSpec
+from service.jobs.migrations.upgrade import upgrade
 from service.jobs.store import JobStore
 from service.jobs.tables import jobs
 from service.scenes.store import SceneStore
@@ -84,10 +85,11 @@ def test_a_page_of_scenes_reads_its_own_rows(engine, tmp_path):
 
 def test_databases_of_older_versions_get_the_indices(engine):
     store = JobStore(engine)
-    store.open()
+    upgrade(engine, "0001")
     with engine.begin() as connection:
         for index in jobs.indexes:
-            index.drop(connection)
+            index.drop(connection, checkfirst=True)
+        connection.execute(text("DROP TABLE alembic_version"))
         connection.execute(text("CREATE INDEX jobs_by_scene ON jobs (scene, serial)"))
     store.open()
     asked = asked_by(engine, lambda: store.page("plan", {"scene": "s"}, before=9, limit=5))

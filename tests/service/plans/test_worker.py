@@ -5,8 +5,8 @@ import json
 import pytest
 
 from planning.errors import DeadlineExceeded
-from service.jobs.task import run_task
 from service.jobs.worker.protocol import MessageKind
+from service.jobs.worker.run_task import run_task
 from service.plans.models.request import PlanRequest
 from service.plans.submit import SLACK
 from service.plans.tasks import PLAN, PlanWork
@@ -90,9 +90,8 @@ def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
     assert {"load", "samples", "total"} <= set(done["timings"])
 
 
-@pytest.mark.parametrize("name", [PLAN.name, "service.tasks.plan:plan_motion"])
-def test_jobs_that_older_servers_queued_are_run(payload, name):
-    end = run_task(name, json.dumps({**payload, "roadmaps": "", "cores": None}), TaskContext())
+def test_jobs_that_older_servers_queued_are_run(payload):
+    end = run_task(PLAN.name, json.dumps({**payload, "roadmaps": "", "cores": None}), TaskContext())
     assert end.kind is MessageKind.RESULT, end.text
     outcome = json.loads(end.text)
     assert outcome["result"]["certificate"]["proven"]
