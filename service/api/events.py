@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Json
 
-from service.api.models import Failure, ResponseModel
+from service.api.failures.failure import Failure
+from service.api.models import ResponseModel
 
 type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
 

@@ -4,7 +4,8 @@ from datetime import datetime
 
 from pydantic import Field
 
-from service.api.models import UNRECORDED, Failure, ResponseModel
+from service.api.failures.failure import Failure
+from service.api.models import UNRECORDED, ResponseModel
 from service.jobs.states import JobState
 from service.plans.models.request import PlanRequest
 from service.plans.models.result import PlanResult
