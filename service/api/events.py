@@ -42,6 +42,10 @@ class BestPathData(EventData):
 
     detail: str = Field(description="For a person")
     length: float = Field(description="Weighted length of the path")
+    seconds: float | None = Field(
+        default=None,
+        description="Since the worker began with the plan [s]; null where an older version told it",
+    )
 
 
 class FinishedData(EventData):

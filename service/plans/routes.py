@@ -54,7 +54,7 @@ async def list_plans(
 ) -> PlanPage:
     """List plans, newest first, without their results."""
     page = await desk.page("plan", limit, before(cursor), state=state, scene=scene)
-    plans = [plan_resource(desk, job) for job in page.jobs]
+    plans = [await plan_resource(desk, job) for job in page.jobs]
     return PlanPage(items=plans, next=cursor_of(page.following))
 
 
@@ -115,4 +115,4 @@ async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Response:
 
 async def _whole(desk: SceneJobs, found: JobText, answer: Response | None = None) -> Response:
     """Return a plan in full."""
-    return await whole(plan_resource(desk, found.summary), found.result, answer)
+    return await whole(await plan_resource(desk, found.summary), found.result, answer)

@@ -1,5 +1,6 @@
 """Failure: why a job, or a part of an answer, has no result."""
 
+from functools import cache
 from typing import Annotated, Any, Self, override
 
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
@@ -79,7 +80,7 @@ class Failure(BaseModel):
         schema = handler.resolve_ref_schema(handler(core_schema))
         if cls is not Failure:
             return {key: part for key, part in schema.items() if key != "examples"}
-        return union_schema(schema, FAILURES, OtherFailure, handler)
+        return union_schema(schema, failures(), OtherFailure, handler)
 
 
 class OtherFailure(Failure):
@@ -90,6 +91,10 @@ class OtherFailure(Failure):
     )
 
 
-FAILURES = {
-    error.code: member(Failure, error, error.code, EVIDENCE[error]) for error in failure_errors()
-}
+@cache
+def failures() -> dict[str, type[Failure]]:
+    """Return the members of the union by code; only documents and tests need them."""
+    return {
+        error.code: member(Failure, error, error.code, EVIDENCE[error])
+        for error in failure_errors()
+    }

@@ -1,5 +1,6 @@
 """Problem: why a request was refused."""
 
+from functools import cache
 from typing import Annotated, Any, override
 
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
@@ -75,7 +76,7 @@ class Problem(BaseModel):
         schema = handler.resolve_ref_schema(handler(core_schema))
         if cls is not Problem:
             return {key: part for key, part in schema.items() if key != "examples"}
-        return union_schema(schema, PROBLEMS, OtherProblem, handler)
+        return union_schema(schema, problems(), OtherProblem, handler)
 
 
 class OtherProblem(Problem):
@@ -86,10 +87,11 @@ class OtherProblem(Problem):
     )
 
 
-PROBLEMS = {
-    HTTP_ERROR: member(Problem, None, HTTP_ERROR, NoEvidence),
-    **{
+@cache
+def problems() -> dict[str, type[Problem]]:
+    """Return the members of the union by code; only documents and tests need them."""
+    known = {
         error.code: member(Problem, error, error.code, EVIDENCE[error])
         for error in problem_errors()
-    },
-}
+    }
+    return {HTTP_ERROR: member(Problem, None, HTTP_ERROR, NoEvidence), **known}

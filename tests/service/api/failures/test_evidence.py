@@ -12,8 +12,8 @@ from pydantic import TypeAdapter, ValidationError
 import service
 from planning.errors import InputError, StageFailure, WayproofError
 from service.api.error_responses import CODES
-from service.api.failures.failure import FAILURES, Failure, OtherFailure
-from service.api.failures.problem import PROBLEMS, Problem
+from service.api.failures.failure import Failure, OtherFailure, failures
+from service.api.failures.problem import Problem, problems
 from service.api.failures.table import EVIDENCE, HTTP_ERROR
 from service.jobs.worker.protocol import RemoteFailure
 
@@ -64,7 +64,7 @@ def told(part):
 
 def strictly(one):
     """Check a failure or a problem against the member of its code."""
-    member = (FAILURES if "stage" in one else PROBLEMS)[one["code"]]
+    member = (failures() if "stage" in one else problems())[one["code"]]
     member.model_validate_json(json.dumps(one), strict=True)
 
 
@@ -77,9 +77,9 @@ def in_corpus():
 def test_every_error_has_a_model_of_its_evidence():
     assert set(EVIDENCE) == errors() - BASES
     known = {error.code for error in EVIDENCE} | {HTTP_ERROR}
-    assert set(CODES.values()) <= set(PROBLEMS)
-    assert set(FAILURES) | set(PROBLEMS) | {"database_in_use", "client_left"} == known
-    assert set(FAILURES) == {
+    assert set(CODES.values()) <= set(problems())
+    assert set(failures()) | set(problems()) | {"database_in_use", "client_left"} == known
+    assert set(failures()) == {
         error.code for error in EVIDENCE if issubclass(error, StageFailure | InputError)
     }
 
@@ -117,7 +117,7 @@ def test_other_members_are_kept_and_missing_ones_are_not_made_up():
     given = {**failure, "timings": {}}
     strictly(given)
     assert json.loads(Failure.model_validate(given).model_dump_json()) == given
-    member = FAILURES["start_in_collision"].model_validate_json(json.dumps(given))
+    member = failures()["start_in_collision"].model_validate_json(json.dumps(given))
     assert json.loads(member.model_dump_json()) == given
 
 
@@ -136,7 +136,7 @@ def test_what_an_older_version_stored_is_passed_on(code):
 
 def test_the_document_tells_the_members_apart(document):
     schemas = document["components"]["schemas"]
-    for model, members in ((Failure, FAILURES), (Problem, PROBLEMS)):
+    for model, members in ((Failure, failures()), (Problem, problems())):
         union = schemas[model.__name__]
         mapping = union["discriminator"]["mapping"]
         assert set(mapping) == set(members)
