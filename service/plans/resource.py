@@ -15,7 +15,7 @@ from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, MotionWork
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 
 
 def _trusted(stored: dict[str, Any]) -> Polynomial:
@@ -68,12 +68,12 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-async def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
+async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
     is_running = job.state is JobState.RUNNING
-    best = await desk.latest_event(job, "best-so-far") if is_running else None
+    best = await jobs.latest_event(job, "best-so-far") if is_running else None
     return PlanSummary.model_validate({
         "id": job.id,
         "state": job.state,
@@ -90,7 +90,7 @@ async def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
         "versions": job.made_by or {},
         # However it ended.
         "timings": (job.result or job.failure or {}).get("timings") or {},
-        "unrecorded": desk.unrecorded(job),
+        "unrecorded": jobs.unrecorded(job),
     })
 
 

@@ -53,6 +53,6 @@ async def test_a_running_plan_shows_its_progress_and_its_best_path(best, shown):
 @pytest.mark.anyio
 @pytest.mark.parametrize("state", set(JobState) - {JobState.RUNNING})
 async def test_no_events_are_read_for_other_plans(state):
-    desk = Desk(FOUND)
-    assert (await plan_resource(desk, job_in(state))).best is None
-    assert desk.asked == []
+    jobs = Desk(FOUND)
+    assert (await plan_resource(jobs, job_in(state))).best is None
+    assert jobs.asked == []
