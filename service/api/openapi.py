@@ -6,7 +6,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from planning.world.documents.scene_document import SceneDocument
-from service.api.models import Problem
+from service.api.failures.problem import Problem
 
 _REF = "#/components/schemas/{model}"
 _TAGS = [

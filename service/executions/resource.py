@@ -1,6 +1,6 @@
 """Executions as clients see them, from their jobs."""
 
-from service.api.models import Failure
+from service.api.failures.failure import Failure
 from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline

@@ -56,7 +56,7 @@ async def list_plans(
 ) -> PlanPage:
     """List plans, newest first, without their results."""
     page = await jobs.page("plan", limit, before(cursor), state=state, scene=scene)
-    plans = [plan_resource(jobs, job) for job in page.jobs]
+    plans = [await plan_resource(jobs, job) for job in page.jobs]
     return PlanPage(items=plans, next=cursor_of(page.following))
 
 
@@ -117,4 +117,4 @@ async def cancel_plan(job: OpenPlan, jobs: JobsDep) -> Response:
 
 async def _whole(jobs: JobService, found: JobText, answer: Response | None = None) -> Response:
     """Return a plan in full."""
-    return await whole(plan_resource(jobs, found.summary), found.result, answer)
+    return await whole(await plan_resource(jobs, found.summary), found.result, answer)

@@ -6,10 +6,10 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, Strict
 
 from planning.domain.planner import regions as domain
+from service.api.failures.failure import Failure
 from service.api.models import (
     UNRECORDED,
     WHOLE,
-    Failure,
     Interval,
     Name,
     NonNegative,

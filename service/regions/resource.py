@@ -2,7 +2,7 @@
 
 from fastapi import Response
 
-from service.api.models import Failure
+from service.api.failures.failure import Failure
 from service.api.responses import whole
 from service.jobs.job import JobSummary, JobText
 from service.jobs.service import JobService

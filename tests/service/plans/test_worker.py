@@ -23,8 +23,11 @@ class TaskContext:
 
     def __init__(self):
         self.notes = []
+        self.progress = []
 
     def emit(self, event_type, data):
+        if "progress" in data:
+            self.progress.append(data["progress"])
         if event_type == "stage":
             self.notes.append(data["stage"])
 
@@ -74,6 +77,10 @@ def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload
     stages = [note for note in channel.notes if isinstance(note, str)]
     assert caught.value.stage == stages[-1]
     assert {"load", caught.value.stage, "total"} <= set(caught.value.timings)
+    # All of its time is over: it came to the end of the stage, and not beyond.
+    assert channel.progress == sorted(channel.progress)
+    end = {"goals": 0.1, "search": 0.5}[caught.value.stage]
+    assert 0.95 * end < channel.progress[-1] < end
 
 
 @pytest.mark.parametrize("is_late", [False, True])
