@@ -252,7 +252,8 @@ def _lead_to(database: Path, old: str, new: str) -> None:
     if old == new:
         return
     begins = {"old": json.dumps(old)[:-1] + "/", "new": json.dumps(new)[:-1] + "/"}
-    known = "SELECT name FROM sqlite_master WHERE name IN ('job_bodies', 'job_briefs')"
+    known = "SELECT name FROM sqlite_master WHERE name IN "
+    known += "('job_bodies', 'job_summaries', 'job_briefs')"
     with closing(sqlite3.connect(database)) as connection, connection:
         for (table,) in connection.execute(known).fetchall():
             moved = f"UPDATE {table} SET payload = replace(payload, :old, :new)"  # noqa: S608

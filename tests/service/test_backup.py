@@ -82,7 +82,7 @@ def test_a_server_on_what_was_restored_elsewhere_answers_as_before(settings, els
         assert page.status_code == 200, page.text
     assert not settings.data_dir.exists()
     old = json.dumps(str(settings.data_dir))[1:-1]
-    for table in ("job_bodies", "job_briefs"):
+    for table in ("job_bodies", "job_summaries"):
         query = f"SELECT count(*) FROM {table} WHERE instr(payload, '{old}/')"
         assert rows(elsewhere, query) == [(0,)]
 

@@ -7,14 +7,13 @@ from itertools import count
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sqlalchemy import delete, event, insert, select, update
+from sqlalchemy import event, insert, select, text
 
 from planning.errors import Canceled, NoPathFound
 from service.executions.tasks import EXECUTE
 from service.jobs.database import open_engine
 from service.jobs.job import JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
-from service.jobs.migrations.upgrade import upgrade
 from service.jobs.outline import without
 from service.jobs.schema import stored_revision
 from service.jobs.states import JobState
@@ -24,6 +23,7 @@ from service.jobs.task import outline_of
 from service.plans.tasks import PLAN as PLAN_TASK
 from service.plans.tasks import REVERSE as REVERSE_TASK
 from service.regions.tasks import GROW_REGIONS
+from tests.service.jobs.databases import FORMER_NAMES, make_released
 
 PLAN, REVERSE, REGIONS = PLAN_TASK.name, REVERSE_TASK.name, GROW_REGIONS.name
 LARGE = [[0.1] * 7] * 50
@@ -103,23 +103,14 @@ PARTS = ("payload", "result", "failure")
 
 
 def leave_to_upgrade(engine, store):
-    """Make a database what version 0.1 may leave: no briefs, or without ends; tasks by paths."""
-    upgrade(engine, "0001")
+    """Make a database what version 0.1 may leave: no summaries, or without ends."""
+    store.open()
     add_some(store)
+    make_released(engine)
+    odd = "DELETE FROM job_briefs WHERE job IN (SELECT id FROM jobs WHERE serial % 2 = 1)"
     with engine.begin() as connection:
-        for path, name in FORMER_NAMES.items():
-            connection.execute(update(jobs).where(jobs.c.task == name).values(task=path))
-        odd = select(jobs.c.id).where(jobs.c.serial % 2 == 1)
-        connection.execute(delete(summaries).where(summaries.c.job.in_(odd)))
-        connection.execute(update(summaries).values(result=None, failure=None))
-
-
-FORMER_NAMES = {
-    "service.tasks.plan:plan_motion": PLAN,
-    "service.tasks.reverse:reverse_motion": REVERSE,
-    "service.tasks.regions:grow": REGIONS,
-    "service.tasks.execute:execute": EXECUTE.name,
-}
+        connection.execute(text(odd))
+        connection.execute(text("UPDATE job_briefs SET result = NULL, failure = NULL"))
 
 
 def check_upgrade(engine):
@@ -160,8 +151,8 @@ def test_an_upgrade_that_is_interrupted_loses_nothing(engine):
     event.remove(engine, "before_cursor_execute", interrupt)
     assert stored_revision(engine) == "0001"
     with engine.connect() as connection:
-        names = set(connection.execute(select(jobs.c.task)).scalars())
-        kept = connection.execute(select(summaries)).all()
+        names = set(connection.execute(text("SELECT task FROM jobs")).scalars())
+        kept = connection.execute(text("SELECT job FROM job_briefs")).all()
     assert names == {*FORMER_NAMES, "m:f"}
     assert len(kept) == len(RESULTS) * len(JobState) // 2
     store.open()
@@ -171,13 +162,14 @@ def test_an_upgrade_that_is_interrupted_loses_nothing(engine):
 def test_jobs_without_a_body_do_not_keep_a_store_from_opening(engine):
     """As nothing writes them: rows that somebody lost."""
     store = JobStore(engine)
-    upgrade(engine, "0001")
+    store.open()
     add_some(store)
     with engine.begin() as connection:
         lost = connection.execute(select(jobs.c.id).limit(3)).scalars().all()
         connection.execute(bodies.delete().where(bodies.c.job.in_(lost)))
         connection.execute(summaries.delete().where(summaries.c.job.in_(lost)))
         connection.execute(insert(bodies).values(job="nobody", payload={}))
+    make_released(engine)
     store.open()
     assert len(store.page("plan", limit=100)) == len(RESULTS) * len(JobState) - 3
 

@@ -23,6 +23,7 @@ from service.jobs.schema import NEWEST, bring_up_to_date, stored_revision
 from service.jobs.store import JobStore
 from service.scenes import records
 from tests.golden.service.stored import DUMP, load
+from tests.service.jobs.databases import make_released
 from tests.service.jobs.postgres import cluster
 
 
@@ -61,7 +62,7 @@ def definitions(engine):
     query = "SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL AND name != :version"
     with engine.connect() as connection:
         found = connection.execute(text(query), {"version": "alembic_version"})
-        return {name: re.sub(r"\s+", " ", sql) for name, sql in found}
+        return {name: re.sub(r"\s+", " ", sql.replace('"', "")) for name, sql in found}
 
 
 def test_the_newest_revision_is_the_last_file():
@@ -94,6 +95,12 @@ def test_the_first_revision_is_what_was_released(engine, released):
     assert definitions(engine) == definitions(released)
 
 
+def test_what_tests_take_for_the_released_version_is_it(engine, released):
+    bring_up_to_date(engine)
+    make_released(engine)
+    assert definitions(engine) == definitions(released)
+
+
 def test_a_table_that_an_older_version_lacked_is_made(released):
     with released.begin() as connection:
         for name in ("job_briefs", "job_owner"):
@@ -104,7 +111,7 @@ def test_a_table_that_an_older_version_lacked_is_made(released):
     with released.connect() as connection:
         counts = [
             connection.execute(text(f"SELECT count(*) FROM {name}")).scalar_one()
-            for name in ("jobs", "job_briefs")
+            for name in ("jobs", "job_summaries")
         ]
     assert counts[0] == counts[1] > 0
 
