@@ -24,7 +24,7 @@ from typing import IO, Any
 from pydantic import BaseModel, ConfigDict
 from sqlalchemy import make_url
 
-from planning.errors import WayproofError
+from service.errors import BackupInvalid, RecordsExist
 from service.jobs.errors import DatabaseTooNew
 from service.jobs.schema import NEWEST
 from service.settings import Settings
@@ -36,18 +36,6 @@ _ARCHIVE, _MANIFEST, _DATABASE = "archive", "manifest.json", "database.sqlite"
 _FOLDERS = ("files/bytes", "scenes", "regions")
 _NAME = re.compile(rf"(?:{'|'.join(_FOLDERS)})/[A-Za-z0-9_-][A-Za-z0-9_.-]*")
 _MAX_MANIFEST, _CHUNK = 256 * 2**20, 2**20
-
-
-class BackupInvalid(WayproofError):
-    """A file is no backup, or is damaged; evidence: `file`, and `member` if one is wrong."""
-
-    code = "backup_invalid"
-
-
-class RecordsExist(WayproofError):
-    """A backup is not restored over records; evidence: `database`."""
-
-    code = "records_exist"
 
 
 class Manifest(BaseModel):

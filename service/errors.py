@@ -184,6 +184,18 @@ class DiskFull(Refusal):
     status = 503
 
 
+class BackupInvalid(WayproofError):
+    """A file is no backup, or is damaged; evidence: `file`, and `member` if one is wrong."""
+
+    code = "backup_invalid"
+
+
+class RecordsExist(WayproofError):
+    """A backup is not restored over records; evidence: `database`."""
+
+    code = "records_exist"
+
+
 class ServerStopping(Refusal):
     """The server ends before it could answer; evidence: none."""
 

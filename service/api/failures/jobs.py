@@ -62,6 +62,36 @@ class DatabaseEvidence(TypedDict):
 
 
 @with_config(OPEN)
+class DatabaseRevisionEvidence(TypedDict):
+    """Which revision a database has."""
+
+    revision: str
+    """Of the database"""
+    newest: str
+    """The newest one that this server knows"""
+
+
+@with_config(OPEN)
+class ForeignTableEvidence(TypedDict):
+    """Which table is not one of this program."""
+
+    table: str
+    """Its name"""
+    missing: list[str]
+    """Columns that it lacks"""
+
+
+@with_config(OPEN)
+class BackupEvidence(TypedDict, total=False):
+    """Which file is no backup."""
+
+    file: str
+    """Its path"""
+    member: str
+    """What in it is wrong"""
+
+
+@with_config(OPEN)
 class DatabaseTakenEvidence(TypedDict):
     """Which server has the database."""
 

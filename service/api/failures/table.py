@@ -55,6 +55,8 @@ _JOBS: dict[type[WayproofError], Any] = {
     job_errors.IdempotencyConflict: jobs.IdempotencyEvidence,
     job_errors.UnknownJob: jobs.JobIdEvidence,
     job_errors.DatabaseInUse: jobs.DatabaseEvidence,
+    job_errors.DatabaseTooNew: jobs.DatabaseRevisionEvidence,
+    job_errors.DatabaseUnrecognized: jobs.ForeignTableEvidence,
     job_errors.DatabaseTaken: jobs.DatabaseTakenEvidence,
     job_errors.DatabaseUnavailable: jobs.StorageEvidence,
 }
@@ -80,6 +82,8 @@ _REFUSALS: dict[type[WayproofError], Any] = {
     service_errors.RequestInvalid: inputs.FaultsEvidence,
     service_errors.DiskFull: jobs.StorageEvidence,
     service_errors.ServerStopping: NoEvidence,
+    service_errors.BackupInvalid: jobs.BackupEvidence,
+    service_errors.RecordsExist: jobs.DatabaseEvidence,
 }
 
 # A `TypedDict` of the evidence by error.
@@ -90,7 +94,11 @@ _NEVER_PROBLEMS = {
     planning_errors.Contact,
     job_errors.ServerRestarted,
     job_errors.DatabaseInUse,
+    job_errors.DatabaseTooNew,
+    job_errors.DatabaseUnrecognized,
     service_errors.ClientLeft,
+    service_errors.BackupInvalid,
+    service_errors.RecordsExist,
 }
 
 
