@@ -14,7 +14,7 @@ REQUEST = {"scene": "s", "group": "arm", "goal": {"type": "configuration", "name
 FOUND = {"detail": "a path", "length": 2.5, "seconds": 0.25}
 
 
-class Desk:
+class Jobs:
     """Knows one event."""
 
     def __init__(self, best):
@@ -46,13 +46,13 @@ def job_in(state):
     ],
 )
 async def test_a_running_plan_shows_its_progress_and_its_best_path(best, shown):
-    plan = (await plan_resource(Desk(best), job_in(JobState.RUNNING))).model_dump()
+    plan = (await plan_resource(Jobs(best), job_in(JobState.RUNNING))).model_dump()
     assert (plan["stage"], plan["progress"], plan["best"]) == ("search", 0.3, shown)
 
 
 @pytest.mark.anyio
-@pytest.mark.parametrize("state", set(JobState) - {JobState.RUNNING})
+@pytest.mark.parametrize("state", sorted(set(JobState) - {JobState.RUNNING}))
 async def test_no_events_are_read_for_other_plans(state):
-    jobs = Desk(FOUND)
+    jobs = Jobs(FOUND)
     assert (await plan_resource(jobs, job_in(state))).best is None
     assert jobs.asked == []
