@@ -83,7 +83,7 @@ def follow(
         context: Has the commands, and is sent every status.
         speed: That the runner has.
         clock: Shows the time [s].
-        wait: Lets so many seconds pass.
+        wait: Waits for a number of seconds.
     """
     wait = wait or threading.Event().wait
     log, sent_at, sent_state = _StatusLog(), 0.0, ExecutionState.ACCEPTED

@@ -101,7 +101,7 @@ class JobQueries:
             queue: Of the jobs.
             wanted: What fields of theirs hold, by name; None for whatever.
             before: Their sequence numbers are below it.
-            limit: At most so many.
+            limit: Largest number of jobs.
         """
         query = _SUMMARY
         for name, content in {"queue": queue, **(wanted or {})}.items():

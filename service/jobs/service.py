@@ -29,7 +29,7 @@ class CallTerms:
     Attributes:
         time_limit: For the work [s].
         worker_timeout: How long a call may wait for a worker [s].
-        answer: Awaits a call for whoever it is made for.
+        answer: Awaits a call for the client of the request; None to await it as it is.
     """
 
     time_limit: float = 60.0

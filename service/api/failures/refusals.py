@@ -158,9 +158,9 @@ class SizeEvidence(TypedDict):
     """How large a body may be."""
 
     bound: NotRequired[int]
-    """At most so many bytes are read"""
+    """Largest number of bytes that is read"""
     bytes: NotRequired[int]
-    """It has so many"""
+    """Number of bytes of the body"""
 
 
 @with_config(OPEN)
