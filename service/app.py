@@ -7,13 +7,13 @@ from fastapi import Depends, FastAPI
 
 from service.api import error_responses as problems
 from service.api import openapi, operations
-from service.api.body_limit import BodyLimit
-from service.api.client_disconnect import DisconnectWatch
-from service.api.graceful_shutdown import GracefulShutdown
-from service.api.host_check import HostCheck
 from service.api.metrics import MeasureRequests, Metrics
+from service.api.middleware.body_limit import BodyLimit
+from service.api.middleware.client_disconnect import DisconnectWatch
+from service.api.middleware.graceful_shutdown import GracefulShutdown
+from service.api.middleware.host_check import HostCheck
+from service.api.middleware.request_id import RequestId
 from service.api.params import require_known_query
-from service.api.request_id import RequestId
 from service.catalog import routes as catalog
 from service.executions import replay
 from service.executions import routes as executions
