@@ -67,7 +67,7 @@ async def open_services(
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
             await scenes.open()  # behind the lock: others may not change the database meanwhile
-            terms = CallTerms(settings.query_timeout, settings.query_patience, call_for_client)
+            terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
             scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)

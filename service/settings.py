@@ -112,7 +112,7 @@ class Settings(BaseSettings):
     query_timeout: float = Field(
         default=60.0, gt=0, description="For checks, IK and so on, once they run [s]"
     )
-    query_patience: float = Field(
+    queue_timeout: float = Field(
         default=30.0, gt=0, description="How long a question may wait for a worker [s]"
     )
     best_grace: float = Field(

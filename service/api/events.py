@@ -7,6 +7,7 @@ from pydantic import Field, Json
 
 from service.api.failures.failure import Failure
 from service.api.models import ResponseModel
+from service.api.open_enums import Stage
 
 type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
 
@@ -26,7 +27,7 @@ class RequeuedData(EventData):
 class ProgressData(EventData):
     """How far a job is."""
 
-    stage: str = Field(description="The stage that it is in")
+    stage: Stage = Field(description="The stage that it is in")
     progress: float = Field(description="Of the whole job, 0 to 1")
     detail: str = Field(description="For a person, or empty")
 

@@ -83,6 +83,16 @@ UNRECORDED = (
 )
 
 
+ATTEMPTS = (
+    "How often a worker has begun with it, this time included: more than once where a worker or "
+    "the server ended under it"
+)
+CANCEL_REQUESTED_AT = (
+    "When its end was first requested (UTC), whatever became of that; null if it was not, or by "
+    "a version that did not keep it"
+)
+
+
 class RequestModel(BaseModel):
     """What is asked: a JSON object with no unknown fields."""
 

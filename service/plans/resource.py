@@ -83,6 +83,8 @@ async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
         "created_at": job.created_at,
         "started_at": job.started_at,
         "finished_at": job.finished_at,
+        "cancel_requested_at": job.cancel_requested_at,
+        "attempts": job.attempts,
         "request": request,
         "failure": without(job.failure, outline_of(job.task).failure),
         "seed": request["seed"],

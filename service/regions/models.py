@@ -8,6 +8,8 @@ from pydantic import ConfigDict, Field, Strict
 from planning.domain.planner import regions as domain
 from service.api.failures.failure import Failure
 from service.api.models import (
+    ATTEMPTS,
+    CANCEL_REQUESTED_AT,
     UNRECORDED,
     WHOLE,
     Interval,
@@ -18,7 +20,10 @@ from service.api.models import (
     RequestModel,
     ResponseModel,
 )
+from service.api.open_enums import AnyStage, OneOf
 from service.jobs.states import JobState
+
+STOPS = ("coverage", "num_regions", "deadline", "exhausted")
 
 
 class RegionsRequest(RequestModel):
@@ -119,7 +124,7 @@ class RegionsSummary(ResponseModel):
         description="Share of the domain's free configurations that some region holds, by sampling"
     )
     coverage_error: float = Field(description="Standard error of `coverage`")
-    stopped_by: str = Field(
+    stopped_by: Annotated[str, OneOf(STOPS)] = Field(
         description="Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`"
     )
     lower: list[float] = Field(description="Lowest configuration of the domain [rad or m]")
@@ -155,11 +160,13 @@ class RegionsBrief(ResponseModel):
     state: JobState = Field(
         description="State of the growth; succeeded, failed and canceled are final"
     )
-    stage: str = Field(description="`load` or `regions`, or empty")
+    stage: AnyStage = Field(description="`load` or `regions`, or empty")
     progress: float = Field(description="0 to 1", ge=0, le=1)
     created_at: datetime = Field(description="When they were asked for (UTC)")
     started_at: datetime | None = Field(description="When a worker began (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
+    cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
+    attempts: int = Field(description=ATTEMPTS)
     scene: str = Field(description="Id of the scene")
     revision: int = Field(description="Revision of the scene")
     request: RegionsRequest = Field(description="The request, defaults filled in")

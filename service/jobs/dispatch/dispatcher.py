@@ -236,7 +236,11 @@ class Dispatcher:
         if attempt.ended is not None and self._on_end is not None:
             self._on_end(attempt.ended.summary)
         if is_queued_again:
-            job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
+            job = replace(
+                attempt.job,
+                is_cancel_requested=attempt.is_cancel_requested,
+                cancel_requested_at=attempt.cancel_requested_at,
+            )
             self._enqueue(job, attempt.controls, place[0])
 
     def _interrupt_all(self, reason: str) -> None:

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping, MutableMapping
+from datetime import datetime
 from functools import partial
 from typing import Any
 
@@ -102,10 +103,11 @@ class JobControl:
         attempt = self._attempts.get(identifier)
         if attempt is None:
             job = await asyncio.to_thread(self._recorder.store.summary, identifier)
-            return job if job.state.is_final else await self._write_cancel(identifier)
+            return job if job.state.is_final else await self._write_cancel(identifier, None)
         attempt.cancel()
+        at = attempt.cancel_requested_at
         self._scheduler.queue(attempt.job.queue).remove(identifier)
-        job = await self._recorded(identifier, "cancel", lambda: self._write_cancel(identifier))
+        job = await self._recorded(identifier, "cancel", lambda: self._write_cancel(identifier, at))
         return job or attempt.snapshot()
 
     async def control(self, identifier: str, controls: Mapping[str, Any]) -> Job:
@@ -140,8 +142,8 @@ class JobControl:
         done, _ = await asyncio.wait({work}, timeout=_PROMPT)
         return work.result() if done else None
 
-    async def _write_cancel(self, identifier: str) -> Job:
-        job, ended = await self._recorder.write(partial(self._cancel_in_store, identifier))
+    async def _write_cancel(self, identifier: str, at: datetime | None) -> Job:
+        job, ended = await self._recorder.write(partial(self._cancel_in_store, identifier, at))
         if ended is not None:
             self._recorder.publish(identifier, [ended.event])
             attempt = self._attempts.get(identifier)
@@ -150,10 +152,12 @@ class JobControl:
                 attempt.concluded.set()
         return job
 
-    def _cancel_in_store(self, identifier: str) -> tuple[Job, Transition | None]:
+    def _cancel_in_store(
+        self, identifier: str, at: datetime | None
+    ) -> tuple[Job, Transition | None]:
         store = self._recorder.store
         with store.transaction(is_durable=True):
-            job = store.request_cancel(identifier)
+            job = store.request_cancel(identifier, at)
             if job.state is not JobState.QUEUED:
                 return job, None
             ended = store.cancel_queued(identifier, Canceled("canceled on request"))

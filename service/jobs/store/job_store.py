@@ -7,8 +7,9 @@ is decided on what another has changed meanwhile; the statements are the same on
 import threading
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
+from datetime import datetime
 
-from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
+from sqlalchemy import Connection, Engine, bindparam, delete, func, insert, select, update
 
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken
@@ -44,7 +45,11 @@ _END = {
     for part in ("result", "failure")
 }
 _IF_OPEN = update(jobs).where(jobs.c.id == _JOB_ID, jobs.c.state.in_(_OPEN))
-_CANCEL = _IF_OPEN.values(is_cancel_requested=True)
+# The first request counts.
+_CANCEL = _IF_OPEN.values(
+    is_cancel_requested=True,
+    cancel_requested_at=func.coalesce(jobs.c.cancel_requested_at, bindparam("requested_at")),
+)
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
@@ -193,14 +198,19 @@ class JobStore(JobQueries):
         """End a job whose cancel was requested, if it is still queued."""
         return self._end_without_result(identifier, JobEvent.CANCEL, error, only=JobState.QUEUED)
 
-    def request_cancel(self, identifier: str) -> Job:
+    def request_cancel(self, identifier: str, at: datetime | None = None) -> Job:
         """Note that the end of a job is requested, if it has not ended, and return it.
+
+        Args:
+            identifier: Of the job.
+            at: When that was (UTC); None for now.
 
         Raises:
             UnknownJob: There is none.
         """
         with self.transaction(is_durable=True) as connection:
-            connection.execute(_CANCEL, {"job_id": identifier})
+            given = {"job_id": identifier, "requested_at": at.isoformat() if at else now()}
+            connection.execute(_CANCEL, given)
             return read_job(connection, identifier)
 
     def append_events(

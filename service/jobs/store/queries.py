@@ -27,6 +27,7 @@ from service.jobs.states import JobState
 from service.jobs.store.tables import bodies, events, jobs, makers, summaries
 
 _EVENTS_AT_ONCE = 500
+_INSTANTS = ("created_at", "started_at", "finished_at", "cancel_requested_at")
 
 
 def _jobs_with(content: Table) -> Select[Any]:
@@ -203,7 +204,7 @@ def columns_of(row: Row[Any]) -> dict[str, Any]:
 
 def _fields(columns: Mapping[str, Any]) -> dict[str, Any]:
     fields = dict(columns)
-    for name in ("created_at", "started_at", "finished_at"):
+    for name in _INSTANTS:
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
     fields["state"] = JobState(fields["state"])
     return fields

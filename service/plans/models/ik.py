@@ -52,7 +52,7 @@ class Ik(RequestModel):
         default_factory=PoseMetric,
         description="Which pose is the nearest to one that no configuration reaches",
     )
-    time_limit: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
+    allowed_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
         default=None,
         description="For finding them, or saying why there is none [s]; null for as long as there "
         "is",
@@ -65,7 +65,7 @@ class Ik(RequestModel):
             max_trials=self.max_trials,
             joint_weights=dict(self.joint_weights),
             pose_metric=self.pose_metric.to_domain(),
-            time_limit=self.time_limit,
+            allowed_time=self.allowed_time,
         )
 
 

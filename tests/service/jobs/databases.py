@@ -67,6 +67,10 @@ def make_released(engine):
     ]
     with engine.begin() as connection:
         for statement in (
+            "DROP INDEX jobs_of_batch",
+            "DROP INDEX scenes_by_key",
+            *(f"ALTER TABLE jobs DROP COLUMN {name}" for name in ("cancel_requested_at", "batch")),
+            *(f"ALTER TABLE scenes DROP COLUMN {name}" for name in ("key", "request_digest")),
             "DROP INDEX one_open_execution_of_scene",
             "DROP INDEX jobs_of_queue",
             *renamed,

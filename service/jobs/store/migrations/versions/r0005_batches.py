@@ -1,0 +1,27 @@
+"""Jobs may be of a batch, and say when their end was requested; scenes may be posted with a key.
+
+Requests of plans say `ik.allowed_time` where they said `ik.time_limit`.
+"""
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0005"
+down_revision = "0003"
+
+
+def upgrade() -> None:
+    """Add columns; jobs whose end was requested before have no instant of that."""
+    op.add_column("jobs", sa.Column("cancel_requested_at", sa.String(40), nullable=True))
+    op.add_column("jobs", sa.Column("batch", sa.String(64), nullable=True))
+    op.create_index("jobs_of_batch", "jobs", ["batch", "sequence"])
+    op.add_column("scenes", sa.Column("key", sa.String(200), nullable=True))
+    op.add_column("scenes", sa.Column("request_digest", sa.String(64), nullable=True))
+    op.create_index("scenes_by_key", "scenes", ["key"], unique=True)
+    # In a text of JSON a quotation mark that ends no string is escaped: this is a key.
+    for table in ("job_bodies", "job_summaries"):
+        op.execute(
+            f"UPDATE {table} SET payload = "
+            """replace(payload, '"time_limit":', '"allowed_time":') """
+            """WHERE payload LIKE '%"time_limit":%'"""
+        )
