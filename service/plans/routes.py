@@ -2,7 +2,7 @@
 
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
@@ -19,6 +19,7 @@ from service.jobs.job import JobText
 from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.plans.dependencies import OpenPlan, PlanJob, PlanText
+from service.plans.included_parts import LeftOut
 from service.plans.models.plan import Plan, PlanPage
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
@@ -38,12 +39,12 @@ type State = Annotated[JobState | None, Query(description="Only those in this st
     responses=accepted(Plan, "the plan", 400, 404, 409, 413, 422, 429, 503),
 )
 async def create_plan(
-    request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep
+    request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep, left_out: LeftOut
 ) -> Response:
     """Request a plan: a job that is polled, streamed or waited for."""
     job = await submit_plan(request, submission, scenes)
     found = await submission.awaited(job, "/v1/plans")
-    return await _whole(submission.jobs, found, submission.response)
+    return await _whole(submission.jobs, found, submission.response, left_out)
 
 
 @router.get("", operation_id="listPlans", responses=problems(422))
@@ -61,9 +62,9 @@ async def list_plans(
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Plan, responses=problems(404, 422))
-async def get_plan(found: PlanText, jobs: JobsDep) -> Response:
+async def get_plan(found: PlanText, jobs: JobsDep, left_out: LeftOut) -> Response:
     """Show a plan: how far it is, and its result once it succeeded."""
-    return await _whole(jobs, found)
+    return await _whole(jobs, found, left_out=left_out)
 
 
 @router.get(
@@ -97,11 +98,13 @@ async def get_planner_graph(job: PlanJob) -> PlannerGraph:
     response_model=Plan,
     responses=accepted(Plan, "the plan", 404, 409, 422, 429, 503),
 )
-async def reverse_plan(job: PlanJob, submission: SubmissionDep, scenes: ScenesDep) -> Response:
+async def reverse_plan(
+    job: PlanJob, submission: SubmissionDep, scenes: ScenesDep, left_out: LeftOut
+) -> Response:
     """Request the same motion from its end to its start: a plan of its own, proven anew."""
     reverse = await submit_reversed(job, submission.key, scenes, submission.jobs)
     found = await submission.awaited(reverse, "/v1/plans")
-    return await _whole(submission.jobs, found, submission.response)
+    return await _whole(submission.jobs, found, submission.response, left_out)
 
 
 @router.post(
@@ -115,6 +118,11 @@ async def cancel_plan(job: OpenPlan, jobs: JobsDep) -> Response:
     return await _whole(jobs, await jobs.text_of(await jobs.cancel(job)))
 
 
-async def _whole(jobs: JobService, found: JobText, answer: Response | None = None) -> Response:
-    """Return a plan in full."""
-    return await whole(await plan_resource(jobs, found.summary), found.result, answer)
+async def _whole(
+    jobs: JobService,
+    found: JobText,
+    answer: Response | None = None,
+    left_out: Collection[str] = (),
+) -> Response:
+    """Return a plan in full, or without some parts of its result."""
+    return await whole(await plan_resource(jobs, found.summary), found.result, answer, left_out)
