@@ -215,6 +215,7 @@ _STATUS: dict[type[WayproofError], int] = {
     planning_errors.PlanningFailure: 409,
     planning_errors.DeadlineExceeded: 503,
     job_errors.IdempotencyConflict: 409,
+    job_errors.JobInUse: 409,
     job_errors.QueueFull: 429,
     job_errors.QueueTimeout: 503,
     job_errors.UnknownJob: 404,

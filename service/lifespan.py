@@ -72,7 +72,7 @@ async def open_services(
             scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
-            scenes.on_delete = sweeper.ask
+            scenes.on_delete = jobs.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             async with _meanwhile(sweeper.run(), retention.run()):
                 yield jobs, scenes

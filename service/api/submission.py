@@ -29,13 +29,13 @@ type Prefer = Annotated[
     str | None,
     Header(max_length=200, description="`wait=S` does what `?wait=S` does (RFC 7240)"),
 ]
-type IdempotencyKey = Annotated[
+type KeyHeader = Annotated[
     str | None,
     Header(
         alias="Idempotency-Key",
         min_length=1,
         max_length=200,
-        description="The same key and request give the same job, however often they are sent",
+        description="The same key and request give the same resource, however often they are sent",
     ),
 ]
 
@@ -78,7 +78,7 @@ async def _submission(
     *,
     wait: Wait = None,
     prefer: Prefer = None,
-    idempotency_key: IdempotencyKey = None,
+    idempotency_key: KeyHeader = None,
 ) -> Submission:
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
     return Submission(jobs, idempotency_key, response, settings, seconds)

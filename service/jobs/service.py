@@ -16,6 +16,7 @@ from service.jobs.errors import UnknownJob
 from service.jobs.job import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
+from service.jobs.store.deletion import delete_on_request
 from service.jobs.store.job_store import JobStore
 from service.jobs.task import Task
 
@@ -41,6 +42,9 @@ class JobService:
     """Submits, reads, follows, controls and cancels jobs, and calls short tasks.
 
     An id has the prefix of its queue, so that an id of another queue is unknown without a look.
+
+    Attributes:
+        on_delete: Called after jobs were deleted on request.
     """
 
     def __init__(
@@ -66,6 +70,7 @@ class JobService:
         self._prefixes = prefixes
         self._queues = queues
         self._terms = terms or CallTerms()
+        self.on_delete: Callable[[], None] | None = None
 
     async def call[In: BaseModel, Out: BaseModel](
         self, task: Task[In, Out], work: In, size: int = 0
@@ -214,6 +219,21 @@ class JobService:
             IllegalTransition: It has ended, or is to end.
         """
         return await self._dispatcher.control(job.id, controls)
+
+    async def delete(self, *found: JobSummary) -> None:
+        """Delete jobs that have ended, all of them or none, with all that was recorded of them.
+
+        Raises:
+            IllegalTransition: One has not ended.
+            JobInUse: A job that has not ended names it.
+            UnknownResource: Another request was quicker.
+        """
+        try:
+            await to_thread.run_sync(delete_on_request, self._store, *(job.id for job in found))
+        except UnknownJob as fault:
+            raise UnknownResource.of(found[0].queue, fault.evidence["id"]) from fault
+        if self.on_delete is not None:
+            self.on_delete()
 
     def unrecorded(self, job: JobSummary) -> list[str]:
         """Return what has happened to a job and is not in the database yet."""

@@ -67,6 +67,17 @@ async def get_plan(found: PlanText, jobs: JobsDep, left_out: LeftOut) -> Respons
     return await _whole(jobs, found, left_out=left_out)
 
 
+@router.delete(
+    "/{plan}", operation_id="deletePlan", status_code=204, responses=problems(404, 409, 422)
+)
+async def delete_plan(job: OpenPlan, jobs: JobsDep) -> None:
+    """Delete a plan that has ended; its address is unknown then, and its idempotency key free.
+
+    Executions and reversed plans that were made of it stay, for they have its motion themselves.
+    """
+    await jobs.delete(job)
+
+
 @router.get(
     "/{plan}/events",
     operation_id="streamPlanEvents",

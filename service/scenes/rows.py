@@ -19,6 +19,8 @@ from sqlalchemy import (
 )
 
 from service.errors import UnknownResource
+from service.jobs.errors import IdempotencyConflict
+from service.jobs.job import IdempotencyKey
 from service.jobs.json_text import Encoded, encode
 from service.scenes.models.scene import SceneSummary
 from service.scenes.records import SceneBrief, SceneRecord, scenes
@@ -27,7 +29,8 @@ from service.scenes.tasks import LoadedScene
 # Member of a row's summary: the revision that has what this row leaves out.
 _HELD = "unchecked_in"
 _CONTENT = (scenes.c.document, scenes.c.summary)
-_BRIEF = tuple(column for column in scenes.c if column not in {*_CONTENT})
+_OF_REQUEST = (scenes.c.key, scenes.c.request_digest)
+_BRIEF = tuple(column for column in scenes.c if column not in {*_CONTENT, *_OF_REQUEST})
 
 
 def insert_revision(
@@ -36,8 +39,13 @@ def insert_revision(
     revision: int,
     loaded: LoadedScene,
     unchecked_in: int | None = None,
+    key: IdempotencyKey | None = None,
 ) -> SceneRecord:
-    """Return the record of a new row."""
+    """Return the record of a new row.
+
+    Raises:
+        IntegrityError: Another scene has the key.
+    """
     # A server that kept no files wrote no member for them.
     summary = loaded.summary.model_dump_json(
         ensure_ascii=True, exclude={"files"} if loaded.summary.files is None else None
@@ -53,12 +61,27 @@ def insert_revision(
         "digest": loaded.digest,
         "name": loaded.name,
         "created_at": created_at.isoformat(),
+        "key": None if key is None else key.text,
+        "request_digest": None if key is None else key.digest,
     }
     written = {name: _as_json(connection, text) for name, text in texts.items()}
     done = connection.execute(insert(scenes).values(**row, **written).returning(scenes.c.serial))
     serial = int(done.scalar_one())
     brief = SceneBrief(serial, identifier, revision, loaded.digest, loaded.name, created_at)
     return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=unchecked_in)
+
+
+def find_by_key(connection: Connection, key: IdempotencyKey) -> str | None:
+    """Return the id of the scene that an idempotency key names, None if there is none.
+
+    Raises:
+        IdempotencyConflict: The key was used for another request.
+    """
+    query = select(scenes.c.id, scenes.c.request_digest).where(scenes.c.key == key.text)
+    found = connection.execute(query).first()
+    if found is not None and found.request_digest != key.digest:
+        raise IdempotencyConflict.of(key.text or "", "scene", found.id)
+    return None if found is None else found.id
 
 
 def latest_revision(connection: Connection, identifier: str) -> int | None:

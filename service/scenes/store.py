@@ -10,11 +10,12 @@ from pathlib import Path
 
 from anyio import to_thread
 from sqlalchemy import Connection, Engine
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, IntegrityError
 
 from planning.parallel.atomic_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.errors import DatabaseUnavailable
+from service.jobs.job import IdempotencyKey
 from service.jobs.json_text import encode
 from service.jobs.store.database import set_durability
 from service.jobs.store.schema import bring_up_to_date
@@ -64,9 +65,28 @@ class SceneStore:
         """Create what is missing, and bring the database to the newest revision."""
         await to_thread.run_sync(self._open)
 
-    async def add(self, loaded: LoadedScene) -> SceneRecord:
-        """Record a new scene."""
-        return await self._write(self._add, loaded)
+    async def add(self, loaded: LoadedScene, key: IdempotencyKey | None = None) -> SceneRecord:
+        """Record a new scene, or return the one that a key names by now.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+        """
+        try:
+            return await self._write(self._add, loaded, key)
+        except IntegrityError:
+            known = None if key is None else await self.find_by_key(key)
+            if known is None:
+                raise
+            return known
+
+    async def find_by_key(self, key: IdempotencyKey) -> SceneRecord | None:
+        """Return the scene that an idempotency key names, as it is now; None if there is none.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+        """
+        known = await to_thread.run_sync(self._id_of_key, key)
+        return None if known is None else await self.get(known)
 
     async def revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
         """Record the revision that follows `base`.
@@ -165,10 +185,14 @@ class SceneStore:
         bring_up_to_date(self._engine)
         self._folder.mkdir(parents=True, exist_ok=True)
 
-    def _add(self, loaded: LoadedScene) -> SceneRecord:
+    def _id_of_key(self, key: IdempotencyKey) -> str | None:
+        with self._engine.connect() as connection:
+            return rows.find_by_key(connection, key)
+
+    def _add(self, loaded: LoadedScene, key: IdempotencyKey | None) -> SceneRecord:
         with self._recording(loaded) as connection:
             identifier = f"scn_{secrets.token_hex(8)}"
-            record = rows.insert_revision(connection, identifier, 1, loaded)
+            record = rows.insert_revision(connection, identifier, 1, loaded, key=key)
         self._recent.put(record)
         return record
 

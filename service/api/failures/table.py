@@ -53,6 +53,7 @@ _JOBS: dict[type[WayproofError], Any] = {
     job_errors.QueueFull: jobs.QueueFullEvidence,
     job_errors.QueueTimeout: jobs.QueueTimeoutEvidence,
     job_errors.IdempotencyConflict: jobs.IdempotencyEvidence,
+    job_errors.JobInUse: jobs.InUseEvidence,
     job_errors.UnknownJob: jobs.JobIdEvidence,
     job_errors.DatabaseInUse: jobs.DatabaseEvidence,
     job_errors.DatabaseTooNew: jobs.DatabaseRevisionEvidence,

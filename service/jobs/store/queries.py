@@ -162,9 +162,7 @@ def find_by_idempotency_key(connection: Connection, spec: JobSpec | Job) -> Job 
         return None
     found = _jobs_where(connection, (jobs.c.queue == spec.queue) & (jobs.c.key == spec.key))
     if found and found[0].request_digest != spec.request_digest:
-        known = found[0].id
-        message = f"the idempotency key {spec.key!r} was used for another request: {known}"
-        raise IdempotencyConflict(message, {"key": spec.key, "job": known})
+        raise IdempotencyConflict.of(spec.key, "job", found[0].id)
     return found[0] if found else None
 
 

@@ -19,9 +19,9 @@ def upgrade() -> None:
     op.add_column("scenes", sa.Column("request_digest", sa.String(64), nullable=True))
     op.create_index("scenes_by_key", "scenes", ["key"], unique=True)
     # In a text of JSON a quotation mark that ends no string is escaped: this is a key.
-    for table in ("job_bodies", "job_summaries"):
-        op.execute(
-            f"UPDATE {table} SET payload = "
-            """replace(payload, '"time_limit":', '"allowed_time":') """
-            """WHERE payload LIKE '%"time_limit":%'"""
-        )
+    former, key = '"time_limit":', '"allowed_time":'
+    for name in ("job_bodies", "job_summaries"):
+        table = sa.table(name, sa.column("payload", sa.Text))
+        renamed = sa.func.replace(table.c.payload, former, key)
+        has_it = table.c.payload.contains(former)
+        op.execute(sa.update(table).where(has_it).values(payload=renamed))
