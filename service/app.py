@@ -18,6 +18,7 @@ from service.catalog import routes as catalog
 from service.executions import replay
 from service.executions import routes as executions
 from service.lifespan import open_services
+from service.plans import batch_routes as batches
 from service.plans import outputs
 from service.plans import routes as plans
 from service.queries import routes as queries
@@ -40,6 +41,7 @@ PARTS = (
     queries,
     regions,
     catalog,
+    batches,
     plans,
     outputs,
     trajectories,

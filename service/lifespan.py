@@ -15,9 +15,10 @@ from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.queue import JobQueue, Share
 from service.jobs.dispatch.worker_pool import WorkerPool
 from service.jobs.job import JobSummary
-from service.jobs.service import CallTerms, JobService
+from service.jobs.service import JobService
 from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.task_calls import CallTerms
 from service.jobs.worker.assignment import Worker
 from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker

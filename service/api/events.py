@@ -16,6 +16,9 @@ class EventData(ResponseModel):
     """What every event says."""
 
     at: datetime = Field(description="When it happened (UTC)")
+    plan: str | None = Field(
+        default=None, description="To which plan, in the stream of a batch; absent in other streams"
+    )
 
 
 class RequeuedData(EventData):

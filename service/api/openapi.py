@@ -15,6 +15,7 @@ _TAGS = [
     {"name": "queries", "description": "Questions to a scene, answered at once"},
     {"name": "planners", "description": "OMPL's planners"},
     {"name": "plans", "description": "Certified motions, made by durable jobs"},
+    {"name": "batches", "description": "Many plans in one request"},
     {"name": "regions", "description": "Convex regions of free configurations, for GCS"},
     {"name": "trajectories", "description": "Paths and motions of your own, timed and proven"},
     {"name": "executions", "description": "Motions that are being carried out"},

@@ -4,6 +4,7 @@
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -69,6 +70,17 @@ class Submission:
         if found.summary.state.is_final:
             self.response.status_code = 200
         return found
+
+    async def all_awaited(self, jobs: Sequence[str], address: str) -> None:
+        """Wait until jobs have ended, for as long as the client waits; the answer says which it is.
+
+        Args:
+            jobs: Their ids.
+            address: Where to poll all of them.
+        """
+        self.response.headers["Location"] = address
+        if await self.jobs.wait_for_all(jobs, self._seconds):
+            self.response.status_code = 200
 
 
 async def _submission(

@@ -109,6 +109,16 @@ class Job(JobSummary):
 
 
 @dataclass(frozen=True)
+class BatchMember:
+    """A job of a batch, and when it was asked for and has ended."""
+
+    id: str
+    state: JobState
+    created_at: datetime
+    finished_at: datetime | None
+
+
+@dataclass(frozen=True)
 class JobText:
     """A job whose result is passed on as it is: it may be megabytes, and is not read here.
 

@@ -76,6 +76,7 @@ async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
     best = await jobs.latest_event(job, "best-so-far") if is_running else None
     return PlanSummary.model_validate({
         "id": job.id,
+        "batch": job.batch,
         "state": job.state,
         "stage": job.stage,
         "progress": 1.0 if job.state == "succeeded" else job.progress,

@@ -28,6 +28,7 @@ from service.plans.submit import submit_plan, submit_reversed
 from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
+type OfBatch = Annotated[str | None, Query(max_length=128, description="Only those of this batch")]
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
 
 
@@ -52,11 +53,12 @@ async def list_plans(
     jobs: JobsDep,
     state: State = None,
     scene: OfScene = None,
+    batch: OfBatch = None,
     limit: Limit = 50,
     cursor: Cursor = None,
 ) -> PlanPage:
     """List plans, newest first, without their results."""
-    page = await jobs.page("plan", limit, before(cursor), state=state, scene=scene)
+    page = await jobs.page("plan", limit, before(cursor), state=state, scene=scene, batch=batch)
     plans = [await plan_resource(jobs, job) for job in page.jobs]
     return PlanPage(items=plans, next=cursor_of(page.following))
 

@@ -90,7 +90,10 @@ async def get_regions(found: RegionsText, jobs: JobsDep) -> Response:
 
 
 @router.delete(
-    "/regions/{regions}", operation_id="deleteRegions", status_code=204, responses=problems(404, 409, 422)
+    "/regions/{regions}",
+    operation_id="deleteRegions",
+    status_code=204,
+    responses=problems(404, 409, 422),
 )
 async def delete_regions(job: OpenRegions, jobs: JobsDep) -> None:
     """Delete regions that have ended; plans that were made in them stay."""

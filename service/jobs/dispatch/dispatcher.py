@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, Callable, Mapping
+from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 from contextlib import aclosing
 from dataclasses import replace
 from typing import Any
@@ -157,18 +157,23 @@ class Dispatcher:
         return self._scheduler.faults()
 
     async def submit(self, spec: JobSpec) -> Job:
-        """Queue a job; it is durable when this returns; see `JobSubmission.submit`.
+        """Queue a job; it is durable when this returns; see `submit_all`."""
+        return (await self.submit_all([spec]))[0]
+
+    async def submit_all(self, specs: Sequence[JobSpec]) -> list[Job]:
+        """Queue jobs of one queue, all of them or none; see `JobSubmission.submit_all`.
 
         Raises:
-            QueueFull: Its queue has as many waiting jobs as it may.
+            QueueFull: Its queue would have more waiting jobs than it may.
         """
-        if spec.key:
-            request = (spec.queue, spec.key, spec.request_digest)
+        first = specs[0]
+        if first.key:
+            request = (first.queue, first.key, first.request_digest)
             known = await asyncio.to_thread(self._store.find_by_key, *request)
             if known:
-                return known
-        self._scheduler.check_room(spec.queue)
-        return await self._submission.submit(spec)
+                return [known]
+        self._scheduler.check_room(first.queue, len(specs))
+        return await self._submission.submit_all(specs)
 
     async def cancel(self, identifier: str) -> JobSummary:
         """End a job and return it; see `JobControl.cancel`."""

@@ -1,7 +1,7 @@
 """What clients request of jobs: that one runs, that it ends, or that it goes on in another way."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Mapping, MutableMapping
+from collections.abc import Callable, Coroutine, Mapping, MutableMapping, Sequence
 from datetime import datetime
 from functools import partial
 from typing import Any
@@ -49,7 +49,14 @@ class JobSubmission:
         self._within = within
 
     async def submit(self, spec: JobSpec) -> Job:
-        """Queue a job, or return the one that its key names; it is durable when this returns.
+        """Queue a job, or return the one that its key names; see `submit_all`."""
+        [job] = await self.submit_all([spec])
+        return job
+
+    async def submit_all(self, specs: Sequence[JobSpec]) -> list[Job]:
+        """Queue jobs, all of them or none; they are durable when this returns.
+
+        Where the key of the first one was used before, the job that it names is returned alone.
 
         Raises:
             IdempotencyConflict: Its key was used for another request.
@@ -57,23 +64,28 @@ class JobSubmission:
             DBAPIError: The database refuses it.
             TypeError: Its payload is not JSON-compatible.
         """
-        drafted = draft(spec)
+        drafts = [draft(spec) for spec in specs]
         # In time for what may run twice; a run of what may not waits for its start to be written.
-        attempt = self._schedule(drafted.job, {})
+        attempts = [self._schedule(drafted.job, {}) for drafted in drafts]
         try:
             # It is sent to its worker before the thread that writes takes part of the interpreter.
             await asyncio.sleep(0)
             # Not in this thread: while a locked database is waited for, others are to be stopped.
-            insert = partial(self._recorder.store.insert_draft, drafted)
-            job, is_new = await self._recorder.write(insert, within=self._within)
+            insert = partial(self._recorder.store.insert_drafts, drafts)
+            jobs, are_new = await self._recorder.write(insert, within=self._within)
         except BaseException:
-            self._unschedule(attempt)
+            self._take_back(attempts)
             raise
-        if is_new:
-            attempt.confirm(job)
+        if are_new:
+            for attempt, job in zip(attempts, jobs, strict=True):
+                attempt.confirm(job)
         else:
+            self._take_back(attempts)
+        return jobs
+
+    def _take_back(self, attempts: Sequence[Attempt]) -> None:
+        for attempt in reversed(attempts):  # what waits does not begin because of what ends
             self._unschedule(attempt)
-        return job
 
 
 class JobControl:

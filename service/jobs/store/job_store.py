@@ -133,15 +133,21 @@ class JobStore(JobQueries):
             Overtaken: Another job of its queue has entered its scene.
             TypeError: The payload is not JSON-compatible.
         """
-        return self.insert_draft(draft(spec))
+        [job], is_new = self.insert_drafts([draft(spec)])
+        return job, is_new
 
-    def insert_draft(self, drafted: Draft) -> tuple[Job, bool]:
-        """Write a job that was drafted; returns and raises as `insert`."""
+    def insert_drafts(self, drafts: Sequence[Draft]) -> tuple[list[Job], bool]:
+        """Write jobs that were drafted, all of them or none; only the first may have a key.
+
+        Returns the new jobs and True, or the one that the key names and False; raises as `insert`.
+        """
+        first, *others = drafts
         with self.transaction(is_durable=True) as connection:
-            while (known := find_by_idempotency_key(connection, drafted.job)) is None:
-                if (job := insert_job(connection, drafted)) is not None:
-                    return job, True
-            return known, False
+            while (known := find_by_idempotency_key(connection, first.job)) is None:
+                if (job := insert_job(connection, first)) is not None:
+                    more = [insert_job(connection, drafted) for drafted in others]
+                    return [job, *(other for other in more if other is not None)], True
+            return [known], False
 
     def start(self, identifier: str) -> Transition | None:
         """Let a queued job run; None if it is not queued any more; so for all transitions."""

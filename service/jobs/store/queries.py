@@ -21,13 +21,13 @@ from sqlalchemy import (
 
 from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.event_bus import EventBatch
-from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.job import BatchMember, Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 from service.jobs.store.tables import bodies, events, jobs, makers, summaries
 
 _EVENTS_AT_ONCE = 500
-_INSTANTS = ("created_at", "started_at", "finished_at", "cancel_requested_at")
+_INSTANTS = {"created_at", "started_at", "finished_at", "cancel_requested_at"}
 
 
 def _jobs_with(content: Table) -> Select[Any]:
@@ -112,6 +112,14 @@ class JobQueries:
             rows = connection.execute(query.order_by(jobs.c.sequence.desc()).limit(limit))
             return [summary_of(columns_of(row)) for row in rows]
 
+    def members_of(self, batch: str) -> list[BatchMember]:
+        """Return the jobs of a batch in the order in which they were asked for."""
+        columns = (jobs.c.id, jobs.c.state, jobs.c.created_at, jobs.c.finished_at)
+        query = select(*columns).where(jobs.c.batch == batch).order_by(jobs.c.sequence)
+        with self._engine.connect() as connection:
+            rows = connection.execute(query)
+            return [BatchMember(**with_values(columns_of(row))) for row in rows]
+
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, oldest first."""
         states = [state.value for state in JobState if not state.is_final]
@@ -187,12 +195,12 @@ def decoded(data: Encoded | dict[str, Any]) -> dict[str, Any]:
 
 def job_of(columns: Mapping[str, Any]) -> Job:
     """Return the job of the columns of its tables."""
-    return Job(**_fields(columns))
+    return Job(**with_values(columns))
 
 
 def summary_of(columns: Mapping[str, Any]) -> JobSummary:
     """Return the job of the columns of its tables, as lists have it."""
-    return JobSummary(**_fields(columns))
+    return JobSummary(**with_values(columns))
 
 
 def columns_of(row: Row[Any]) -> dict[str, Any]:
@@ -200,9 +208,10 @@ def columns_of(row: Row[Any]) -> dict[str, Any]:
     return dict(row._mapping)  # noqa: SLF001  # pyright: ignore[reportPrivateUsage]  (public)
 
 
-def _fields(columns: Mapping[str, Any]) -> dict[str, Any]:
+def with_values(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Return columns of a job with its state and its instants as values."""
     fields = dict(columns)
-    for name in _INSTANTS:
+    for name in _INSTANTS & fields.keys():
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
     fields["state"] = JobState(fields["state"])
     return fields

@@ -26,6 +26,7 @@ class PlanSummary(ResponseModel):
     """A plan without its result."""
 
     id: str = Field(description="Of the plan")
+    batch: str | None = Field(description="Id of the batch that it is of; null for none")
     state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
     stage: AnyStage = Field(description="The stage that it is in or ended in, or empty")
     progress: float = Field(
