@@ -27,6 +27,7 @@ from service.scenes import routes as scenes
 from service.settings import Settings
 from service.trajectories import routes as trajectories
 from service.versions import versions
+from service.webhooks import routes as webhooks
 
 _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
@@ -47,6 +48,7 @@ PARTS = (
     trajectories,
     executions,
     replay,
+    webhooks,
     operations,
 )
 
@@ -73,8 +75,8 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken, metrics.note_end) as (jobs, scenes):
-                app.state.jobs, app.state.scenes = jobs, scenes
+            async with open_services(chosen, on_taken, metrics.note_end) as services:
+                app.state.jobs, app.state.scenes, app.state.webhooks = services
                 has_started = True
                 yield
         except Exception as fault:

@@ -71,6 +71,13 @@ class UnknownResource(Refusal):
         return cls(f"there {verb} no {kind} {shown!r}", {"kind": kind, "id": shown})
 
 
+class AddressNotAllowed(Refusal):
+    """A webhook leads where the server sends nothing; evidence: `host`, `pointer`."""
+
+    code = "address_not_allowed"
+    status = 422
+
+
 class MethodNotAllowed(Refusal):
     """The resource is there, but does not do that."""
 

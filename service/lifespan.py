@@ -30,6 +30,8 @@ from service.scenes.store import SceneStore
 from service.scenes.tasks import Library
 from service.settings import Settings
 from service.versions import versions
+from service.webhooks.delivery import DeliveryTerms, WebhookDelivery
+from service.webhooks.store import WebhookStore
 from service.workers import PRELOAD, WARM_UP, import_tasks
 
 # In the order in which they are counted.
@@ -43,7 +45,7 @@ async def open_services(
     settings: Settings,
     on_taken: Callable[[], None],
     on_end: Callable[[JobSummary], None] | None = None,
-) -> AsyncGenerator[tuple[JobService, SceneStore]]:
+) -> AsyncGenerator[tuple[JobService, SceneStore, WebhookStore]]:
     """Run jobs from here on; what an earlier server left is taken up again.
 
     Args:
@@ -64,6 +66,9 @@ async def open_services(
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes", _library(settings))
+    webhooks = WebhookStore(engine)
+    delivery = WebhookDelivery(webhooks, _delivery_terms(settings))
+    store.on_event = delivery.note  # what recovery ends is told as well
     try:
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
@@ -75,8 +80,8 @@ async def open_services(
             sweeper.ask()
             scenes.on_delete = jobs.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
-            async with _meanwhile(sweeper.run(), retention.run()):
-                yield jobs, scenes
+            async with _meanwhile(sweeper.run(), retention.run(), delivery.run()):
+                yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()
     finally:
@@ -93,6 +98,10 @@ async def _meanwhile(*work: Coroutine[Any, Any, None]) -> AsyncGenerator[None]:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _delivery_terms(settings: Settings) -> DeliveryTerms:
+    return DeliveryTerms(settings.webhook_private_addresses, settings.webhook_failure_days)
 
 
 def _library(settings: Settings) -> Library:

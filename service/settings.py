@@ -121,6 +121,15 @@ class Settings(BaseSettings):
         description="How long a canceled plan may time and prove its best path so far [s]",
     )
 
+    webhook_private_addresses: bool = Field(
+        default=False,
+        description="Whether webhooks may lead to loopback and private addresses, which the world "
+        "does not reach but this server does",
+    )
+    webhook_failure_days: float = Field(
+        default=5.0, gt=0, description="After which a webhook that takes nothing is disabled"
+    )
+
     @property
     def url(self) -> str:
         """The database's URL."""

@@ -19,6 +19,7 @@ _TAGS = [
     {"name": "regions", "description": "Convex regions of free configurations, for GCS"},
     {"name": "trajectories", "description": "Paths and motions of your own, timed and proven"},
     {"name": "executions", "description": "Motions that are being carried out"},
+    {"name": "webhooks", "description": "Addresses that are told what happens to jobs"},
     {"name": "operations", "description": "The server itself"},
 ]
 

@@ -68,6 +68,7 @@ _REFUSALS: dict[type[WayproofError], Any] = {
     service_errors.RequestTimeout: refusals.TimeoutEvidence,
     service_errors.ClientLeft: NoEvidence,
     service_errors.UnknownResource: refusals.UnknownResourceEvidence,
+    service_errors.AddressNotAllowed: refusals.AddressEvidence,
     service_errors.MethodNotAllowed: NoEvidence,
     service_errors.NotReady: refusals.ReadinessEvidence,
     service_errors.WrongCount: inputs.CountEvidence,

@@ -5,9 +5,10 @@ is decided on what another has changed meanwhile; the statements are the same on
 """
 
 import threading
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
+from typing import Any
 
 from sqlalchemy import Connection, Engine, bindparam, delete, func, insert, select, update
 
@@ -58,6 +59,8 @@ class JobStore(JobQueries):
 
     Attributes:
         versions: Of what runs them, by name.
+        on_event: Called with each change of a state in the transaction that records it: what it
+            writes is committed with it. From any thread.
     """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
@@ -69,6 +72,7 @@ class JobStore(JobQueries):
         """
         super().__init__(engine)
         self.versions = dict(versions or {})
+        self.on_event: Callable[[Connection, LoggedEvent], None] | None = None
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()
@@ -153,7 +157,7 @@ class JobStore(JobQueries):
         """Let a queued job run; None if it is not queued any more; so for all transitions."""
         changes = {"started_at": now(), "more_attempts": 1}
         with self.transaction(is_durable=False) as connection:
-            transition = apply_event(connection, identifier, JobEvent.START, changes, {})
+            transition = self._apply(connection, identifier, JobEvent.START, changes, {})
             if transition is not None:
                 if transition.event.number > 2:  # it is not the first event after `queued`
                     connection.execute(_FORGET_MAKER, {"job_id": identifier})
@@ -170,7 +174,7 @@ class JobStore(JobQueries):
         """
         changes = {"more_attempts": -refund}
         with self.transaction(is_durable=False) as connection:
-            return apply_event(
+            return self._apply(
                 connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason}
             )
 
@@ -185,7 +189,7 @@ class JobStore(JobQueries):
             summary: What lists show of it; None for all.
         """
         with self.transaction(is_durable=True) as connection:
-            transition = apply_event(
+            transition = self._apply(
                 connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {}
             )
             if transition is not None:
@@ -254,11 +258,20 @@ class JobStore(JobQueries):
     ) -> Transition | None:
         failure = failure_of(error)
         with self.transaction(is_durable=True) as connection:
-            transition = apply_event(connection, identifier, event, {}, {"failure": failure}, only)
+            transition = self._apply(connection, identifier, event, {}, {"failure": failure}, only)
             if transition is not None:
                 kept = without(failure, outline_of(transition.columns["task"]).failure)
                 _end(connection, identifier, "failure", encode(failure), encode(kept))
             return transition
+
+    def _apply(
+        self, connection: Connection, identifier: str, event: JobEvent, *more: Any
+    ) -> Transition | None:
+        """Apply an event as `apply_event` does, and tell `on_event`."""
+        transition = apply_event(connection, identifier, event, *more)
+        if transition is not None and self.on_event is not None:
+            self.on_event(connection, transition.event)
+        return transition
 
     def _check_ownership(self, connection: Connection) -> None:
         """Go on to the commit only if no other server has taken the database; it cannot before it.

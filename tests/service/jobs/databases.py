@@ -67,6 +67,8 @@ def make_released(engine):
     ]
     with engine.begin() as connection:
         for statement in (
+            "DROP TABLE webhooks",
+            "DROP TABLE webhook_notices",
             "DROP INDEX jobs_of_batch",
             "DROP INDEX scenes_by_key",
             *(f"ALTER TABLE jobs DROP COLUMN {name}" for name in ("cancel_requested_at", "batch")),
