@@ -3,29 +3,31 @@
 Older versions stored other values, and newer ones may: an answer passes on what was recorded.
 """
 
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Iterable
+from enum import StrEnum
+from typing import Annotated, cast
 
-from pydantic import GetJsonSchemaHandler
+from pydantic import GetJsonSchemaHandler, TypeAdapter
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
+from pydantic_core import CoreSchema, core_schema
 
 
-@dataclass(frozen=True)
 class OneOf:
-    """Mark of a text whose values the OpenAPI document lists.
+    """Mark of a text whose values the OpenAPI document lists, under a name of their own."""
 
-    Attributes:
-        values: All that this version answers with.
-    """
-
-    values: tuple[str, ...]
+    def __init__(self, name: str, doc: str, values: Iterable[str]) -> None:
+        """Remember the values that this version answers with; the empty text is `NONE`."""
+        members = {value.upper() or "NONE": value for value in values}
+        self._enum = cast("type[StrEnum]", StrEnum(name, members))
+        self._enum.__doc__ = doc
 
     def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+        self, _: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        """Return the schema of a text with these values."""
-        return {**handler(schema), "enum": list(self.values)}
+        """Return the schema of the values."""
+        # Only parts of a schema become references.
+        known = TypeAdapter(self._enum).core_schema
+        return handler(core_schema.list_schema(known))["items"]
 
 
 # In the order in which a job goes through them, each where it has them; see `timings`.
@@ -46,5 +48,8 @@ STAGES = (
 # Of what failed where no stage explains it: the whole plan, or the worker.
 NO_STAGE = ("", "plan", "worker")
 
-Stage = Annotated[str, OneOf(STAGES)]
-AnyStage = Annotated[str, OneOf((*STAGES, *NO_STAGE))]
+Stage = Annotated[str, OneOf("Stage", "Stages of jobs.", STAGES)]
+AnyStage = Annotated[
+    str,
+    OneOf("AnyStage", "Stages of jobs, and what stands for none.", (*STAGES, *NO_STAGE)),
+]

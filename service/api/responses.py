@@ -101,8 +101,9 @@ async def whole(
 
 def _result_in(text: str, left_out: Collection[str]) -> str | None:
     result = member_of(text, "result")
-    is_whole = result is None or result == "null" or not left_out
-    return result if is_whole else without_members(result, left_out)
+    if result is None or result == "null" or not left_out:
+        return result
+    return without_members(result, left_out)
 
 
 def passed_on(

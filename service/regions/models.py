@@ -23,7 +23,14 @@ from service.api.models import (
 from service.api.open_enums import AnyStage, OneOf
 from service.jobs.states import JobState
 
-STOPS = ("coverage", "num_regions", "deadline", "exhausted")
+StopReason = Annotated[
+    str,
+    OneOf(
+        "RegionsStopReason",
+        "Why there are no more regions.",
+        ("coverage", "num_regions", "deadline", "exhausted"),
+    ),
+]
 
 
 class RegionsRequest(RequestModel):
@@ -124,7 +131,7 @@ class RegionsSummary(ResponseModel):
         description="Share of the domain's free configurations that some region holds, by sampling"
     )
     coverage_error: float = Field(description="Standard error of `coverage`")
-    stopped_by: Annotated[str, OneOf(STOPS)] = Field(
+    stopped_by: StopReason = Field(
         description="Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`"
     )
     lower: list[float] = Field(description="Lowest configuration of the domain [rad or m]")

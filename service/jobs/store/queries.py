@@ -118,7 +118,7 @@ class JobQueries:
         query = select(*columns).where(jobs.c.batch == batch).order_by(jobs.c.sequence)
         with self._engine.connect() as connection:
             rows = connection.execute(query)
-            return [BatchMember(**with_values(columns_of(row))) for row in rows]
+            return [BatchMember(**with_values({**row})) for row in rows.mappings()]
 
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, oldest first."""

@@ -51,6 +51,10 @@ LIMITS = (
     "speed_zone",
     "acceleration_bounds",
 )
+Limit = Annotated[str, OneOf("Limit", "Limits on a motion.", LIMITS)]
+AnyLimit = Annotated[
+    str, OneOf("AnyLimit", "What keeps a motion from being quicker.", (*LIMITS, "duration", ""))
+]
 
 
 class BindingInterval(ResponseModel):
@@ -58,7 +62,7 @@ class BindingInterval(ResponseModel):
 
     begin: float = Field(description="[s]")
     end: float = Field(description="[s]")
-    limit: Annotated[str, OneOf((*LIMITS, "duration", ""))] = Field(
+    limit: AnyLimit = Field(
         description="velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, "
         "speed_zone or acceleration_bounds: the one that is used the most; duration where the "
         "motion takes longer than it must because the request says so; empty while nothing moves"
@@ -72,7 +76,7 @@ class BindingInterval(ResponseModel):
 class Saving(ResponseModel):
     """How much shorter the motion would be with one limit relaxed."""
 
-    limit: Annotated[str, OneOf(LIMITS)] = Field(description="Which, as in the intervals")
+    limit: Limit = Field(description="Which, as in the intervals")
     where: str = Field(description="The joint, block, frame or zone whose limit it is")
     seconds: float = Field(description="How much shorter [s]")
 

@@ -20,6 +20,7 @@ from service.webhooks.delivery import RETRY_DELAYS, DeliveryTerms, WebhookDelive
 from service.webhooks.records import notices
 from service.webhooks.store import WebhookStore
 from tests.service.jobs.postgres import cluster
+from tests.service.servers import until
 from tests.service.webhooks.receiver import receiver
 
 ON_BOTH = pytest.mark.parametrize("engine", ["sqlite", "postgresql"], indirect=True)
@@ -87,10 +88,14 @@ def finish(jobs, prefix="pln", **more):
     return job
 
 
+async def until_so(ask, *given):
+    """Wait in a thread until an answer is true."""
+    await to_thread.run_sync(until, lambda: ask(*given))
+
+
 async def settled(engine):
     """Wait until nothing is left to tell."""
-    while await to_thread.run_sync(left, engine):
-        await asyncio.sleep(0.01)
+    await until_so(lambda: not left(engine))
 
 
 @ON_BOTH
@@ -207,8 +212,7 @@ def test_what_a_server_left_the_next_one_tells(engine, jobs, webhooks, target):
             for _ in range(3):
                 await to_thread.run_sync(finish, jobs)
             await to_thread.run_sync(target.wait_for, 3)
-            while not webhooks.get(hook.id).reason:
-                await asyncio.sleep(0.01)
+            await until_so(lambda: webhooks.get(hook.id).reason)
 
     asyncio.run(first())
     assert left(engine) == 3
@@ -261,12 +265,10 @@ def test_a_webhook_that_takes_nothing_for_days_is_disabled(engine, jobs, webhook
         async with delivering(jobs, webhooks, DeliveryTerms(may_be_private=True), clock=clock):
             await to_thread.run_sync(finish, jobs)
             await to_thread.run_sync(target.wait_for, 1)
-            while not (await to_thread.run_sync(webhooks.get, hook.id)).failing_since:
-                await asyncio.sleep(0.01)
+            await until_so(lambda: webhooks.get(hook.id).failing_since)
             assert (await to_thread.run_sync(webhooks.get, hook.id)).disabled_at is None
             now[0] += timedelta(days=5, seconds=1)
-            while (await to_thread.run_sync(webhooks.get, hook.id)).disabled_at is None:
-                await asyncio.sleep(0.01)
+            await until_so(lambda: webhooks.get(hook.id).disabled_at)
 
     asyncio.run(story())
     assert left(engine) == 0
@@ -313,9 +315,8 @@ def test_nothing_is_sent_to_a_private_address_unless_it_may(engine, jobs, webhoo
     async def story():
         async with delivering(jobs, webhooks, DeliveryTerms()):
             await to_thread.run_sync(finish, jobs)
-            for each in (hook, named):
-                while "not public" not in (await to_thread.run_sync(webhooks.get, each.id)).reason:
-                    await asyncio.sleep(0.01)
+            for name in (hook.id, named.id):
+                await until_so(lambda name: "not public" in webhooks.get(name).reason, name)
 
     asyncio.run(story())
     assert target.posts == []
@@ -329,8 +330,7 @@ def test_a_name_that_leads_nowhere_is_a_failure_like_any_other(engine, jobs, web
         terms = DeliveryTerms(delays=(3600.0,))
         async with delivering(jobs, webhooks, terms):
             await to_thread.run_sync(finish, jobs)
-            while not (await to_thread.run_sync(webhooks.get, hook.id)).reason:
-                await asyncio.sleep(0.01)
+            await until_so(lambda: webhooks.get(hook.id).reason)
 
     asyncio.run(story())
     assert left(engine) == 1
