@@ -8,6 +8,7 @@ from typing import Any
 from anyio import to_thread
 
 from service.errors import NotReady, UnknownResource
+from service.jobs.artifacts import Artifact
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
@@ -76,6 +77,10 @@ class JobService(TaskCalls):
     async def members_of(self, batch: str) -> list[BatchMember]:
         """Return the jobs of a batch in the order in which they were asked for; none if unknown."""
         return await to_thread.run_sync(self._store.members_of, batch)
+
+    async def keep_artifact(self, artifact: Artifact, world_digest: str) -> str:
+        """Store an artifact for as long as a job or a scene has a content; return its digest."""
+        return await to_thread.run_sync(self._store.artifacts.keep, artifact, world_digest)
 
     async def find_by_key(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.

@@ -183,7 +183,7 @@ class WebhookDelivery:
     def _note_failure(
         self, webhook: WebhookRecord, notice: Notice, status: int, reason: str
     ) -> None:
-        """Have a message be sent again, or give it up; disable a webhook that has failed for long."""
+        """Have a message be sent again, or give it up; disable what has failed for long."""
         now, delays = self._clock(), self._terms.delays
         since = self._store.note_failure(webhook.id, reason, now)
         if status == _GONE or now - since >= timedelta(days=self._terms.failure_days):

@@ -19,6 +19,7 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
+from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import Prepared, set_durability, sync_log
 from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.store.schema import bring_up_to_date, refuse_newer
@@ -61,6 +62,7 @@ class JobStore(JobQueries):
         versions: Of what runs them, by name.
         on_event: Called with each change of a state in the transaction that records it: what it
             writes is committed with it. From any thread.
+        artifacts: That jobs read.
     """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
@@ -73,6 +75,7 @@ class JobStore(JobQueries):
         super().__init__(engine)
         self.versions = dict(versions or {})
         self.on_event: Callable[[Connection, LoggedEvent], None] | None = None
+        self.artifacts = ArtifactStore(engine)
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()
