@@ -35,7 +35,7 @@ async def _left_out(include: Include = None) -> frozenset[str]:
     wanted = include.split(",") if include else []
     for name in wanted:
         if name not in LARGE_PARTS:
-            raise UnknownName.among("part of a result", name[:80], LARGE_PARTS)
+            raise UnknownName.among("part", name[:80], LARGE_PARTS)
     return frozenset(LARGE_PARTS) - set(wanted)
 
 

@@ -186,7 +186,9 @@ class SceneStore:
         with self._durable() as connection:
             artifact = self._keep_artifact(connection, loaded)
             identifier = f"scn_{secrets.token_hex(8)}"
-            record = rows.insert_revision(connection, identifier, 1, loaded, artifact, key=key)
+            record = rows.insert_revision(connection, identifier, 1, loaded, artifact)
+            if key is not None:
+                rows.write_key(connection, identifier, key)
         self._recent.put(record)
         return record
 
