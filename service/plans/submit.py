@@ -1,6 +1,7 @@
 """Plans and reversed plans become jobs, once everything that they name is there."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
@@ -51,8 +52,15 @@ async def submit_plan(request: PlanRequest, submission: Submission, scenes: Scen
         IdempotencyConflict: The key was used for another request.
         QueueFull: The queue is full.
     """
-    key = IdempotencyKey(submission.key, request.model_dump(mode="json"))
+    key = IdempotencyKey(submission.key, _fingerprint(request))
     return await submission.jobs.submit(await plan_spec(request, key, submission, scenes))
+
+
+def _fingerprint(request: PlanRequest) -> dict[str, Any]:
+    """Return what a request says, as version 0.1 wrote it: keys are older than names of fields."""
+    fingerprint = request.model_dump(mode="json")
+    fingerprint["ik"]["time_limit"] = fingerprint["ik"].pop("allowed_time")
+    return fingerprint
 
 
 async def plan_spec(

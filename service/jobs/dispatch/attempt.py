@@ -137,11 +137,9 @@ class Attempt:
 
     def snapshot(self) -> Job:
         """Return the job as memory has it."""
-        job = replace(
-            self.job,
-            is_cancel_requested=self._is_cancel_requested,
-            cancel_requested_at=self.cancel_requested_at,
-        )
+        at = self.cancel_requested_at
+        is_requested = self._is_cancel_requested
+        job = replace(self.job, is_cancel_requested=is_requested, cancel_requested_at=at)
         if self._start is None:
             return job
         started_at = datetime.fromisoformat(self._start.event.at)
