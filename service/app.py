@@ -1,7 +1,7 @@
 """create_app(): the service, put together."""
 
-from collections.abc import AsyncGenerator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from contextlib import asynccontextmanager, nullcontext
 
 from fastapi import Depends, FastAPI
 
@@ -22,6 +22,13 @@ from service.plans import routes as plans
 from service.queries import routes as queries
 from service.regions import routes as regions
 from service.scenes import routes as scenes
+from service.security.audit import Audit
+from service.security.cross_origin import allow_origins
+from service.security.guard import Guard
+from service.security.key_ring import KeyRing, open_key_ring
+from service.security.keys import ApiKey
+from service.security.response_headers import ResponseHeaders
+from service.security.start import require_guarded
 from service.settings import Settings
 from service.trajectories import routes as trajectories
 from service.versions import versions
@@ -51,6 +58,14 @@ def _nothing() -> None:
     pass
 
 
+def _find_key(app: FastAPI) -> Callable[[str], Awaitable[ApiKey | None]]:
+    def find(text: str) -> Awaitable[ApiKey | None]:
+        ring: KeyRing = app.state.keys  # of an application that runs
+        return ring.find(text)
+
+    return find
+
+
 def create_app(
     settings: Settings | None = None, on_taken: Callable[[], None] = _nothing
 ) -> FastAPI:
@@ -69,8 +84,12 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken, metrics.note_end) as (desk, scenes):
-                app.state.desk, app.state.scenes = desk, scenes
+            require_guarded(chosen)
+            async with (
+                open_services(chosen, on_taken, metrics.note_end) as (desk, scenes),
+                open_key_ring(chosen.url) if chosen.auth == "keys" else nullcontext() as keys,
+            ):
+                app.state.desk, app.state.scenes, app.state.keys = desk, scenes, keys
                 has_started = True
                 yield
         except Exception as fault:
@@ -94,7 +113,11 @@ def create_app(
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )
+    app.add_middleware(Guard, settings=chosen, find=_find_key(app))
+    app.add_middleware(Audit)
+    allow_origins(app, chosen.allowed_origins)
     app.add_middleware(HostCheck, settings=chosen)
+    app.add_middleware(ResponseHeaders)
     app.state.is_stopping = False
     app.add_middleware(GracefulShutdown, is_stopping=lambda: app.state.is_stopping)
     app.add_middleware(MeasureRequests, metrics=metrics)

@@ -36,6 +36,20 @@ class HostNotAllowed(Refusal):
     status = 400
 
 
+class Unauthorized(Refusal):
+    """The request has no key that is valid; evidence: none."""
+
+    code = "unauthorized"
+    status = 401
+
+
+class ScopeMissing(Refusal):
+    """The key is not good for that; evidence: the scope that is `needed`, and its `scopes`."""
+
+    code = "scope_missing"
+    status = 403
+
+
 class OriginNotAllowed(Refusal):
     """A web page of another origin asks; evidence: `origin`."""
 
@@ -175,6 +189,13 @@ class RequestInvalid(Refusal):
 
     code = "request_invalid"
     status = 422
+
+
+class RateLimited(Refusal):
+    """The caller has made too many requests; evidence: `limit`, `retry_after`."""
+
+    code = "rate_limited"
+    status = 429
 
 
 class DiskFull(Refusal):

@@ -22,6 +22,7 @@ from service.errors import DiskFull, Refusal, RequestInvalid, UnreadableBody, pr
 from service.errors import status_of as status_of_error
 from service.jobs.database import is_of_database
 from service.jobs.errors import RETRY_AFTER, DatabaseUnavailable
+from service.security.response_headers import guard_headers
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20
@@ -181,5 +182,6 @@ def _on_surprise(_: Request, error: Exception) -> ProblemResponse:
     _log.error("unexpected error", exc_info=error)
     kind = type(error).__name__
     content = problem_of("internal_error", 500, f"an unexpected {kind}; see the server's log", {})
-    # Starlette handles these outside of all middleware.
-    return ProblemResponse(content, 500, {HEADER: request_id()})
+    answer = ProblemResponse(content, 500, {HEADER: request_id()})
+    guard_headers(answer.headers)  # Starlette handles these outside of all middleware
+    return answer

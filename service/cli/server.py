@@ -35,6 +35,7 @@ LOGGING: dict[str, Any] = {
     "handlers": {name: {**kind, "filters": ["request"]} for name, kind in _HANDLERS.items()},
     "loggers": {
         **uvicorn.config.LOGGING_CONFIG["loggers"],
+        "wayproof.audit": {"handlers": ["default"], "level": "INFO"},
         "service": {"handlers": ["default"], "level": "WARNING"},
     },
 }
