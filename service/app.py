@@ -15,6 +15,7 @@ from service.api.metrics import MeasureRequests, Metrics
 from service.api.params import require_known_query
 from service.api.request_id import RequestId
 from service.catalog import routes as catalog
+from service.executions import replay
 from service.executions import routes as executions
 from service.lifespan import open_services
 from service.plans import outputs
@@ -50,6 +51,7 @@ PARTS = (
     outputs,
     trajectories,
     executions,
+    replay,
     operations,
 )
 
@@ -86,10 +88,10 @@ def create_app(
         try:
             require_guarded(chosen)
             async with (
-                open_services(chosen, on_taken, metrics.note_end) as (desk, scenes),
+                open_services(chosen, on_taken, metrics.note_end) as (jobs, scenes),
                 open_key_ring(chosen.url) if chosen.auth == "keys" else nullcontext() as keys,
             ):
-                app.state.desk, app.state.scenes, app.state.keys = desk, scenes, keys
+                app.state.jobs, app.state.scenes, app.state.keys = jobs, scenes, keys
                 has_started = True
                 yield
         except Exception as fault:

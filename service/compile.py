@@ -8,10 +8,12 @@ import importlib
 
 from service.workers import PRELOAD
 
-# What the server imports, what draws, the commands, and what converts meshes.
+# What the server imports, also to migrate a database, what draws, the commands, and what converts
+# meshes.
 _MORE = (
     "service.cli.server",
     "service.cli.app",
+    "service.jobs.migrations.upgrade",
     "service.plans.charts",
     "trimesh",
     "trimesh.exchange.obj",

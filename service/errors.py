@@ -93,7 +93,7 @@ class MethodNotAllowed(Refusal):
 
 
 class NotReady(Refusal):
-    """Workers are not warm yet, or cannot be; evidence: `faults` by lane."""
+    """Workers are not warm yet, or cannot be; evidence: `faults` by queue."""
 
     code = "not_ready"
     status = 503
@@ -203,6 +203,18 @@ class DiskFull(Refusal):
 
     code = "disk_full"
     status = 503
+
+
+class BackupInvalid(WayproofError):
+    """A file is no backup, or is damaged; evidence: `file`, and `member` if one is wrong."""
+
+    code = "backup_invalid"
+
+
+class RecordsExist(WayproofError):
+    """A backup is not restored over records; evidence: `database`."""
+
+    code = "records_exist"
 
 
 class ServerStopping(Refusal):

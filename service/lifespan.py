@@ -8,12 +8,14 @@ from typing import Any
 
 from anyio import to_thread
 
+from service.api.client_disconnect import call_for_client
 from service.executions.settlement import settled
 from service.jobs.database import keep_off_loops, open_engine
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.job import JobSummary
 from service.jobs.leader import DispatcherLock
 from service.jobs.queue import JobQueue, Share
+from service.jobs.service import CallTerms, JobService
 from service.jobs.store import JobStore
 from service.jobs.worker.assignment import Worker
 from service.jobs.worker.main import Terms
@@ -21,13 +23,16 @@ from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
 from service.retention import Retention
-from service.scene_jobs import SceneJobs
 from service.scenes.file_cleanup import Sweeper
+from service.scenes.job_spec import PREFIXES
 from service.scenes.store import SceneStore
+from service.scenes.tasks import Library
 from service.settings import Settings
 from service.versions import versions
 from service.workers import PRELOAD, WARM_UP, import_tasks
 
+# In the order in which they are counted.
+_QUEUES = ("plan", "query", "execution", "regions")
 # Workers for short questions only: they go on while scenes are loaded.
 _RESERVED = 1
 
@@ -37,7 +42,7 @@ async def open_services(
     settings: Settings,
     on_taken: Callable[[], None],
     on_end: Callable[[JobSummary], None] | None = None,
-) -> AsyncGenerator[tuple[SceneJobs, SceneStore]]:
+) -> AsyncGenerator[tuple[JobService, SceneStore]]:
     """Run jobs from here on; what an earlier server left is taken up again.
 
     Args:
@@ -57,19 +62,20 @@ async def open_services(
     dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, on_end=on_end)
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
-    scenes = SceneStore(engine, settings.data_dir / "scenes")
+    scenes = SceneStore(engine, settings.data_dir / "scenes", _library(settings))
     try:
-        await scenes.open()
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
-            desk = SceneJobs(settings, store, dispatcher, scenes)
-            scenes.settle = partial(settled, scenes=scenes, desk=desk)
+            await scenes.open()  # behind the lock: others may not change the database meanwhile
+            terms = CallTerms(settings.query_timeout, settings.query_patience, call_for_client)
+            jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
+            scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
             scenes.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             async with _meanwhile(sweeper.run(), retention.run()):
-                yield desk, scenes
+                yield jobs, scenes
         finally:
             await dispatcher.stop()
     finally:
@@ -86,6 +92,15 @@ async def _meanwhile(*work: Coroutine[Any, Any, None]) -> AsyncGenerator[None]:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _library(settings: Settings) -> Library:
+    # Where links lead is asked of the disk once, not for each task.
+    return Library(
+        model_roots=[str(root.resolve()) for root in settings.model_roots],
+        allow_paths=settings.may_load_paths,
+        copies=str(settings.folder / "files"),
+    )
 
 
 # How long a canceled job may take to end by itself [s]: a robot comes to rest on its path first.

@@ -104,17 +104,17 @@ class Retention:
 def _old(connection: Connection, before: datetime, most: int) -> list[str]:
     """Return jobs that ended before an instant and are not needed, oldest first."""
     is_old = jobs.c.state.in_(_ENDED) & (jobs.c.finished_at < before.isoformat())
-    query = select(jobs.c.id).where(is_old, ~_is_needed(connection)).order_by(jobs.c.serial)
+    query = select(jobs.c.id).where(is_old, ~_is_needed(connection)).order_by(jobs.c.sequence)
     return list(connection.execute(query.limit(most)).scalars())
 
 
 def _is_needed(connection: Connection) -> ColumnElement[bool]:
-    last = select(func.max(jobs.c.serial)).where(jobs.c.lane == "execution")
+    last = select(func.max(jobs.c.sequence)).where(jobs.c.queue == "execution")
     last = last.where(jobs.c.scene.in_(select(scenes.c.id))).group_by(jobs.c.scene)
-    is_of_scene = jobs.c.warm_key.in_(select(scenes.c.digest))
+    is_of_scene = jobs.c.world_digest.in_(select(scenes.c.digest))
     return (
-        jobs.c.serial.in_(last)
-        | ((jobs.c.lane == "regions") & is_of_scene)
+        jobs.c.sequence.in_(last)
+        | ((jobs.c.queue == "regions") & is_of_scene)
         | jobs.c.id.in_(_named_by_open(connection))
     )
 

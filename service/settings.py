@@ -2,6 +2,7 @@
 
 import ipaddress
 import os
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -75,7 +76,7 @@ class Settings(BaseSettings):
         ge=_GIB // 2,
         description="What one worker may use [bytes]; what needs more fails",
     )
-    max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per lane")
+    max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per queue")
     retention_days: float = Field(
         default=30.0,
         ge=0,
@@ -147,6 +148,11 @@ class Settings(BaseSettings):
     def url(self) -> str:
         """The database's URL."""
         return self.database_url or f"sqlite:///{self.data_dir / 'wayproof.sqlite'}"
+
+    @cached_property
+    def folder(self) -> Path:
+        """The data folder, links followed: it is the same for workers."""
+        return self.data_dir.resolve()
 
     @property
     def owner(self) -> str:

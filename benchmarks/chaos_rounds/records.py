@@ -8,7 +8,7 @@ from benchmarks.chaos_rounds.databases import Database
 from benchmarks.chaos_rounds.journal import Violation
 
 _STATES = {"aborted": "failed"}
-_PARTS = ("job_bodies", "job_briefs", "job_events", "job_makers")
+_PARTS = ("job_bodies", "job_summaries", "job_events", "job_makers")
 
 
 def check_rows(database: Database, ends: Mapping[str, str]) -> list[Violation]:

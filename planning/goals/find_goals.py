@@ -115,7 +115,7 @@ def _rank_solutions(
     """Return the solutions and their equivalents by full turns, nearest to the start first."""
     group, options = query.group, query.options
     metric = JointMetric.from_names(group, options.joint_weights)
-    tally = count_collisions(world, query, search.colliding[: query.num_measured], deadline)
+    tally = count_collisions(world, query, search.colliding, query.num_measured, deadline)
     rows, index = full_turn_equivalents(group, world.limits(group), search.solutions.rows)
     target_indices = search.solutions.targets[index]
     funnel = search.funnel(tally.summary)

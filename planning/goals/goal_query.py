@@ -32,5 +32,5 @@ class GoalQuery:
     start: Float64[np.ndarray, " nq"]
     margins: PairMargins
     options: IkOptions
-    num_measured: int = 2
+    num_measured: int = 5
     constraints: PathConstraints | None = None

@@ -83,7 +83,7 @@ def find_predicate_goals(
     samples = TargetSamples([], np.zeros(1, dtype=np.int64), 1)
     search.run(samples, PredicateSolver(query, goal, rng), options.max_trials)
     funnel = search.funnel(
-        count_collisions(world, query, search.colliding[: query.num_measured], deadline).summary
+        count_collisions(world, query, search.colliding, query.num_measured, deadline).summary
     )
     rows = search.solutions.rows
     if len(rows):

@@ -19,7 +19,7 @@ def check_time(world: World, query: GoalQuery, search: PoseSearch, deadline: Dea
     try:
         deadline.check("goals")
     except DeadlineExceeded as error:
-        tally = count_collisions(world, query, search.colliding[: query.num_measured], deadline)
+        tally = count_collisions(world, query, search.colliding, query.num_measured, deadline)
         funnel = funnel_evidence(search.funnel(tally.summary))
         max_trials = query.options.max_trials
         message = (

@@ -1,7 +1,7 @@
 """PlanContext: checked and resolved input of the later stages; StageProgress: stage reports."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from planning.domain.arrays import Array
 from planning.domain.goals.goal_configurations import GoalConfigurations
@@ -24,20 +24,37 @@ from planning.world.world import World
 SEARCH_FRACTION = 0.15
 # Progress at the beginning of other stages, for those that report nothing else.
 _STAGE_FRACTIONS = {"refine": 0.5, "retime": 0.6, "certify": 0.8, "explain": 0.95}
+# Progress at the end of every stage: where the one after it begins, at the earliest.
+_STAGE_ENDS = {
+    "goals": 0.1,
+    "roadmap": SEARCH_FRACTION,
+    "search": 0.5,
+    "refine": 0.6,
+    "retime": 0.8,
+    "certify": 0.95,
+    "explain": 0.97,
+}
 
 
 class StageProgress:
-    """Forwards progress, and reports the beginning of stages that do not report it themselves."""
+    """Forwards progress, and reports the beginning of stages that do not report it themselves.
+
+    The fractions never decrease: a search that begins again after a refused motion has the progress
+    that the plan had reached.
+    """
 
     def __init__(self, on_progress: Callable[[Progress], None]) -> None:
         """Forward progress to `on_progress`."""
         self._on_progress = on_progress
         self._stage = ""
+        self._fraction = 0.0
 
     def __call__(self, progress: Progress) -> None:
-        """Forward progress."""
+        """Forward progress, with the end of its stage."""
         self._stage = progress.stage
-        self._on_progress(progress)
+        self._fraction = max(self._fraction, progress.fraction)
+        until = max(self._fraction, _STAGE_ENDS.get(progress.stage, 0.0))
+        self._on_progress(replace(progress, fraction=self._fraction, until=until))
 
     def begin(self, stage: str) -> None:
         """Report that a stage begins, unless it reported progress already."""

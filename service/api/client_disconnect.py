@@ -14,6 +14,7 @@ from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.errors import ClientLeft
+from service.jobs.calls import CallResult
 
 
 @dataclass
@@ -67,13 +68,19 @@ class DisconnectWatch:
             _client.reset(token)
 
 
-def note_question(waited: float, worked: float) -> None:
-    """Add to what the questions of this request took [s]."""
+async def call_for_client(call: Coroutine[Any, Any, CallResult]) -> CallResult:
+    """Return the result of a call, which ends if the client leaves, and note what it took.
+
+    Raises:
+        ClientLeft: The client closed its connection.
+    """
+    result = await unless_client_leaves(call)
     client = _client.get()
     if client is not None:
         client.has_asked = True
-        client.waited += waited
-        client.worked += worked
+        client.waited += result.waited
+        client.worked += result.worked
+    return result
 
 
 async def unless_client_leaves[T](work: Coroutine[Any, Any, T]) -> T:

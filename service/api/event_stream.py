@@ -16,11 +16,11 @@ EVENTS: dict[str, Any] = {
 
 
 async def server_sent(
-    desk: JobService, job: JobSummary, last_event_id: str | None
+    jobs: JobService, job: JobSummary, last_event_id: str | None
 ) -> AsyncIterator[ServerSentEvent]:
     """Yield what happened to a job after an event, and what happens from now on, to its end."""
     # An id that is not ours is from another stream: then everything is sent.
     is_ours = last_event_id is not None and last_event_id.isdecimal()
-    async for event in desk.events(job, int(last_event_id) if is_ours and last_event_id else 0):
+    async for event in jobs.events(job, int(last_event_id) if is_ours and last_event_id else 0):
         data = {"at": event.at.replace("+00:00", "Z"), **event.data}
         yield ServerSentEvent(id=str(event.number), event=event.type, data=data)

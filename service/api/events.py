@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Json
 
-from service.api.models import Failure, ResponseModel
+from service.api.failures.failure import Failure
+from service.api.models import ResponseModel
 
 type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
 
@@ -41,6 +42,10 @@ class BestPathData(EventData):
 
     detail: str = Field(description="For a person")
     length: float = Field(description="Weighted length of the path")
+    seconds: float | None = Field(
+        default=None,
+        description="Since the worker began with the plan [s]; null where an older version told it",
+    )
 
 
 class FinishedData(EventData):

@@ -6,7 +6,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from planning.world.documents.scene_document import SceneDocument
-from service.api.models import Problem
+from service.api.failures.problem import Problem
 from service.api.responses import problems
 from service.security.scopes import required_scope
 

@@ -16,10 +16,10 @@ from fastapi.responses import (
 from pydantic import Field
 
 import planning
+from service.api.dependencies import JobsDep
 from service.api.metrics import MEDIA_TYPE, Metrics
 from service.api.models import ResponseModel
 from service.api.responses import problems
-from service.dependencies import JobsDep, ScenesDep
 from service.versions import versions
 
 
@@ -38,8 +38,8 @@ class Readiness(ResponseModel):
     """Whether the server takes jobs."""
 
     status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")
-    queued: dict[str, int] = Field(description="Jobs that wait, by lane")
-    running: dict[str, int] = Field(description="Jobs that run, by lane")
+    queued: dict[str, int] = Field(description="Jobs that wait, by queue")
+    running: dict[str, int] = Field(description="Jobs that run, by queue")
 
 
 router = APIRouter(tags=["operations"])
@@ -69,11 +69,10 @@ async def get_health() -> Health:
 
 
 @router.get("/readyz", operation_id="getReadiness", responses=problems(422, 503))
-async def get_readiness(desk: JobsDep, scenes: ScenesDep) -> Readiness:
+async def get_readiness(jobs: JobsDep) -> Readiness:
     """Say whether jobs begin at once: the database answers, and workers have planned a motion."""
-    desk.check_ready()
-    await scenes.page(1)
-    counts = await desk.counts()
+    jobs.check_ready()
+    counts = await jobs.counts()
     return Readiness(status="ready", queued=counts["queued"], running=counts["running"])
 
 
@@ -83,10 +82,10 @@ async def get_readiness(desk: JobsDep, scenes: ScenesDep) -> Readiness:
     response_class=PlainTextResponse,
     responses={200: _METRICS, **problems(422, 503)},
 )
-async def get_metrics(request: Request, desk: JobsDep) -> PlainTextResponse:
+async def get_metrics(request: Request, jobs: JobsDep) -> PlainTextResponse:
     """Count jobs, requests, stages, what waits, workers and failures, as Prometheus reads it."""
     metrics: Metrics = request.app.state.metrics
-    text = metrics.exposition(await desk.counts(), desk.loads())
+    text = metrics.exposition(await jobs.counts(), jobs.loads())
     return PlainTextResponse(text, media_type=MEDIA_TYPE)
 
 

@@ -9,9 +9,10 @@ from typing import Annotated
 
 from fastapi import Depends, Header, Query, Response
 
-from service.dependencies import JobsDep, SettingsDep
+from service.api.dependencies import JobsDep, SettingsDep
 from service.jobs.job import Job, JobText
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
+from service.settings import Settings
 
 _PREFERENCE = re.compile(r"(?:^|[,;\s])wait\s*=\s*\"?(\d{1,6}(?:\.\d{1,6})?)")
 
@@ -44,14 +45,16 @@ class Submission:
     """How a client asks for a job.
 
     Attributes:
-        desk: Where jobs are asked for.
+        jobs: Where jobs are asked for.
         key: The idempotency key, or None.
         response: Status and headers of the answer.
+        settings: Of the server.
     """
 
-    desk: SceneJobs
+    jobs: JobService
     key: str | None
     response: Response
+    settings: Settings
     _seconds: float
 
     async def awaited(self, job: Job, path: str) -> JobText:
@@ -61,7 +64,7 @@ class Submission:
             job: As it was taken in.
             path: Of the resources of its kind; the answer says where to poll.
         """
-        found = await self.desk.wait(job, self._seconds)
+        found = await self.jobs.wait(job, self._seconds)
         self.response.headers["Location"] = f"{path}/{job.id}"
         if found.summary.state.is_final:
             self.response.status_code = 200
@@ -70,7 +73,7 @@ class Submission:
 
 async def _submission(
     response: Response,
-    desk: JobsDep,
+    jobs: JobsDep,
     settings: SettingsDep,
     *,
     wait: Wait = None,
@@ -78,7 +81,7 @@ async def _submission(
     idempotency_key: IdempotencyKey = None,
 ) -> Submission:
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
-    return Submission(desk, idempotency_key, response, seconds)
+    return Submission(jobs, idempotency_key, response, settings, seconds)
 
 
 type SubmissionDep = Annotated[Submission, Depends(_submission)]

@@ -1,7 +1,7 @@
 """Tasks that tell what there is to choose from."""
 
 from service.catalog.models import ModelList, PlannerList
-from service.jobs.tasks import Task, TaskModel
+from service.jobs.task import Task, TaskModel
 from service.scenes.models.summary import Model
 from service.scenes.tasks import LibraryWork
 

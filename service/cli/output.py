@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from service.api.models import Failure
+from service.api.failures.failure import Failure
 from service.client.events import Event
 from service.plans.models.plan import Plan
 from service.plans.models.result import PlanResult

@@ -131,8 +131,8 @@ class _Server(uvicorn.Server):
     @override
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._app.state.is_stopping = True
-        if hasattr(self._app.state, "desk"):
-            self._app.state.desk.begin_to_stop()
+        if hasattr(self._app.state, "jobs"):
+            self._app.state.jobs.begin_to_stop()
         await super().shutdown(sockets)
 
     def give_up(self) -> None:

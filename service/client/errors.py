@@ -3,7 +3,7 @@
 import httpx
 from pydantic import ValidationError
 
-from service.api.models import Problem
+from service.api.failures.problem import Problem
 
 
 class ApiError(Exception):

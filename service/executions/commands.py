@@ -3,14 +3,14 @@
 from planning.errors import IllegalTransition
 from service.executions.tasks import Commands
 from service.jobs.job import Job, JobSummary
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 
 
-async def send_command(desk: SceneJobs, job: JobSummary, commands: Commands) -> Job:
+async def send_command(jobs: JobService, job: JobSummary, commands: Commands) -> Job:
     """Have an execution rest, move on, or move at another speed, and return it.
 
     Args:
-        desk: Knows the job.
+        jobs: Knows the job.
         job: Of the execution.
         commands: Of which those that are set are sent.
 
@@ -21,4 +21,4 @@ async def send_command(desk: SceneJobs, job: JobSummary, commands: Commands) -> 
         state = job.state if job.state.is_final else "canceling"
         message = f"execution {job.id} is {state}: it cannot be steered any more"
         raise IllegalTransition(message, {"state": state, "event": "steer", "legal": []})
-    return await desk.control(job, commands.model_dump(exclude_unset=True))
+    return await jobs.control(job, commands.model_dump(exclude_unset=True))

@@ -15,7 +15,8 @@ from service.api.events import (
     StageEvent,
     StartedEvent,
 )
-from service.api.models import UNRECORDED, Failure, Identifier, Real, RequestModel, ResponseModel
+from service.api.failures.failure import Failure
+from service.api.models import UNRECORDED, Identifier, Real, RequestModel, ResponseModel
 
 
 class ExecutionState(StrEnum):

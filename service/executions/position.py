@@ -7,7 +7,7 @@ from service.errors import RobotBusy, StartMismatch
 from service.executions.models import ExecutionStatus
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.job import JobSummary
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 from service.scenes.models.summary import Group
 
 # An execution ends within 0.005 of where it should [rad or m].
@@ -37,7 +37,7 @@ def check_at_start(group: Group, start: list[float]) -> None:
         raise StartMismatch(message, evidence)
 
 
-async def require_at_rest(desk: SceneJobs, scene: str) -> int:
+async def require_at_rest(jobs: JobService, scene: str) -> int:
     """Return the sequence of the last execution in a scene, 0 for none, if nothing moves there.
 
     A motion was proven against other robots where they stood, not against other motions.
@@ -45,7 +45,7 @@ async def require_at_rest(desk: SceneJobs, scene: str) -> int:
     Raises:
         RobotBusy: An execution moves a robot of the scene.
     """
-    async for job in desk.newest("execution", scene=scene):  # no older one can be open
+    async for job in jobs.newest("execution", scene=scene):  # no older one can be open
         if job.state.is_final:
             return job.sequence
         group = ExecutionOutline.model_validate(job.payload).group
@@ -57,11 +57,11 @@ async def require_at_rest(desk: SceneJobs, scene: str) -> int:
     return 0
 
 
-async def last_status(desk: SceneJobs, job: JobSummary) -> ExecutionStatus | None:
+async def last_status(jobs: JobService, job: JobSummary) -> ExecutionStatus | None:
     """Return the last status of an execution, None if it never moved."""
     if job.result is not None:
         return ExecutionOutcome.model_validate(job.result).status
-    latest = await desk.latest_event(job, "status")
+    latest = await jobs.latest_event(job, "status")
     return None if latest is None else ExecutionStatus.model_validate(latest)
 
 

@@ -1,15 +1,53 @@
-"""What a replay of a scene shows: the motions that executions carried out in it, in order."""
+"""/v1/scenes/{id}/replay.html: the motions that executions carried out in a scene, in order."""
 
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from fastapi.responses import HTMLResponse
+
+from service.api.dependencies import JobsDep
+from service.api.params import SceneId
+from service.api.responses import problems
+from service.api.strict_route import StrictRoute
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionWork
 from service.jobs.job import JobSummary
-from service.plans.tasks import ShownWork
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
+from service.plans.tasks import REPLAY_MOTIONS, ReplayWork, ShownWork
+from service.scenes.dependencies import ScenesDep
+
+router = APIRouter(
+    route_class=StrictRoute, prefix="/v1/scenes/{scene}/replay.html", tags=["scenes"]
+)
+
+# Each may need a world of its own in memory.
+_MOST_MOTIONS = 32
+
+type LastMotions = Annotated[
+    int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
+]
+_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
-async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[ShownWork]:
+@router.get(
+    "",
+    operation_id="getSceneReplay",
+    response_class=HTMLResponse,
+    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
+)
+async def get_scene_replay(
+    scene: SceneId, scenes: ScenesDep, jobs: JobsDep, last: LastMotions = _MOST_MOTIONS
+) -> HTMLResponse:
+    """Replay in 3-D what executions moved in a scene, one motion after the other."""
+    record = await scenes.stored(scene)
+    motions = await executed_motions(jobs, record.id, last)
+    page = await jobs.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
+    return HTMLResponse(page.html)
+
+
+async def executed_motions(jobs: JobService, scene: str, most: int) -> list[ShownWork]:
     """Return the last motions that were carried out in a scene, oldest first.
 
     Each is shown in the revision that it was carried out in, and as far as it went.
@@ -18,20 +56,20 @@ async def executed_motions(desk: SceneJobs, scene: str, most: int) -> list[Shown
         NotFinished: Nothing has moved in the scene yet.
     """
     found: list[ShownWork] = []
-    async for job in desk.newest("execution", scene=scene):
+    async for job in jobs.newest("execution", scene=scene):
         if len(found) == most:
             break
-        status = await last_status(desk, job)
+        status = await last_status(jobs, job)
         if job.finished_at is not None and status is not None:
-            found.append(await _motion(desk, job, status))
+            found.append(await _motion(jobs, job, status))
     if not found:
         message = f"no execution has moved anything in scene {scene} and ended: nothing to replay"
         raise NotFinished(message, {"id": scene, "state": "unmoved"})
     return found[::-1]
 
 
-async def _motion(desk: SceneJobs, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
-    job = await desk.job("execution", summary.id)  # lists have no trajectory
+async def _motion(jobs: JobService, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
+    job = await jobs.job("execution", summary.id)  # lists have no trajectory
     work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"
     title = work.request.title or f"{work.group} moves"

@@ -1,12 +1,12 @@
 """Executions as clients see them, from their jobs."""
 
-from service.api.models import Failure
+from service.api.failures.failure import Failure
 from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.job import JobSummary
+from service.jobs.service import JobService
 from service.jobs.states import JobState
-from service.scene_jobs import SceneJobs
 
 _FINAL = {
     JobState.SUCCEEDED: ExecutionState.SUCCEEDED,
@@ -25,10 +25,10 @@ JOB_STATES = {
 }
 
 
-async def execution_resource(desk: SceneJobs, job: JobSummary) -> Execution:
+async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
     """Return an execution in full."""
     work = ExecutionOutline.model_validate(job.payload)
-    status = await last_status(desk, job)
+    status = await last_status(jobs, job)
     state = state_of(job, status)
     outcome = None if job.result is None else ExecutionOutcome.model_validate(job.result)
     failure = None if job.failure is None else Failure.model_validate(job.failure)
@@ -45,7 +45,7 @@ async def execution_resource(desk: SceneJobs, job: JobSummary) -> Execution:
         status=None if status is None else status.model_copy(update={"state": state}),
         failure=failure,
         timings={} if ended is None else ended.timings,
-        unrecorded=desk.unrecorded(job),
+        unrecorded=jobs.unrecorded(job),
     )
 
 

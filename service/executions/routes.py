@@ -5,16 +5,16 @@
 from collections.abc import AsyncIterator
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Depends, Query
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
-from service.api.params import LastEventId
+from service.api.params import ExecutionId, LastEventId
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
-from service.dependencies import ExecutionJob, JobsDep, OpenExecution, ScenesDep
 from service.executions.commands import send_command
 from service.executions.models import (
     Execution,
@@ -27,8 +27,24 @@ from service.executions.models import (
 from service.executions.resource import JOB_STATES, execution_resource
 from service.executions.submit import submit_execution
 from service.executions.tasks import Commands
+from service.jobs.job import Job, JobSummary
+from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/executions", tags=["executions"])
+
+
+async def _execution_job(execution: ExecutionId, jobs: JobsDep) -> Job:
+    return await jobs.job("execution", execution)
+
+
+async def _open_execution(execution: ExecutionId, jobs: JobsDep) -> JobSummary:
+    return await jobs.open_job("execution", execution)
+
+
+type ExecutionJob = Annotated[Job, Depends(_execution_job)]
+# As memory has it while it waits or runs: what is to be stopped waits for no database.
+type OpenExecution = Annotated[JobSummary, Depends(_open_execution)]
+
 type State = Annotated[ExecutionState | None, Query(description="Only those in this state")]
 
 
@@ -42,14 +58,14 @@ async def create_execution(
     request: ExecutionRequest, asked: SubmissionDep, scenes: ScenesDep
 ) -> Execution:
     """Carry out a plan, if its start is where the robot is."""
-    job = await submit_execution(request, asked.key, scenes, asked.desk)
+    job = await submit_execution(request, asked.key, scenes, asked.jobs)
     found = await asked.awaited(job, "/v1/executions")
-    return await execution_resource(asked.desk, found.summary)
+    return await execution_resource(asked.jobs, found.summary)
 
 
 @router.get("", operation_id="listExecutions", responses=problems(422))
 async def list_executions(
-    desk: JobsDep,
+    jobs: JobsDep,
     state: State = None,
     scene: OfScene = None,
     limit: Limit = 50,
@@ -57,8 +73,8 @@ async def list_executions(
 ) -> ExecutionPage:
     """List executions, newest first; a page in a state before the last may have fewer of them."""
     of_jobs = None if state is None else JOB_STATES[state]
-    page = await desk.page("execution", limit, before(cursor), state=of_jobs, scene=scene)
-    items = [await execution_resource(desk, job) for job in page.jobs]
+    page = await jobs.page("execution", limit, before(cursor), state=of_jobs, scene=scene)
+    items = [await execution_resource(jobs, job) for job in page.jobs]
     kept = [item for item in items if state in {None, item.state}]
     return ExecutionPage(items=kept, next=cursor_of(page.following))
 
@@ -68,9 +84,9 @@ async def list_executions(
     operation_id="getExecution",
     responses=problems(404, 422),
 )
-async def get_execution(job: ExecutionJob, desk: JobsDep) -> Execution:
+async def get_execution(job: ExecutionJob, jobs: JobsDep) -> Execution:
     """Show an execution: its state, progress, measured positions, tracking error, contacts."""
-    return await execution_resource(desk, job)
+    return await execution_resource(jobs, job)
 
 
 @router.get(
@@ -80,10 +96,10 @@ async def get_execution(job: ExecutionJob, desk: JobsDep) -> Execution:
     responses={200: {**EVENTS, "model": ExecutionEvent}, **problems(404, 422)},
 )
 async def stream_execution_events(
-    job: ExecutionJob, desk: JobsDep, last_event_id: LastEventId = None
+    job: ExecutionJob, jobs: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to an execution: queued, started, stage, status, finished."""
-    async for event in server_sent(desk, job, last_event_id):
+    async for event in server_sent(jobs, job, last_event_id):
         yield event
 
 
@@ -92,13 +108,13 @@ async def stream_execution_events(
     operation_id="cancelExecution",
     responses=problems(404, 422),
 )
-async def cancel_execution(job: OpenExecution, desk: JobsDep) -> Execution:
+async def cancel_execution(job: OpenExecution, jobs: JobsDep) -> Execution:
     """Bring the robot to rest on its path and end; asking again changes nothing.
 
     The robot is told first, and no database is waited for: `unrecorded` says what it does not hold
     yet. So for a pause, and for a change of speed.
     """
-    return await execution_resource(desk, await desk.cancel(job))
+    return await execution_resource(jobs, await jobs.cancel(job))
 
 
 @router.post(
@@ -106,9 +122,9 @@ async def cancel_execution(job: OpenExecution, desk: JobsDep) -> Execution:
     operation_id="pauseExecution",
     responses=problems(404, 409, 422),
 )
-async def pause_execution(job: OpenExecution, desk: JobsDep) -> Execution:
+async def pause_execution(job: OpenExecution, jobs: JobsDep) -> Execution:
     """Bring the robot to rest on its path, until it is resumed."""
-    return await execution_resource(desk, await send_command(desk, job, Commands(is_paused=True)))
+    return await execution_resource(jobs, await send_command(jobs, job, Commands(is_paused=True)))
 
 
 @router.post(
@@ -116,9 +132,9 @@ async def pause_execution(job: OpenExecution, desk: JobsDep) -> Execution:
     operation_id="resumeExecution",
     responses=problems(404, 409, 422),
 )
-async def resume_execution(job: OpenExecution, desk: JobsDep) -> Execution:
+async def resume_execution(job: OpenExecution, jobs: JobsDep) -> Execution:
     """Move on after a pause."""
-    return await execution_resource(desk, await send_command(desk, job, Commands(is_paused=False)))
+    return await execution_resource(jobs, await send_command(jobs, job, Commands(is_paused=False)))
 
 
 @router.post(
@@ -127,9 +143,9 @@ async def resume_execution(job: OpenExecution, desk: JobsDep) -> Execution:
     responses=problems(400, 404, 409, 413, 422),
 )
 async def set_execution_speed(
-    job: OpenExecution, desk: JobsDep, request: SpeedRequest
+    job: OpenExecution, jobs: JobsDep, request: SpeedRequest
 ) -> Execution:
     """Change how fast the motion is carried out; the robot gets there along its path."""
     return await execution_resource(
-        desk, await send_command(desk, job, Commands(speed=request.speed))
+        jobs, await send_command(jobs, job, Commands(speed=request.speed))
     )

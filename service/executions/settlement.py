@@ -9,7 +9,7 @@ from service.errors import RevisionConflict
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutline
 from service.jobs.job import JobSummary
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 from service.scenes.edits import load_edited
 from service.scenes.models.edits import SceneEdit, SetPositionsOperation
 from service.scenes.models.summary import Group
@@ -19,7 +19,7 @@ from service.scenes.validation import find_group
 
 
 async def settled(
-    record: SceneRecord, scenes: SceneStore, desk: SceneJobs
+    record: SceneRecord, scenes: SceneStore, jobs: JobService
 ) -> tuple[SceneRecord, bool]:
     """Return the latest revision of a scene with its robots where executions left them.
 
@@ -28,18 +28,18 @@ async def settled(
     Args:
         record: The latest revision as it is stored.
         scenes: Where it is stored.
-        desk: Knows the executions; one at a time moves anything in a scene.
+        jobs: Knows the executions; one at a time moves anything in a scene.
 
     Raises:
         UnknownResource: The scene is gone.
     """
-    while (job := await _last(record, desk)) is not None:
+    while (job := await _last(record, jobs)) is not None:
         if job.finished_at is None:
             return record, False
-        edit = await _pending(record, job, desk)
+        edit = await _pending(record, job, jobs)
         if edit is None:
             break
-        loaded = await load_edited(record, edit, desk)
+        loaded = await load_edited(record, edit, scenes, jobs)
         try:
             return await scenes.revise(record, loaded), False
         except RevisionConflict:  # another reader was quicker
@@ -47,18 +47,18 @@ async def settled(
     return record, True
 
 
-async def _last(record: SceneRecord, desk: SceneJobs) -> JobSummary | None:
+async def _last(record: SceneRecord, jobs: JobService) -> JobSummary | None:
     """Return the last execution in a scene, None if there was none."""
-    async for job in desk.newest("execution", scene=record.id):
+    async for job in jobs.newest("execution", scene=record.id):
         return job
     return None
 
 
-async def _pending(record: SceneRecord, job: JobSummary, desk: SceneJobs) -> SceneEdit | None:
+async def _pending(record: SceneRecord, job: JobSummary, jobs: JobService) -> SceneEdit | None:
     """Return what an execution changed and the revision does not know, None if nothing."""
     if job.finished_at is None or job.finished_at <= record.created_at:
         return None
-    status = await last_status(desk, job)
+    status = await last_status(jobs, job)
     if status is None:  # it never moved
         return None
     group = find_group(record, ExecutionOutline.model_validate(job.payload).group)

@@ -6,20 +6,20 @@ from dataclasses import replace
 from service.executions.models import ExecutionRequest
 from service.executions.position import check_at_start, require_at_rest
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
-from service.job_spec import spec_of
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
+from service.jobs.service import JobService
 from service.plans.models.trajectory import Polynomial
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import MotionWork
-from service.scene_jobs import SceneJobs
+from service.scenes.job_spec import spec_of
 from service.scenes.store import SceneStore
 from service.scenes.tasks import SceneWork
 from service.scenes.validation import find_group
 
 
 async def submit_execution(
-    request: ExecutionRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
+    request: ExecutionRequest, key: str | None, scenes: SceneStore, jobs: JobService
 ) -> Job:
     """Queue an execution in the latest revision of the plan's scene.
 
@@ -32,23 +32,23 @@ async def submit_execution(
         NotCertified: The motion cannot be proven in the latest revision.
         QueueFull: The queue is full.
     """
-    job = await desk.job("plan", request.plan)
+    job = await jobs.job("plan", request.plan)
     motion, plan = motion_of(job), work_of(job)
     idempotency = IdempotencyKey(key, request.model_dump(mode="json"))
     again = JobSpec(
         EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
     )
     while True:
-        if (known := await desk.find_by_key(again)) is not None:
+        if (known := await jobs.find_by_key(again)) is not None:
             return known
         # Before the scene is read: what ends until then is in it. Of what begins later the database
         # knows, whichever server it was asked of; then all is looked at once more.
-        last = await require_at_rest(desk, plan.request.scene)
+        last = await require_at_rest(jobs, plan.request.scene)
         record = await scenes.fresh(plan.request.scene)
         group = find_group(record, plan.request.group)
         check_at_start(group, motion.result.start)
-        loaded = await desk.scene_work(record)
-        await _check_proven(desk, loaded, plan, motion.polynomial)
+        loaded = await scenes.work(record)
+        await _check_proven(jobs, loaded, plan, motion.polynomial)
         work = ExecutionWork(
             library=loaded.library,
             scene=loaded.scene,
@@ -58,15 +58,14 @@ async def submit_execution(
             trajectory=motion.polynomial,
             speed=request.speed,
         )
-        payload = work.model_dump(mode="json")
-        spec = spec_of(EXECUTE.queue, EXECUTE.name, payload, scene=record, key=idempotency)
+        spec = spec_of(EXECUTE, work, record, idempotency)
         # The scene is looked up again until this has ended and the scene knows where.
         with suppress(Overtaken), scenes.latest.changing(record.id):
-            return await desk.submit(replace(spec, follows=last))
+            return await jobs.submit(replace(spec, follows=last))
 
 
 async def _check_proven(
-    desk: SceneJobs, scene: SceneWork, plan: MotionWork, trajectory: Polynomial
+    jobs: JobService, scene: SceneWork, plan: MotionWork, trajectory: Polynomial
 ) -> None:
     """Check that the motion is proven in a scene, by the plan's own proof or by a new one.
 
@@ -82,4 +81,4 @@ async def _check_proven(
         origin=plan.origin,
         trajectory=trajectory,
     )
-    await desk.call(PROVE, work)
+    await jobs.call(PROVE, work)

@@ -4,7 +4,7 @@ from pydantic import Field
 
 from service.executions.models import ExecutionRequest, ExecutionStatus
 from service.jobs.outline import Outline
-from service.jobs.tasks import Task, TaskModel
+from service.jobs.task import Task, TaskModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
 from service.scenes.tasks import SceneWork
@@ -69,6 +69,7 @@ EXECUTE = Task(
     ExecutionWork,
     ExecutionOutcome,
     queue="execution",
+    # A robot that has moved is not where a second attempt would begin.
     max_attempts=1,
     outline=Outline(payload=("trajectory",)),
 )

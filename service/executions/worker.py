@@ -17,7 +17,7 @@ from planning.execute.states import ExecutionState
 from service.executions.models import Contact, ExecutionStatus
 from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
-from service.plans.progress import ProgressReporter
+from service.jobs.worker.progress import ProgressReporter
 from service.scenes.world_cache import borrow_world
 
 # How long a tick takes, or works [s].
@@ -83,7 +83,7 @@ def follow(
         context: Has the commands, and is sent every status.
         speed: That the runner has.
         clock: Shows the time [s].
-        wait: Lets so many seconds pass.
+        wait: Waits for a number of seconds.
     """
     wait = wait or threading.Event().wait
     log, sent_at, sent_state = _StatusLog(), 0.0, ExecutionState.ACCEPTED

@@ -80,7 +80,9 @@ class Dispatcher:
 
         Raises:
             DatabaseInUse: Another dispatcher has the database.
+            DatabaseTooNew: A newer version has changed it.
         """
+        await asyncio.to_thread(self._store.refuse_newer)
         await asyncio.to_thread(self._lock.take)
         try:
             self._store.set_epoch(self._lock.epoch)

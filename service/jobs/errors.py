@@ -54,6 +54,32 @@ class DatabaseTaken(WayproofError):
     code = "database_taken"
 
 
+class DatabaseTooNew(WayproofError):
+    """A newer version has changed the database; evidence: `revision`, `newest` known here."""
+
+    code = "database_too_new"
+
+    @classmethod
+    def of(cls, revision: str, newest: str) -> "DatabaseTooNew":
+        """Build the error for the revision of a database and the newest that is known."""
+        message = f"a newer version of the server has changed the database (revision {revision}; "
+        message += f"this one knows up to {newest}): use that version, or restore a backup"
+        return cls(message, {"revision": revision, "newest": newest})
+
+
+class DatabaseUnrecognized(WayproofError):
+    """The database has tables that are not this program's; evidence: `table`, `missing`."""
+
+    code = "database_unrecognized"
+
+    @classmethod
+    def of(cls, table: str, missing: list[str]) -> "DatabaseUnrecognized":
+        """Build the error for a table that lacks columns."""
+        message = f"the table {table!r} of the database is not one of this program, or of a version"
+        message += f" too old to be read: it has no columns {missing}"
+        return cls(message, {"table": table, "missing": missing})
+
+
 class DatabaseUnavailable(WayproofError):
     """The database does not answer, or takes nothing; evidence: `reason`, `retry_after` [s]."""
 

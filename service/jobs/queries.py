@@ -24,10 +24,9 @@ from service.jobs.event_bus import EventBatch
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
-from service.jobs.tables import COLUMNS, bodies, events, jobs, makers, summaries
+from service.jobs.tables import bodies, events, jobs, makers, summaries
 
 _EVENTS_AT_ONCE = 500
-_FIELDS = {column: field for field, column in COLUMNS.items()}
 
 
 def _jobs_with(content: Table) -> Select[Any]:
@@ -102,15 +101,14 @@ class JobQueries:
             queue: Of the jobs.
             wanted: What fields of theirs hold, by name; None for whatever.
             before: Their sequence numbers are below it.
-            limit: At most so many.
+            limit: Largest number of jobs.
         """
         query = _SUMMARY
         for name, content in {"queue": queue, **(wanted or {})}.items():
-            column = jobs.c[COLUMNS.get(name, name)]
-            query = query if content is None else query.where(column == content)
-        query = query if before is None else query.where(jobs.c.serial < before)
+            query = query if content is None else query.where(jobs.c[name] == content)
+        query = query if before is None else query.where(jobs.c.sequence < before)
         with self._engine.connect() as connection:
-            rows = connection.execute(query.order_by(jobs.c.serial.desc()).limit(limit))
+            rows = connection.execute(query.order_by(jobs.c.sequence.desc()).limit(limit))
             return [summary_of(columns_of(row)) for row in rows]
 
     def unfinished(self) -> list[Job]:
@@ -121,7 +119,9 @@ class JobQueries:
 
     def counts(self) -> dict[tuple[str, str], int]:
         """Return how many jobs there are by queue and state."""
-        query = select(jobs.c.lane, jobs.c.state, func.count()).group_by(jobs.c.lane, jobs.c.state)
+        query = select(jobs.c.queue, jobs.c.state, func.count()).group_by(
+            jobs.c.queue, jobs.c.state
+        )
         with self._engine.connect() as connection:
             return {(queue, state): number for queue, state, number in connection.execute(query)}
 
@@ -159,7 +159,7 @@ def find_by_idempotency_key(connection: Connection, spec: JobSpec | Job) -> Job 
     """
     if spec.key is None:
         return None
-    found = _jobs_where(connection, (jobs.c.lane == spec.queue) & (jobs.c.key == spec.key))
+    found = _jobs_where(connection, (jobs.c.queue == spec.queue) & (jobs.c.key == spec.key))
     if found and found[0].request_digest != spec.request_digest:
         known = found[0].id
         message = f"the idempotency key {spec.key!r} was used for another request: {known}"
@@ -202,7 +202,7 @@ def columns_of(row: Row[Any]) -> dict[str, Any]:
 
 
 def _fields(columns: Mapping[str, Any]) -> dict[str, Any]:
-    fields = {_FIELDS.get(name, name): content for name, content in columns.items()}
+    fields = dict(columns)
     for name in ("created_at", "started_at", "finished_at"):
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
     fields["state"] = JobState(fields["state"])
@@ -210,7 +210,7 @@ def _fields(columns: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _jobs_where(connection: Connection, condition: ColumnElement[bool]) -> list[Job]:
-    rows = connection.execute(_WHOLE.where(condition).order_by(jobs.c.serial))
+    rows = connection.execute(_WHOLE.where(condition).order_by(jobs.c.sequence))
     return [job_of(columns_of(row)) for row in rows]
 
 

@@ -21,7 +21,7 @@ from service.jobs.worker_pool import WorkerPool
 
 # What takes no longer may have the worker that is reserved for what is short [s].
 SHORT = 0.5
-# So many worlds, and kinds of calls about them, are remembered.
+# Number of worlds, and of kinds of calls about them, that are remembered.
 _MAX_REMEMBERED = 4096
 _LONGEST_RETRY = 60
 
@@ -133,7 +133,7 @@ class Share:
 
     Attributes:
         max_running: Workers at once; None for all.
-        reserved: So many of them are for short calls only.
+        reserved: Number of them that is for short calls only.
     """
 
     max_running: int | None = None

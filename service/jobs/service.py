@@ -1,24 +1,44 @@
 """JobService: durable jobs for coroutines of one event loop, by way of store and dispatcher."""
 
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from anyio import to_thread
+from pydantic import BaseModel
 
 from service.errors import NotReady, UnknownResource
+from service.jobs.calls import Call, CallResult
 from service.jobs.dispatcher import Dispatcher
 from service.jobs.errors import UnknownJob
 from service.jobs.job import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.json_text import Encoded
 from service.jobs.scheduler import QueueLoad
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
+from service.jobs.task import Task
 
 _CHUNK = 20
 
 
+@dataclass(frozen=True)
+class CallTerms:
+    """On what terms short tasks are called.
+
+    Attributes:
+        time_limit: For the work [s].
+        worker_timeout: How long a call may wait for a worker [s].
+        answer: Awaits a call for the client of the request; None to await it as it is.
+    """
+
+    time_limit: float = 60.0
+    worker_timeout: float = 30.0
+    answer: Callable[[Coroutine[Any, Any, CallResult]], Awaitable[CallResult]] | None = None
+
+
 class JobService:
-    """Submits, reads, follows, controls and cancels jobs.
+    """Submits, reads, follows, controls and cancels jobs, and calls short tasks.
 
     An id has the prefix of its queue, so that an id of another queue is unknown without a look.
     """
@@ -30,6 +50,7 @@ class JobService:
         *,
         prefixes: Mapping[str, str],
         queues: Sequence[str],
+        terms: CallTerms | None = None,
     ) -> None:
         """Put the parts together.
 
@@ -38,11 +59,50 @@ class JobService:
             dispatcher: Runs them already.
             prefixes: Of the ids of each queue's jobs.
             queues: The names of all queues, in the order in which they are counted.
+            terms: On which short tasks are called.
         """
         self._store = store
         self._dispatcher = dispatcher
         self._prefixes = prefixes
         self._queues = queues
+        self._terms = terms or CallTerms()
+
+    async def call[In: BaseModel, Out: BaseModel](
+        self, task: Task[In, Out], work: In, size: int = 0
+    ) -> Out:
+        """Have a worker carry out a short task and return its answer; it ends if the client leaves.
+
+        Args:
+            task: Of a queue of calls.
+            work: What it is given.
+            size: Number of items: twice as many take longer.
+
+        Raises:
+            WayproofError: What the task raised, or that it took too long, or that it crashed, or
+                that no worker was free in time.
+        """
+        return task.result.model_validate(await self._call(task, work, size=size))
+
+    async def call_text[In: BaseModel, Out: BaseModel](
+        self, task: Task[In, Out], work: In, size: int = 0
+    ) -> Encoded:
+        """Call as `call` does, for an answer that is passed on as it is."""
+        text: Encoded = await self._call(task, work, size=size, is_raw=True)
+        return text
+
+    async def call_loading[In: BaseModel, Out: BaseModel](
+        self, task: Task[In, Out], work: In, size: int = 0
+    ) -> Out:
+        """Call as `call` does, for a task that loads the world whose `digest` it returns."""
+        more = {"digest_field": "digest", "is_partly_raw": True}
+        return task.result.model_validate(await self._call(task, work, size=size, **more))
+
+    async def _call(self, task: Task[Any, Any], work: BaseModel, **more: Any) -> Any:
+        payload, terms = work.model_dump(mode="json"), self._terms
+        digest = payload["scene"]["digest"] if "scene" in payload else None
+        limits = (terms.time_limit, terms.worker_timeout)
+        call = self._dispatcher.call(Call(task.name, payload, task.queue, *limits, digest, **more))
+        return (await (call if terms.answer is None else terms.answer(call))).content
 
     async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.

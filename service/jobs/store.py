@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
 
 from planning.errors import Canceled, WayproofError
-from service.jobs.briefs import fill_summaries
 from service.jobs.database import Prepared, set_durability, sync_log
 from service.jobs.errors import DatabaseTaken
 from service.jobs.job import Job, JobSpec, LoggedEvent, PendingEvent
@@ -19,9 +18,10 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.queries import JobQueries, find_by_idempotency_key, now, read_job
+from service.jobs.schema import bring_up_to_date, refuse_newer
 from service.jobs.states import JobEvent, JobState
-from service.jobs.tables import bodies, jobs, makers, metadata, owner, summaries
-from service.jobs.tasks import outline_of
+from service.jobs.tables import bodies, jobs, makers, owner, summaries
+from service.jobs.task import outline_of
 from service.jobs.transitions import (
     Draft,
     Transition,
@@ -70,11 +70,21 @@ class JobStore(JobQueries):
         self._open_transaction: Connection | None = None
 
     def open(self) -> None:
-        """Create tables and indices that are missing, and write what an older version did not."""
-        metadata.create_all(self._engine)
-        for index in jobs.indexes:  # that tables of an older version lack
-            index.create(self._engine, checkfirst=True)
-        fill_summaries(self._engine)
+        """Bring the database to the newest revision.
+
+        Raises:
+            DatabaseTooNew: A newer version has changed it.
+            DatabaseUnrecognized: Its tables are not this program's.
+        """
+        bring_up_to_date(self._engine)
+
+    def refuse_newer(self) -> None:
+        """Look at the database, and write nothing to it.
+
+        Raises:
+            DatabaseTooNew: A newer version has changed it.
+        """
+        refuse_newer(self._engine)
 
     @property
     def may_crash_alone(self) -> bool:

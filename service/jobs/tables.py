@@ -18,29 +18,21 @@ from service.jobs.json_column import JsonText
 
 metadata = MetaData()
 
-# Columns that are not called as the fields of a job are.
-COLUMNS = {
-    "sequence": "serial",
-    "queue": "lane",
-    "world_digest": "warm_key",
-    "time_limit": "allowed",
-}
-
 # Motions of one scene are not proven against each other: one job at a time, whatever the server.
-_OPEN_EXECUTION = text("lane = 'execution' AND state IN ('queued', 'running')")
+_OPEN_EXECUTION = text("queue = 'execution' AND state IN ('queued', 'running')")
 
-# `serial` orders pages; SQLite counts by itself only in INTEGER primary keys.
+# `sequence` orders pages; SQLite counts by itself only in INTEGER primary keys.
 jobs = Table(
     "jobs",
     metadata,
-    Column("serial", BigInteger().with_variant(Integer, "sqlite"), primary_key=True),
+    Column("sequence", BigInteger().with_variant(Integer, "sqlite"), primary_key=True),
     Column("id", String(64), nullable=False, unique=True),
-    Column("lane", String(20), nullable=False),
+    Column("queue", String(20), nullable=False),
     Column("task", String(200), nullable=False),
     Column("scene", String(64), nullable=True),
-    Column("warm_key", String(80), nullable=True),
+    Column("world_digest", String(80), nullable=True),
     Column("priority", Integer, nullable=False),
-    Column("allowed", Float, nullable=True),
+    Column("time_limit", Float, nullable=True),
     Column("max_attempts", Integer, nullable=False),
     Column("attempts", Integer, nullable=False),
     Column("key", String(200), nullable=True),
@@ -53,13 +45,13 @@ jobs = Table(
     Column("created_at", String(40), nullable=False),
     Column("started_at", String(40), nullable=True),
     Column("finished_at", String(40), nullable=True),
-    UniqueConstraint("lane", "key"),
-    Index("jobs_by_state", "lane", "state", "serial"),
+    UniqueConstraint("queue", "key"),
+    Index("jobs_by_state", "queue", "state", "sequence"),
     # One for each filter of lists: a page reads its own rows and no others.
-    Index("jobs_of_lane", "lane", "serial"),
-    Index("jobs_of_scene", "lane", "scene", "serial"),
-    Index("jobs_of_scene_by_state", "lane", "scene", "state", "serial"),
-    Index("jobs_of_content", "lane", "warm_key", "serial"),
+    Index("jobs_of_queue", "queue", "sequence"),
+    Index("jobs_of_scene", "queue", "scene", "sequence"),
+    Index("jobs_of_scene_by_state", "queue", "scene", "state", "sequence"),
+    Index("jobs_of_content", "queue", "world_digest", "sequence"),
     Index(
         "one_open_execution_of_scene",
         "scene",
@@ -81,7 +73,7 @@ bodies = Table(
 
 # What lists show of bodies, for they read many: see `outline`.
 summaries = Table(
-    "job_briefs",
+    "job_summaries",
     metadata,
     Column("job", String(64), primary_key=True),
     Column("payload", JsonText, nullable=False),

@@ -1,96 +1,153 @@
-"""Running a task, wherever it runs, to an end that is always one of three."""
+"""Task: a piece of work that workers do, by a stable name, with models of what goes in and out.
 
-import importlib
+A task is declared where the server can import it, without Drake, and carried out by the function of
+a worker module that `Task.runs` decorates. Jobs are stored with its name: a module may move.
+"""
+
 import json
-import logging
-import secrets
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from planning.errors import WayproofError
-from service.jobs.errors import InternalError
-from service.jobs.json_text import Encoded, encode_in_parts, encode_leniently, encode_result
-from service.jobs.outline import without
-from service.jobs.tasks import is_declared, outline_of, task_named
-from service.jobs.worker.protocol import MessageKind, dump_error
+from pydantic import BaseModel, ConfigDict
 
-# Events are for people; whatever is larger belongs into the result.
-MAX_EVENT = 64 * 1024
-_log = logging.getLogger(__name__)
+from service.jobs.context import TaskContext
+from service.jobs.json_text import Encoded, encode_in_parts
+from service.jobs.outline import Outline
+
+type _Function = Callable[[Any, TaskContext], BaseModel]
+
+_tasks: dict[str, "Task[Any, Any]"] = {}
+_NOTHING_LARGE = Outline()
+
+
+class TaskModel(BaseModel):
+    """What a task is given or returns, where no request or answer is its model."""
+
+    model_config = ConfigDict(frozen=True)
+
+
+class UnknownTask(LookupError):
+    """There is no task of that name, or no module that was imported carries it out."""
 
 
 @dataclass(frozen=True)
-class TaskEnd:
-    """How a task ended.
+class TaskResult:
+    """What a task returned, as JSON.
 
     Attributes:
-        kind: RESULT, FAILURE or CRASH.
-        text: The result or the error as JSON; what ended the process.
-        summary: Of a result, what lists show of it as JSON; empty for all.
+        text: All of it.
+        brief: What lists show of it; empty for all.
     """
 
-    kind: MessageKind
     text: str
-    summary: str = ""
+    brief: str = ""
 
 
-def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
-    """Call `module:function` with a payload (JSON) and say how it ended.
+class Task[In: BaseModel, Out: BaseModel]:
+    """A piece of work that workers do.
 
-    What it should not raise is an InternalError. What a process should not outlive (an exit, an
-    interrupt, memory that ran out) is a crash.
+    Attributes:
+        name: By which jobs are stored; it never changes.
+        payload: The model of what it is given.
+        result: The model of what it returns.
+        queue: Where it waits for a worker.
+        max_attempts: How often it may be run if its process dies.
+        outline: What is large in its payload, result and failure.
     """
-    try:
-        if is_declared(task):
-            done = task_named(task).run(payload, channel)
-            return TaskEnd(MessageKind.RESULT, done.text, done.brief)
-        found = load_task(task)(json.loads(payload), channel)
-        large = outline_of(task).result
-        brief = encode_result(without(found, large)) if large else ""
-        return TaskEnd(MessageKind.RESULT, _text(found, large), brief)
-    except WayproofError as error:
-        return TaskEnd(MessageKind.FAILURE, dump_error(error))
-    except MemoryError:
-        return TaskEnd(MessageKind.CRASH, "MemoryError")
-    except Exception as fault:  # noqa: BLE001  (the last edge: nothing may be lost)
-        return TaskEnd(MessageKind.FAILURE, dump_error(_internal(fault)))
-    except BaseException as fault:  # noqa: BLE001
-        return TaskEnd(MessageKind.CRASH, f"{type(fault).__name__}: {fault}"[:500])
+
+    def __init__(
+        self,
+        name: str,
+        payload: type[In],
+        result: type[Out],
+        *,
+        queue: str = "query",
+        max_attempts: int = 2,
+        outline: Outline | None = None,
+    ) -> None:
+        """Declare a task.
+
+        Raises:
+            ValueError: There is another one of that name.
+        """
+        if name in _tasks:
+            message = f"there are two tasks {name!r}"
+            raise ValueError(message)
+        self.name = name
+        self.payload = payload
+        self.result = result
+        self.queue = queue
+        self.max_attempts = max_attempts
+        self.outline = outline or Outline()
+        self._function: _Function | None = None
+        _tasks[name] = self
+
+    def runs(self, function: Callable[[In, TaskContext], Out]) -> Callable[[In, TaskContext], Out]:
+        """Have a function carry the task out, in every process that imports its module."""
+        self._function = function
+        return function
+
+    def run(self, payload: str, context: TaskContext) -> TaskResult:
+        """Carry it out with a payload in JSON.
+
+        Raises:
+            UnknownTask: No module that was imported does.
+            ValidationError: The payload is not what its model says.
+        """
+        if self._function is None:
+            message = f"no module that was imported carries out the task {self.name!r}"
+            raise UnknownTask(message)
+        found = self._function(self.payload.model_validate_json(payload), context)
+        large = self.outline.result
+        if not large:
+            return TaskResult(_json(found))
+        apart = dict.fromkeys(member.partition(".")[0] for member in large)
+        parts = {name: Encoded(_member(found, name)) for name in apart}
+        plain = json.loads(_json(found, exclude=set(apart)))
+        text = encode_in_parts({**plain, **parts})
+        return TaskResult(text, _json(found, exclude=_nested(large)))
 
 
-def _text(found: Any, large: tuple[str, ...]) -> str:
-    """Return the text of what a task returned; what is large in it has a line of its own."""
-    if not isinstance(found, dict):
-        return encode_result(found)
-    apart = {member.partition(".")[0] for member in large}
-    parts: dict[str, Any] = {
-        name: Encoded(encode_result(part)) if name in apart else part
-        for name, part in found.items()
-    }
-    num_encoded = sum(isinstance(part, Encoded) for part in parts.values())
-    return encode_in_parts(parts) if 0 < num_encoded < len(parts) else encode_result(found)
+def task_named(name: str) -> Task[Any, Any]:
+    """Return a task by its name.
+
+    Raises:
+        UnknownTask: There is none.
+    """
+    found = _tasks.get(name)
+    if found is None:
+        message = f"there is no task {name!r}; tasks: {sorted(_tasks)}"
+        raise UnknownTask(message)
+    return found
 
 
-def load_task(task: str) -> Any:
-    """Return the function that `module:function` names."""
-    module, _, function = task.partition(":")
-    return getattr(importlib.import_module(module), function)
+def outline_of(task: str) -> Outline:
+    """Return the outline of what a task is given and gives; nothing is large in one not known."""
+    found = _tasks.get(task)
+    return _NOTHING_LARGE if found is None else found.outline
 
 
-def event_text(data: dict[str, Any]) -> str:
-    """Return the JSON text of an event's data; too much of it is left out, and that is said."""
-    text = encode_leniently(data)
-    if len(text) <= MAX_EVENT:
-        return text
-    kept = {name: data[name] for name in ("stage", "progress") if name in data}
-    short = encode_leniently({**kept, "truncated": True, "bytes": len(text)})
-    return short if len(short) <= MAX_EVENT else '{"truncated":true}'
+def _json(content: BaseModel, **selection: Any) -> str:
+    """Return the JSON of a model in ASCII, which every database can hold."""
+    return content.model_dump_json(ensure_ascii=True, **selection)
 
 
-def _internal(fault: BaseException) -> InternalError:
-    """Return the error for a fault of ours; what it says of our code is for our log alone."""
-    reference = secrets.token_hex(4)
-    _log.error("a task failed (%s)", reference, exc_info=fault)
-    kind = type(fault).__name__
-    what = f"the task failed in a way that is our fault: {kind}; the server's log says more under "
-    return InternalError(what + reference, {"exception": kind, "reference": reference})
+def _member(content: BaseModel, name: str) -> str:
+    """Return the JSON of one member of a model, which may be text already."""
+    found = getattr(content, name)
+    if isinstance(found, Encoded):
+        return found.text
+    return _json(content, include={name})[len(f'{{"{name}":') : -1]
+
+
+def _nested(members: tuple[str, ...]) -> Mapping[str, Any]:
+    """Return dotted names of members as pydantic excludes them."""
+    nested: dict[str, Any] = {}
+    for member in members:
+        first, _, rest = member.partition(".")
+        if not rest:
+            nested[first] = True
+        elif nested.get(first) is not True:
+            nested.setdefault(first, {})[rest] = True
+    return nested

@@ -24,8 +24,8 @@ from service.jobs.queries import (
     summary_of,
 )
 from service.jobs.states import JobEvent, JobState, advance, sources
-from service.jobs.tables import COLUMNS, bodies, events, jobs, summaries
-from service.jobs.tasks import outline_of
+from service.jobs.tables import bodies, events, jobs, summaries
+from service.jobs.task import outline_of
 
 _MAX_STAGE = 40
 _EVENT_NAMES = {
@@ -39,20 +39,20 @@ _EVENT_NAMES = {
 _NO_COLUMNS = {"payload", "prefix", "follows"}
 _COPIED = [field.name for field in fields(JobSpec) if field.name not in _NO_COLUMNS]
 _NOT_YET = ("started_at", "finished_at", "result", "failure", "made_by")
-_COUNTED = ("serial", *_NOT_YET)
+_COUNTED = ("sequence", *_NOT_YET)
 # Nothing is inserted where an index says that there is such a job; SQLite says it alike.
 _ADD_JOB = Prepared(
-    postgresql.insert(jobs).on_conflict_do_nothing().returning(jobs.c.serial),
+    postgresql.insert(jobs).on_conflict_do_nothing().returning(jobs.c.sequence),
     *(column.name for column in jobs.c if column.name not in _COUNTED),
 )
 _NEWEST_OTHER = Prepared(
-    select(jobs.c.serial)
+    select(jobs.c.sequence)
     .where(
-        jobs.c.lane == bindparam("in_queue"),
+        jobs.c.queue == bindparam("in_queue"),
         jobs.c.scene == bindparam("in_scene"),
-        jobs.c.serial != bindparam("own"),
+        jobs.c.sequence != bindparam("own"),
     )
-    .order_by(jobs.c.serial.desc())
+    .order_by(jobs.c.sequence.desc())
     .limit(1)
 )
 _ADD_BODY = Prepared(insert(bodies), "job", "payload")
@@ -85,7 +85,7 @@ def draft(spec: JobSpec) -> Draft:
     """
     row, payload = _queued_row(spec), encode(spec.payload)
     later = dict.fromkeys(_NOT_YET)
-    job = job_of({**row, "serial": 0, "payload": json.loads(payload), **later})
+    job = job_of({**row, "sequence": 0, "payload": json.loads(payload), **later})
     return Draft(job, row, payload, spec.follows)
 
 
@@ -100,26 +100,26 @@ def insert_job(connection: Connection, drafted: Draft) -> Job | None:
     job, payload = drafted.job, drafted.payload
     short = without(job.payload, outline_of(job.task).payload)
     summary = payload if short is job.payload else encode(short)
-    serial = _ADD_JOB(connection, **drafted.row).scalar_one_or_none()
-    if serial is None:
+    sequence = _ADD_JOB(connection, **drafted.row).scalar_one_or_none()
+    if sequence is None:
         if find_by_idempotency_key(connection, job) is None:
             raise Overtaken
         return None
     if drafted.follows is not None:
         # Only now: what has entered the scene before this job is visible, and nothing enters after.
-        newest = _NEWEST_OTHER(connection, in_queue=job.queue, in_scene=job.scene, own=serial)
+        newest = _NEWEST_OTHER(connection, in_queue=job.queue, in_scene=job.scene, own=sequence)
         if (newest.scalar_one_or_none() or 0) != drafted.follows:
             raise Overtaken
     _ADD_BODY(connection, job=job.id, payload=payload)
     _ADD_SUMMARY(connection, job=job.id, payload=summary)
     append_events(connection, job.id, 1, [("queued", Encoded("{}"))])
-    return replace(job, sequence=serial)
+    return replace(job, sequence=sequence)
 
 
 def _queued_row(spec: JobSpec) -> dict[str, Any]:
     """Return the columns of a new job, with an identifier of its own."""
     return {
-        **{COLUMNS.get(name, name): getattr(spec, name) for name in _COPIED},
+        **{name: getattr(spec, name) for name in _COPIED},
         "id": f"{spec.prefix}_{secrets.token_hex(10)}",
         "attempts": 0,
         "state": JobState.QUEUED.value,

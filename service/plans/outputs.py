@@ -5,9 +5,10 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
 
+from service.api.dependencies import JobsDep
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import JobsDep, PlanJob
+from service.plans.dependencies import PlanJob
 from service.plans.models.trajectory import Trajectory
 from service.plans.resource import delivered_work, motion_of, work_of
 from service.plans.tasks import (
@@ -99,7 +100,7 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
 )
 async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     job: PlanJob,
-    desk: JobsDep,
+    jobs: JobsDep,
     *,
     format: Format = "json",  # noqa: A002  (the contract's name)
     period: Period = None,
@@ -120,8 +121,8 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
         polynomial=polynomial and format == "json",
     )
     if format == "json":
-        return passed_on(await desk.call_text(SAMPLE, work))
-    table = await desk.call(SAMPLE_TABLE, work)
+        return passed_on(await jobs.call_text(SAMPLE, work))
+    table = await jobs.call(SAMPLE_TABLE, work)
     headers = {INTERPOLATION: table.proven}
     return Response(table.text, media_type="text/csv", headers=headers)
 
@@ -132,9 +133,9 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     response_class=HTMLResponse,
     responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
 )
-async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
+async def get_replay(job: PlanJob, jobs: JobsDep) -> HTMLResponse:
     """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
-    page = await desk.call(REPLAY, delivered_work(job))
+    page = await jobs.call(REPLAY, delivered_work(job))
     return HTMLResponse(page.html)
 
 
@@ -144,11 +145,11 @@ async def get_replay(job: PlanJob, desk: JobsDep) -> HTMLResponse:
     response_class=Response,
     responses={200: {"content": {"image/svg+xml": _SVG}}, **problems(404, 409, 422, 429, 503)},
 )
-async def get_plot(job: PlanJob, desk: JobsDep, name: Chart) -> Response:
+async def get_plot(job: PlanJob, jobs: JobsDep, name: Chart) -> Response:
     """Draw the motion of a plan against its limits, or its clearance, over time."""
     request = work_of(job).request
     work = PlotWork(
         **dict(delivered_work(job)), name=name, retime=request.retime, margin=request.margin
     )
-    drawing = await desk.call(PLOT, work)
+    drawing = await jobs.call(PLOT, work)
     return Response(drawing.svg, media_type="image/svg+xml")

@@ -9,12 +9,13 @@ from planning.domain.report.motion_plan import PlanPart
 from service.errors import NotFinished
 from service.jobs.job import Job, JobSummary
 from service.jobs.outline import without
-from service.jobs.tasks import TaskModel, outline_of
+from service.jobs.service import JobService
+from service.jobs.states import JobState
+from service.jobs.task import TaskModel, outline_of
 from service.plans.models.plan import PlanSummary
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, MotionWork
-from service.scene_jobs import SceneJobs
 
 
 def _trusted(stored: dict[str, Any]) -> Polynomial:
@@ -67,15 +68,18 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
+async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
     """Return a plan without its result; a graph is large and has an address of its own."""
     request: dict[str, Any] = job.payload["request"]
     outcome = job.result or {}
+    is_running = job.state is JobState.RUNNING
+    best = await jobs.latest_event(job, "best-so-far") if is_running else None
     return PlanSummary.model_validate({
         "id": job.id,
         "state": job.state,
         "stage": job.stage,
         "progress": 1.0 if job.state == "succeeded" else job.progress,
+        "best": best if best and "length" in best else None,
         "created_at": job.created_at,
         "started_at": job.started_at,
         "finished_at": job.finished_at,
@@ -86,7 +90,7 @@ def plan_resource(desk: SceneJobs, job: JobSummary) -> PlanSummary:
         "versions": job.made_by or {},
         # However it ended.
         "timings": (job.result or job.failure or {}).get("timings") or {},
-        "unrecorded": desk.unrecorded(job),
+        "unrecorded": jobs.unrecorded(job),
     })
 
 

@@ -8,21 +8,23 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
 from service.api.params import LastEventId
 from service.api.responses import accepted, problems, whole
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
-from service.dependencies import JobsDep, OpenPlan, PlanJob, PlanText, ScenesDep
 from service.jobs.job import JobText
+from service.jobs.service import JobService
 from service.jobs.states import JobState
+from service.plans.dependencies import OpenPlan, PlanJob, PlanText
 from service.plans.models.plan import Plan, PlanPage
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.resource import graph_of, plan_resource
 from service.plans.submit import submit_plan, submit_reversed
-from service.scene_jobs import SceneJobs
+from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
@@ -39,29 +41,29 @@ async def create_plan(
     request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep
 ) -> Response:
     """Request a plan: a job that is polled, streamed or waited for."""
-    job = await submit_plan(request, submission.key, scenes, submission.desk)
+    job = await submit_plan(request, submission, scenes)
     found = await submission.awaited(job, "/v1/plans")
-    return await _whole(submission.desk, found, submission.response)
+    return await _whole(submission.jobs, found, submission.response)
 
 
 @router.get("", operation_id="listPlans", responses=problems(422))
 async def list_plans(
-    desk: JobsDep,
+    jobs: JobsDep,
     state: State = None,
     scene: OfScene = None,
     limit: Limit = 50,
     cursor: Cursor = None,
 ) -> PlanPage:
     """List plans, newest first, without their results."""
-    page = await desk.page("plan", limit, before(cursor), state=state, scene=scene)
-    plans = [plan_resource(desk, job) for job in page.jobs]
+    page = await jobs.page("plan", limit, before(cursor), state=state, scene=scene)
+    plans = [await plan_resource(jobs, job) for job in page.jobs]
     return PlanPage(items=plans, next=cursor_of(page.following))
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Plan, responses=problems(404, 422))
-async def get_plan(found: PlanText, desk: JobsDep) -> Response:
+async def get_plan(found: PlanText, jobs: JobsDep) -> Response:
     """Show a plan: how far it is, and its result once it succeeded."""
-    return await _whole(desk, found)
+    return await _whole(jobs, found)
 
 
 @router.get(
@@ -71,10 +73,10 @@ async def get_plan(found: PlanText, desk: JobsDep) -> Response:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_plan_events(
-    job: OpenPlan, desk: JobsDep, last_event_id: LastEventId = None
+    job: OpenPlan, jobs: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to a plan: queued, started, stage, progress, best-so-far, finished."""
-    async for event in server_sent(desk, job, last_event_id):
+    async for event in server_sent(jobs, job, last_event_id):
         yield event
 
 
@@ -97,22 +99,22 @@ async def get_planner_graph(job: PlanJob) -> PlannerGraph:
 )
 async def reverse_plan(job: PlanJob, submission: SubmissionDep, scenes: ScenesDep) -> Response:
     """Request the same motion from its end to its start: a plan of its own, proven anew."""
-    reverse = await submit_reversed(job, submission.key, scenes, submission.desk)
+    reverse = await submit_reversed(job, submission.key, scenes, submission.jobs)
     found = await submission.awaited(reverse, "/v1/plans")
-    return await _whole(submission.desk, found, submission.response)
+    return await _whole(submission.jobs, found, submission.response)
 
 
 @router.post(
     "/{plan}/cancel", operation_id="cancelPlan", response_model=Plan, responses=problems(404, 422)
 )
-async def cancel_plan(job: OpenPlan, desk: JobsDep) -> Response:
+async def cancel_plan(job: OpenPlan, jobs: JobsDep) -> Response:
     """End a plan, in whatever state it is; asking again changes nothing.
 
     No database is waited for: `unrecorded` says what it does not hold yet.
     """
-    return await _whole(desk, await desk.text_of(await desk.cancel(job)))
+    return await _whole(jobs, await jobs.text_of(await jobs.cancel(job)))
 
 
-async def _whole(desk: SceneJobs, found: JobText, answer: Response | None = None) -> Response:
+async def _whole(jobs: JobService, found: JobText, answer: Response | None = None) -> Response:
     """Return a plan in full."""
-    return await whole(plan_resource(desk, found.summary), found.result, answer)
+    return await whole(await plan_resource(jobs, found.summary), found.result, answer)

@@ -7,14 +7,17 @@ from anyio import to_thread
 from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
+from service.api.submission import Submission
 from service.catalog.models import Planner
-from service.job_spec import spec_of
+from service.catalog.planners import known_planners
 from service.jobs.job import IdempotencyKey, Job
-from service.jobs.tasks import Task
+from service.jobs.service import JobService
+from service.jobs.task import Task
 from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
 from service.plans.models.sampling import require_one_sampling
 from service.plans.models.search import Search
+from service.plans.region_selection import SelectedRegions, regions_file, select_regions, uses_gcs
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import (
     PLAN,
@@ -26,28 +29,25 @@ from service.plans.tasks import (
     PlanWork,
     ReverseWork,
 )
-from service.regions.eligibility import check_eligible, own_cars, uses_gcs
-from service.regions.selection import SelectedRegions, regions_file, select_regions
-from service.scene_jobs import SceneJobs
+from service.regions.eligibility import check_eligible, own_cars
+from service.scenes.job_spec import spec_of
 from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
 from service.scenes.validation import check_request
+from service.settings import Settings
 
 # To load the scene as well [s]; once that is done the task itself says by when it has to end.
 SLACK = 15.0
 
 
-async def submit_plan(
-    request: PlanRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
-) -> Job:
+async def submit_plan(request: PlanRequest, submission: Submission, scenes: SceneStore) -> Job:
     """Queue a plan.
 
     Args:
         request: What to plan.
-        key: Idempotency key, or None.
+        submission: How it is submitted.
         scenes: Where its scene is.
-        desk: Where jobs are queued.
 
     Raises:
         UnknownResource: There is no such scene or revision.
@@ -60,29 +60,36 @@ async def submit_plan(
         NoRegions: The planner is GCS, and no regions fit.
         QueueFull: The queue is full.
     """
+    jobs, settings = submission.jobs, submission.settings
     record = await scenes.get(request.scene, request.revision)
     group = check_request(record, request)
     request.retime.check_group(group)
     require_one_sampling(request.retime.sample_period, request.retime.num_points)
-    require_planner(await desk.planners(), request.search)
+    require_planner(await known_planners(jobs), request.search)
     require_cars(group, request.search)
-    regions = await select_regions(request, record, desk)
-    folder = desk.regions_folder
+    regions = await select_regions(request, record, jobs)
+    folder = settings.folder / "regions"
     work = PlanWork(
-        **dict(await desk.scene_work(record)),
+        **dict(await scenes.work(record)),
         request=_settled(request, record, regions),
         revision=record.revision,
-        roadmaps=desk.roadmaps,
-        cores=None if desk.cores is None else Cores.model_validate(desk.cores),
+        roadmaps=str(settings.folder / "roadmaps"),
+        cores=_cores(settings),
         regions=regions and await to_thread.run_sync(regions_file, folder, regions),
-        cancel_grace=desk.best_grace if request.search.on_cancel == "best" else None,
+        cancel_grace=settings.best_grace if request.search.on_cancel == "best" else None,
     )
-    return await _queue(
-        desk, PLAN, work, record, IdempotencyKey(key, request.model_dump(mode="json"))
-    )
+    key = IdempotencyKey(submission.key, request.model_dump(mode="json"))
+    return await _queue(jobs, PLAN, work, record, key)
 
 
-async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: SceneJobs) -> Job:
+def _cores(settings: Settings) -> Cores | None:
+    """Return through which files plans share the processors; None where tasks run in threads."""
+    if settings.engine == "inline":
+        return None
+    return Cores(folder=str(settings.folder / "cores"), count=settings.search_processes)
+
+
+async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, jobs: JobService) -> Job:
     """Queue the reversed motion of a plan, as a plan of its own.
 
     Raises:
@@ -97,7 +104,7 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: 
     goal = JointGoal(type="joint", positions=first)
     changes = {"revision": record.revision, "start": last, "goal": goal}
     work = ReverseWork(
-        **dict(await desk.scene_work(record)),
+        **dict(await scenes.work(record)),
         request=former.request.model_copy(update=changes),
         revision=record.revision,
         # Reversed twice, a motion has the lines of the first one again.
@@ -107,17 +114,14 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, desk: 
         ),
     )
     # Two plans with the same ends have the same reversed request, but not the same motion.
-    return await _queue(desk, REVERSE, work, record, IdempotencyKey(key, {"reverse": plan.id}))
+    return await _queue(jobs, REVERSE, work, record, IdempotencyKey(key, {"reverse": plan.id}))
 
 
 async def _queue[W: MotionWork](
-    desk: SceneJobs, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
+    jobs: JobService, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
 ) -> Job:
-    allowed = work.request.search.allowed_planning_time + SLACK
-    payload = work.model_dump(mode="json")
-    return await desk.submit(
-        spec_of("plan", task.name, payload, scene=record, key=key, allowed=allowed)
-    )
+    time_limit = work.request.search.allowed_planning_time + SLACK
+    return await jobs.submit(spec_of(task, work, record, key, time_limit))
 
 
 def _settled(

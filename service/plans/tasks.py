@@ -7,7 +7,7 @@ from pydantic import Field, PlainSerializer
 from planning.domain.curves.sampling import Sampling
 from planning.domain.report.motion_plan import PlanPart
 from service.jobs.outline import Outline
-from service.jobs.tasks import Task, TaskModel
+from service.jobs.task import Task, TaskModel
 from service.plans.models.request import PlanRequest, Retime
 from service.plans.models.result import PlanResult
 from service.plans.models.search_reports import PlannerGraph

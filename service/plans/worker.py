@@ -17,11 +17,11 @@ from planning.parallel.core_leases import CoreLeases
 from planning.parallel.fork_pool import ForkPool
 from service.api.arrays import matrix
 from service.jobs.context import TaskContext
+from service.jobs.worker.progress import ProgressReporter
 from service.plans.models.result import PlanResult
 from service.plans.models.sampling import require_few
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial, Trajectory
-from service.plans.progress import ProgressReporter
 from service.plans.tasks import PLAN, REVERSE, Cores, PlanOutcome, PlanWork, ReverseWork
 from service.regions.worker import read_regions
 from service.scenes.world_cache import borrow_world
@@ -48,12 +48,12 @@ def plan_motion(work: PlanWork, context: TaskContext) -> PlanOutcome:
     begun = time.monotonic()
     with borrow_world(work) as world, reserve_core(work.cores) as pool:
         loaded = time.monotonic() - begun
-        deadline = _enforce_deadline(context, request.search.allowed_planning_time)
+        deadline = _enforce_deadline(context, report, request.search.allowed_planning_time)
         problem = request.to_domain()
         if work.regions is not None:
             problem = replace(problem, regions=read_regions(work.regions))
         roadmaps = None if request.search.roadmap is None else roadmaps_in(work.roadmaps)
-        with _timed_failures(loaded):
+        with _timed_failures(loaded, report):
             found = plan(
                 problem, world, deadline=deadline, on_progress=report, roadmaps=roadmaps, pool=pool
             )
@@ -75,9 +75,9 @@ def reverse_motion(work: ReverseWork, context: TaskContext) -> PlanOutcome:
     begun = time.monotonic()
     with borrow_world(work) as world:
         loaded = time.monotonic() - begun
-        report(Progress("certify", 0.5, "certifying the motion backwards"))
-        deadline = _enforce_deadline(context, request.search.allowed_planning_time)
-        with _timed_failures(loaded):
+        report(Progress("certify", 0.5, "certifying the motion backwards", until=0.95))
+        deadline = _enforce_deadline(context, report, request.search.allowed_planning_time)
+        with _timed_failures(loaded, report):
             found = reverse_plan(
                 world,
                 problem,
@@ -111,9 +111,10 @@ def roadmaps_in(folder: str) -> RoadmapCache:
     return RoadmapCache(folder=Path(folder))
 
 
-def _enforce_deadline(context: TaskContext, allowed: float) -> Deadline:
+def _enforce_deadline(context: TaskContext, report: ProgressReporter, allowed: float) -> Deadline:
     """Return the deadline of a plan whose time [s] begins now; the process ends soon after it."""
-    deadline = Deadline.after(allowed, time.monotonic, context.is_canceled)
+    deadline = Deadline.after(allowed, time.monotonic, report.is_canceled)
+    report.set_deadline(deadline.expires_at)
     context.allow(allowed + _PATIENCE)
     return deadline
 
@@ -124,11 +125,12 @@ def _enforce_delivery(context: TaskContext) -> None:
 
 
 @contextmanager
-def _timed_failures(loaded: float) -> Generator[None]:
-    """Have failures from inside say how long it took to load the scene [s]."""
+def _timed_failures(loaded: float, report: ProgressReporter) -> Generator[None]:
+    """Have failures from inside say how long it took to load the scene [s], and how far it came."""
     try:
         yield
     except PlanningFailure as failure:
+        report.tell_time()
         failure.timings = {"load": loaded, **failure.timings}
         raise
 

@@ -2,14 +2,15 @@
 
 from fastapi import APIRouter, Response
 
+from service.api.dependencies import JobsDep
 from service.api.params import Revision, SceneId
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import JobsDep, ScenesDep
 from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse
 from service.queries.tasks import CHECK, FK, IK, LINE, QueryWork
+from service.scenes.dependencies import ScenesDep
 from service.scenes.validation import check_request
 
 router = APIRouter(
@@ -25,14 +26,14 @@ async def check(
     scene: SceneId,
     request: CheckRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Check configurations: limits, and every pair of bodies that collides, with its depth."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[CheckRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(CHECK, work, size=len(request.configurations)))
+    work = QueryWork[CheckRequest].about(await scenes.work(record), request)
+    return passed_on(await jobs.call_text(CHECK, work, size=len(request.configurations)))
 
 
 @router.post("/fk", operation_id="computeForwardKinematics", response_model=FkResponse)
@@ -40,14 +41,14 @@ async def fk(
     scene: SceneId,
     request: FkRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Compute where frames are in given configurations."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[FkRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(FK, work, size=len(request.configurations)))
+    work = QueryWork[FkRequest].about(await scenes.work(record), request)
+    return passed_on(await jobs.call_text(FK, work, size=len(request.configurations)))
 
 
 @router.post("/ik", operation_id="solveInverseKinematics", response_model=IkResponse)
@@ -55,14 +56,14 @@ async def ik(
     scene: SceneId,
     request: IkRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Find all distinct configurations that reach a goal, or say why there is none."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[IkRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(IK, work))
+    work = QueryWork[IkRequest].about(await scenes.work(record), request)
+    return passed_on(await jobs.call_text(IK, work))
 
 
 @router.post("/line", operation_id="traceLine", response_model=LineResponse)
@@ -70,11 +71,11 @@ async def line(
     scene: SceneId,
     request: LineRequest,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     revision: Revision = None,
 ) -> Response:
     """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[LineRequest].about(await desk.scene_work(record), request)
-    return passed_on(await desk.call_text(LINE, work))
+    work = QueryWork[LineRequest].about(await scenes.work(record), request)
+    return passed_on(await jobs.call_text(LINE, work))

@@ -4,7 +4,7 @@ from typing import Self
 
 from pydantic import BaseModel
 
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse

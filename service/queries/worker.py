@@ -25,7 +25,8 @@ from planning.errors import (
     GoalViolatesConstraint,
     PlanningFailure,
 )
-from service.api.models import Failure, Pose
+from service.api.failures.failure import Failure
+from service.api.models import Pose
 from service.jobs.context import TaskContext
 from service.plans.models.constraints import constraints_to_domain
 from service.plans.models.ik import IkFunnel

@@ -5,15 +5,7 @@ from collections.abc import Mapping
 from planning.domain.request.region_request import validate_convex
 from planning.domain.robot.joints import JointType
 from planning.domain.robot.steering import Steering
-from service.plans.models.search import Search
 from service.scenes.models.summary import Group
-
-PLANNER = "GCS"
-
-
-def uses_gcs(search: Search) -> bool:
-    """Return whether the planner that plans inside regions is among those asked for."""
-    return PLANNER in search.planners
 
 
 def own_cars(group: Group) -> dict[str, Steering]:

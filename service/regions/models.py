@@ -6,10 +6,11 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, Strict
 
 from planning.domain.planner import regions as domain
+from service.api.failures.failure import Failure
 from service.api.models import (
     UNRECORDED,
     WHOLE,
-    Failure,
+    Interval,
     Name,
     NonNegative,
     PositionName,
@@ -18,7 +19,6 @@ from service.api.models import (
     ResponseModel,
 )
 from service.jobs.states import JobState
-from service.plans.models.search import Interval
 
 
 class RegionsRequest(RequestModel):

@@ -2,16 +2,16 @@
 
 from fastapi import Response
 
-from service.api.models import Failure
+from service.api.failures.failure import Failure
 from service.api.responses import whole
 from service.jobs.job import JobSummary, JobText
+from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.regions.models import RegionsBrief
 from service.regions.tasks import RegionsOutline, RegionsWork
-from service.scene_jobs import SceneJobs
 
 
-def regions_brief(desk: SceneJobs, job: JobSummary) -> RegionsBrief:
+def regions_brief(jobs: JobService, job: JobSummary) -> RegionsBrief:
     """Return regions without their faces."""
     work = RegionsWork.model_validate(job.payload)
     outcome = None if job.result is None else RegionsOutline.model_validate(job.result)
@@ -31,13 +31,13 @@ def regions_brief(desk: SceneJobs, job: JobSummary) -> RegionsBrief:
         failure=failure,
         versions=job.made_by or {},
         timings={} if ended is None else ended.timings,
-        unrecorded=desk.unrecorded(job),
+        unrecorded=jobs.unrecorded(job),
         summary=None if outcome is None else outcome.result,
     )
 
 
 async def regions_in_full(
-    desk: SceneJobs, found: JobText, answer: Response | None = None
+    jobs: JobService, found: JobText, answer: Response | None = None
 ) -> Response:
     """Return regions with their faces, if they have grown, under the headers of an answer."""
-    return await whole(regions_brief(desk, found.summary), found.result, answer)
+    return await whole(regions_brief(jobs, found.summary), found.result, answer)

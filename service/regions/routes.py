@@ -5,22 +5,39 @@
 from collections.abc import AsyncIterator
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Depends, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, before, cursor_of
-from service.api.params import LastEventId, SceneId
+from service.api.params import LastEventId, RegionsId, SceneId
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
-from service.dependencies import JobsDep, OpenRegions, RegionsText, ScenesDep
+from service.jobs.job import JobSummary, JobText
 from service.jobs.states import JobState
 from service.regions.models import RegionsJob, RegionsPage, RegionsRequest
 from service.regions.resource import regions_brief, regions_in_full
 from service.regions.submit import submit_regions
+from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["regions"])
+
+
+async def _regions_text(regions: RegionsId, jobs: JobsDep) -> JobText:
+    return await jobs.job_text("regions", regions)
+
+
+async def _open_regions(regions: RegionsId, jobs: JobsDep) -> JobSummary:
+    return await jobs.open_job("regions", regions)
+
+
+# With its result, which is passed on as it is.
+type RegionsText = Annotated[JobText, Depends(_regions_text)]
+# As memory has it while it waits or runs: what is to be stopped waits for no database.
+type OpenRegions = Annotated[JobSummary, Depends(_open_regions)]
+
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
 
 
@@ -35,9 +52,9 @@ async def grow_regions(
     scene: SceneId, request: RegionsRequest, asked: SubmissionDep, scenes: ScenesDep
 ) -> Response:
     """Grow convex regions of free configurations, for plans with the planner GCS."""
-    job = await submit_regions(scene, request, asked.key, scenes, asked.desk)
+    job = await submit_regions(scene, request, asked.key, scenes, asked.jobs)
     return await regions_in_full(
-        asked.desk, await asked.awaited(job, "/v1/regions"), asked.response
+        asked.jobs, await asked.awaited(job, "/v1/regions"), asked.response
     )
 
 
@@ -48,7 +65,7 @@ async def grow_regions(
 )
 async def list_regions(
     scene: SceneId,
-    desk: JobsDep,
+    jobs: JobsDep,
     scenes: ScenesDep,
     state: State = None,
     limit: Limit = 50,
@@ -56,8 +73,8 @@ async def list_regions(
 ) -> RegionsPage:
     """List the regions that were asked for in a scene, newest first, without their faces."""
     record = await scenes.get(scene)
-    page = await desk.page("regions", limit, before(cursor), state=state, scene=record.id)
-    items = [regions_brief(desk, job) for job in page.jobs]
+    page = await jobs.page("regions", limit, before(cursor), state=state, scene=record.id)
+    items = [regions_brief(jobs, job) for job in page.jobs]
     return RegionsPage(items=items, next=cursor_of(page.following))
 
 
@@ -67,9 +84,9 @@ async def list_regions(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def get_regions(found: RegionsText, desk: JobsDep) -> Response:
+async def get_regions(found: RegionsText, jobs: JobsDep) -> Response:
     """Show regions: how far they are, and all of them once they have grown."""
-    return await regions_in_full(desk, found)
+    return await regions_in_full(jobs, found)
 
 
 @router.get(
@@ -79,10 +96,10 @@ async def get_regions(found: RegionsText, desk: JobsDep) -> Response:
     responses={200: EVENTS, **problems(404, 422)},
 )
 async def stream_regions_events(
-    job: OpenRegions, desk: JobsDep, last_event_id: LastEventId = None
+    job: OpenRegions, jobs: JobsDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream what happens to regions: queued, started, stage, progress, finished."""
-    async for event in server_sent(desk, job, last_event_id):
+    async for event in server_sent(jobs, job, last_event_id):
         yield event
 
 
@@ -92,6 +109,6 @@ async def stream_regions_events(
     response_model=RegionsJob,
     responses=problems(404, 422),
 )
-async def cancel_regions(job: OpenRegions, desk: JobsDep) -> Response:
+async def cancel_regions(job: OpenRegions, jobs: JobsDep) -> Response:
     """End the growth, in whatever state it is; asking again changes nothing."""
-    return await regions_in_full(desk, await desk.text_of(await desk.cancel(job)))
+    return await regions_in_full(jobs, await jobs.text_of(await jobs.cancel(job)))

@@ -1,12 +1,12 @@
 """Queueing the growth of regions."""
 
 from planning.domain.request.region_request import validate_one_turn
-from service.job_spec import spec_of
 from service.jobs.job import IdempotencyKey, Job
+from service.jobs.service import JobService
 from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork
-from service.scene_jobs import SceneJobs
+from service.scenes.job_spec import spec_of
 from service.scenes.store import SceneStore
 from service.scenes.validation import check_request
 
@@ -15,7 +15,7 @@ _SLACK = 60.0
 
 
 async def submit_regions(
-    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, desk: SceneJobs
+    scene: str, request: RegionsRequest, key: str | None, scenes: SceneStore, jobs: JobService
 ) -> Job:
     """Queue the growth of regions.
 
@@ -30,17 +30,12 @@ async def submit_regions(
     group = check_request(record, request)
     check_eligible(group, own_cars(group), "group")
     validate_one_turn(group.domain_joints, request.bounds)
-    loaded = await desk.scene_work(record)
+    loaded = await scenes.work(record)
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
     )
-    return await desk.submit(
-        spec_of(
-            GROW_REGIONS.queue,
-            GROW_REGIONS.name,
-            work.model_dump(mode="json"),
-            scene=record,
-            key=IdempotencyKey(key, {"scene": record.id, **request.model_dump(mode="json")}),
-            allowed=request.allowed_time + _SLACK,
-        )
+    fingerprint = {"scene": record.id, **request.model_dump(mode="json")}
+    time_limit = request.allowed_time + _SLACK
+    return await jobs.submit(
+        spec_of(GROW_REGIONS, work, record, IdempotencyKey(key, fingerprint), time_limit)
     )

@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from service.jobs.outline import Outline
-from service.jobs.tasks import Task, TaskModel
+from service.jobs.task import Task, TaskModel
 from service.regions.models import RegionsRequest, RegionsResult, RegionsSummary
 from service.scenes.tasks import SceneWork
 

@@ -9,7 +9,7 @@ from planning import Deadline, Regions, grow_regions
 from planning.domain.report.motion_plan import Progress
 from planning.domain.request.stopwatch import Stopwatch
 from service.jobs.context import TaskContext
-from service.plans.progress import ProgressReporter
+from service.jobs.worker.progress import ProgressReporter
 from service.regions.models import RegionsResult
 from service.regions.tasks import GROW_REGIONS, RegionsOutcome, RegionsWork
 from service.scenes.world_cache import borrow_world

@@ -3,7 +3,7 @@
 from itertools import count
 
 from service.errors import RevisionConflict
-from service.scene_jobs import SceneJobs
+from service.jobs.service import JobService
 from service.scenes.etags import check_match
 from service.scenes.models.edits import SceneEdit
 from service.scenes.records import SceneRecord
@@ -19,7 +19,7 @@ async def apply_edits(
     request: SceneEdit,
     if_match: str | None,
     scenes: SceneStore,
-    desk: SceneJobs,
+    jobs: JobService,
 ) -> SceneRecord:
     """Carry out operations and record what comes of them.
 
@@ -39,7 +39,7 @@ async def apply_edits(
         if request.revision not in {None, base.revision}:
             wanted = await scenes.get(identifier, request.revision)
             raise RevisionConflict.of(identifier, wanted.revision, base.revision)
-        loaded = await load_edited(base, request, desk)
+        loaded = await load_edited(base, request, scenes, jobs)
         try:
             return await scenes.revise(base, loaded)
         except RevisionConflict:
@@ -47,13 +47,15 @@ async def apply_edits(
                 raise
 
 
-async def load_edited(record: SceneRecord, request: SceneEdit, desk: SceneJobs) -> LoadedScene:
+async def load_edited(
+    record: SceneRecord, request: SceneEdit, scenes: SceneStore, jobs: JobService
+) -> LoadedScene:
     """Return what comes of operations on a revision, without a record of it.
 
     Raises:
         UnknownName: An operation names what the scene does not have.
         InputError: An operation cannot be done, or what comes of it does not load.
     """
-    scene = await desk.scene_work(record)
+    scene = await scenes.work(record)
     work = EditWork(library=scene.library, scene=scene.scene, request=request)
-    return await desk.load(EDIT_SCENE, work, size=len(request.operations))
+    return await jobs.call_loading(EDIT_SCENE, work, size=len(request.operations))

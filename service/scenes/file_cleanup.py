@@ -87,7 +87,7 @@ def sweep(engine: Engine, data_dir: Path, grace: float = GRACE) -> None:
 def _needed(engine: Engine) -> set[str]:
     with engine.connect() as connection:
         of_scenes = connection.execute(select(scenes.c.digest).distinct()).scalars().all()
-        of_jobs = connection.execute(select(jobs.c.warm_key).distinct()).scalars().all()
+        of_jobs = connection.execute(select(jobs.c.world_digest).distinct()).scalars().all()
     return {found for found in (*of_scenes, *of_jobs) if found is not None}
 
 

@@ -1,18 +1,14 @@
 """/v1/scenes: post, list, show, edit, forget."""
 
-from typing import Annotated
+from fastapi import APIRouter, Request, Response
 
-from fastapi import APIRouter, Query, Request, Response
-from fastapi.responses import HTMLResponse
-
+from service.api.dependencies import JobsDep
 from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.params import Revision, SceneId
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
-from service.dependencies import JobsDep, ScenesDep
 from service.errors import RevisionConflict
-from service.executions.replay import executed_motions
-from service.plans.tasks import REPLAY_MOTIONS, ReplayWork
+from service.scenes.dependencies import ScenesDep
 from service.scenes.edits import apply_edits
 from service.scenes.etags import (
     ETAG_HEADER,
@@ -30,15 +26,8 @@ from service.scenes.tasks import LOAD_SCENE, LoadWork
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes", tags=["scenes"])
 
-# Each may need a world of its own in memory.
-_MOST_MOTIONS = 32
-
-type LastMotions = Annotated[
-    int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
-]
 _WITH_ETAG = {"headers": ETAG_HEADER}
 _UNCHANGED = {"description": "`If-None-Match` names this revision", "headers": ETAG_HEADER}
-_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
 @router.post(
@@ -50,11 +39,11 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     responses={201: _WITH_ETAG, **problems(400, 413, 415, 422, 429, 503)},
     openapi_extra={"requestBody": REQUEST_BODY},
 )
-async def create_scene(request: Request, scenes: ScenesDep, desk: JobsDep) -> Response:
+async def create_scene(request: Request, scenes: ScenesDep, jobs: JobsDep) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
-    work = LoadWork(library=desk.library.library, text=text, media=media)
-    record = await scenes.add(await desk.load(LOAD_SCENE, work, size=len(text)))
+    work = LoadWork(library=scenes.library, text=text, media=media)
+    record = await scenes.add(await jobs.call_loading(LOAD_SCENE, work, size=len(text)))
     return scene_response(record, 201, f"/v1/scenes/{record.id}")
 
 
@@ -83,22 +72,6 @@ async def get_scene(
     return scene_response(record)
 
 
-@router.get(
-    "/{scene}/replay.html",
-    operation_id="getSceneReplay",
-    response_class=HTMLResponse,
-    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
-)
-async def get_scene_replay(
-    scene: SceneId, scenes: ScenesDep, desk: JobsDep, last: LastMotions = _MOST_MOTIONS
-) -> HTMLResponse:
-    """Replay in 3-D what executions moved in a scene, one motion after the other."""
-    record = await scenes.stored(scene)
-    motions = await executed_motions(desk, record.id, last)
-    page = await desk.call(REPLAY_MOTIONS, ReplayWork(motions=motions))
-    return HTMLResponse(page.html)
-
-
 @router.patch(
     "/{scene}",
     operation_id="editScene",
@@ -110,11 +83,11 @@ async def edit_scene(
     scene: SceneId,
     request: SceneEdit,
     scenes: ScenesDep,
-    desk: JobsDep,
+    jobs: JobsDep,
     if_match: IfMatch = None,
 ) -> Response:
     """Edit a scene: its next revision, which plans use from now on; older ones stay."""
-    return scene_response(await apply_edits(scene, request, if_match, scenes, desk))
+    return scene_response(await apply_edits(scene, request, if_match, scenes, jobs))
 
 
 @router.delete(

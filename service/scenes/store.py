@@ -17,10 +17,11 @@ from service.errors import RevisionConflict, UnknownResource
 from service.jobs.database import set_durability
 from service.jobs.errors import DatabaseUnavailable
 from service.jobs.json_text import encode
+from service.jobs.schema import bring_up_to_date
 from service.scenes import rows
 from service.scenes.record_cache import Latest, RecentScenes
-from service.scenes.records import SceneBrief, SceneRecord, metadata, scenes
-from service.scenes.tasks import LoadedScene
+from service.scenes.records import SceneBrief, SceneRecord
+from service.scenes.tasks import Library, LoadedScene, SceneWork, StoredScene
 
 # How long a write waits for the writes of others [s].
 _PATIENCE = 5.0
@@ -34,14 +35,22 @@ class SceneStore:
     disks make one wait, so threads ask them.
 
     Attributes:
+        library: From which workers load robots.
         latest: Revisions that need not be read.
         settle: What the latest revision goes through before it is given out: it returns the one
             that knows where executions left the robots, and whether nothing moves them now.
         on_delete: Called after a scene was deleted.
     """
 
-    def __init__(self, engine: Engine, folder: Path) -> None:
-        """Keep records in `engine` and files in `folder`; call `open` before use."""
+    def __init__(self, engine: Engine, folder: Path, library: Library) -> None:
+        """Keep records in `engine` and files in `folder`; call `open` before use.
+
+        Args:
+            engine: Of the database.
+            folder: Of the documents' files.
+            library: From which workers load robots.
+        """
+        self.library = library
         self._engine = engine
         self._folder = folder.resolve()
         self._writing = asyncio.Lock()
@@ -52,7 +61,7 @@ class SceneStore:
         self.on_delete: Callable[[], None] | None = None
 
     async def open(self) -> None:
-        """Create what is missing."""
+        """Create what is missing, and bring the database to the newest revision."""
         await to_thread.run_sync(self._open)
 
     async def add(self, loaded: LoadedScene) -> SceneRecord:
@@ -131,6 +140,11 @@ class SceneStore:
             await to_thread.run_sync(self._write_file, record.loaded)
         return path
 
+    async def work(self, record: SceneRecord) -> SceneWork:
+        """Return what a task about a scene is given."""
+        scene = StoredScene(digest=record.digest, document=str(await self.file(record)))
+        return SceneWork(library=self.library, scene=scene)
+
     async def _write[**P, T](self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Write in a thread, one after the other: those that wait leave the threads to readers.
 
@@ -148,9 +162,7 @@ class SceneStore:
             self._writing.release()
 
     def _open(self) -> None:
-        metadata.create_all(self._engine)
-        for index in scenes.indexes:  # that a table of an older version lacks
-            index.create(self._engine, checkfirst=True)
+        bring_up_to_date(self._engine)
         self._folder.mkdir(parents=True, exist_ok=True)
 
     def _add(self, loaded: LoadedScene) -> SceneRecord:

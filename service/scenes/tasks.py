@@ -4,7 +4,7 @@ from typing import Literal
 
 from service.jobs.json_text import Encoded
 from service.jobs.outline import Outline
-from service.jobs.tasks import Task, TaskModel
+from service.jobs.task import Task, TaskModel
 from service.scenes.models.edits import SceneEdit
 from service.scenes.models.scene import SceneSummary
 

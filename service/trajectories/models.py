@@ -4,10 +4,10 @@ from typing import Annotated, Any, Self
 
 from pydantic import ConfigDict, Field, Strict, model_validator
 
+from service.api.failures.failure import Failure
 from service.api.models import (
     WHOLE,
     Boolean,
-    Failure,
     GroupPositions,
     Identifier,
     Name,

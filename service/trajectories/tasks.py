@@ -1,7 +1,7 @@
 """Tasks about motions of the client."""
 
 from service.api.models import RequestModel
-from service.jobs.tasks import Task
+from service.jobs.task import Task
 from service.scenes.tasks import SceneWork
 from service.trajectories.models import (
     CertifyMotionRequest,

@@ -23,7 +23,7 @@ from planning.api.splice_motion import ProvenMotion
 from planning.domain.request.constraint import PathConstraint
 from planning.domain.robot.joints import JointGroup
 from planning.errors import PlanningFailure, ProblemInvalid
-from service.api.models import Failure
+from service.api.failures.failure import Failure
 from service.jobs.context import TaskContext
 from service.plans.models.constraints import constraints_to_domain
 from service.plans.models.motion_limits import ScaledLimits

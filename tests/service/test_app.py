@@ -28,7 +28,7 @@ def test_server_process_loads_no_engine():
 WARM = """
 import importlib, sys
 from types import SimpleNamespace
-from service.jobs.task import run_task
+from service.jobs.worker.run_task import run_task
 from service.workers import PRELOAD, WARM_UP
 for name in PRELOAD:
     importlib.import_module(name)

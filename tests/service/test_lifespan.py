@@ -31,7 +31,7 @@ def test_executions_go_before_what_is_planned_and_come_to_rest_before_they_are_e
 
 @pytest.fixture
 def pool(app, client):
-    return app.state.desk._dispatcher._scheduler.queue("plan").pool
+    return app.state.jobs._dispatcher._scheduler.queue("plan").pool
 
 
 def test_a_posted_scene_is_loaded_for_its_first_plan(client, pool, scene):
@@ -45,11 +45,11 @@ def test_a_posted_scene_is_loaded_for_its_first_plan(client, pool, scene):
 
 
 def test_readiness_says_which_workers_are_not(client, app, pool, monkeypatch):
-    desk = app.state.desk
+    jobs = app.state.jobs
     for slot in pool.workers:
         monkeypatch.setattr(slot, "fault", "no module named planning")
     with pytest.raises(NotReady):
-        desk.check_ready()
+        jobs.check_ready()
     answer = client.get("/readyz")
     assert answer.status_code == 503
     assert answer.json()["code"] == "not_ready"

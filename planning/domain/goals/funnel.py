@@ -171,15 +171,7 @@ def funnel_summary(funnel: Funnel) -> str:
     phrases = [f"{funnel.num_samples} tried", f"{funnel.converged} converged"]
     if funnel.converged > funnel.within_limits:
         phrases.append(f"{funnel.converged - funnel.within_limits} of them are outside limits")
-    phrases += [
-        f"{tally.count} of them hit {'-'.join(tally.bodies)} by "
-        f"{1000 * tally.min_depth:.3g} to {1000 * tally.max_depth:.3g} mm"
-        for tally in funnel.rejected_by[:_MAX_NAMED_PAIRS]
-    ]
-    num_named = sum(tally.count for tally in funnel.rejected_by[:_MAX_NAMED_PAIRS])
-    num_others = funnel.within_limits - funnel.collision_free - num_named
-    if num_others:
-        phrases.append(f"{num_others} of them collide" + (" otherwise" if num_named else ""))
+    phrases += _collision_phrases(funnel)
     if funnel.collision_free:
         phrases.append(f"{funnel.collision_free} are free")
     if funnel.num_samples_violating:
@@ -190,3 +182,23 @@ def funnel_summary(funnel: Funnel) -> str:
     if funnel.collision_free:
         phrases.append(f"{funnel.distinct} are distinct")
     return ", ".join(phrases)
+
+
+def _collision_phrases(funnel: Funnel) -> list[str]:
+    """Return how many samples collide, and in which pairs of bodies, the most frequent first."""
+    named = [
+        f"{tally.count} of them hit {'-'.join(tally.bodies)} by "
+        f"{1000 * tally.min_depth:.3g} to {1000 * tally.max_depth:.3g} mm"
+        for tally in funnel.rejected_by[:_MAX_NAMED_PAIRS]
+    ]
+    num_others = sum(tally.count for tally in funnel.rejected_by[_MAX_NAMED_PAIRS:])
+    if num_others:
+        named.append(f"{num_others} of them hit other pairs")
+    num_colliding = funnel.within_limits - funnel.collision_free
+    num_measured = sum(tally.count for tally in funnel.rejected_by)
+    if num_measured >= num_colliding:
+        return named
+    colliding = f"{num_colliding} of them collide"
+    if not named:
+        return [colliding]
+    return [f"{colliding} ({num_measured} measured: {', '.join(named)})"]

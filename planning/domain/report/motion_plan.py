@@ -98,12 +98,14 @@ class Progress:
         fraction: Of the whole plan, 0 to 1.
         detail: For a person.
         best_length: Length of the search's best path so far; None where it has not changed.
+        until: Fraction at which the next stage begins; None if that is not known.
     """
 
     stage: str
     fraction: float
     detail: str = ""
     best_length: float | None = None
+    until: float | None = None
 
 
 def ignore_progress(_: Progress) -> None:

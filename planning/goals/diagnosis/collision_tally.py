@@ -44,14 +44,22 @@ class CollisionTally:
 
 
 def count_collisions(
-    world: World, query: GoalQuery, rows: list[Array], deadline: Deadline
+    world: World, query: GoalQuery, rows: list[Array], num_measured: int, deadline: Deadline
 ) -> CollisionTally:
     """Return the tally of colliding pairs of some configurations, until the deadline.
 
-    The first `_MIN_MEASURED` configurations are measured in any case.
+    They are spread evenly over all of them: those found one after another are often alike. The
+    first `_MIN_MEASURED` of them are measured in any case.
+
+    Args:
+        world: Loaded scene.
+        query: Goal query.
+        rows: Colliding configurations, as they were found.
+        num_measured: Most configurations that are measured.
+        deadline: Time limit.
     """
-    tally = CollisionTally()
-    for i, q in enumerate(rows):
+    tally, count = CollisionTally(), min(num_measured, len(rows))
+    for i, q in enumerate(rows[k * len(rows) // count] for k in range(count)):
         if i >= _MIN_MEASURED and deadline.is_over:
             break
         tally.add(world.violations(query.group, q, query.margins), query.margins)

@@ -90,7 +90,7 @@ def collision_failure(
     """
     rows = _distinct(query, search.colliding)
     tally = count_collisions(
-        world, query, search.colliding[: max(_MAX_MEASURED, query.num_measured)], deadline
+        world, query, search.colliding, max(_MAX_MEASURED, query.num_measured), deadline
     )
     funnel = search.funnel(tally.summary)
     relaxation = dict(evidence.get("relaxation", {}))

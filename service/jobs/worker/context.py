@@ -3,8 +3,8 @@
 import json
 from typing import Any
 
-from service.jobs.task import event_text
 from service.jobs.worker.protocol import Message, MessageKind, MessagePipe, two_parts
+from service.jobs.worker.run_task import event_text
 
 
 class PipeContext:

@@ -6,11 +6,11 @@ import socket
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 
-from service.jobs.task import TaskEnd, run_task
 from service.jobs.worker.context import PipeContext, WarmUpContext
 from service.jobs.worker.memory import limit_own
 from service.jobs.worker.parent_watch import exit_with_parent
 from service.jobs.worker.protocol import Message, MessageKind, MessagePipe, two_parts
+from service.jobs.worker.run_task import TaskEnd, run_task
 
 _CRASH_CODE = 70
 

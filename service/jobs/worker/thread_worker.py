@@ -13,9 +13,9 @@ from typing import Any
 
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, Outcome, Raised, Terminated, returned
-from service.jobs.task import TaskEnd, event_text, run_task
 from service.jobs.worker.assignment import Assignment, EventSink
 from service.jobs.worker.protocol import MessageKind, load_error
+from service.jobs.worker.run_task import TaskEnd, event_text, run_task
 from service.jobs.worker.termination import Termination
 
 # Drake worlds are kept per process and OMPL's random numbers are global to it: one task at a time.

@@ -81,8 +81,10 @@ class CollidingPair(ResponseModel):
 class ApproachFailures(ResponseModel):
     """How often one thing stopped the approach or retreat of a configuration."""
 
-    leg: str = Field(description="`approach` or `retreat`")
-    reason: str = Field(description="`limit`, `singularity`, `collision` or `unreachable`")
+    leg: Literal["approach", "retreat"] = Field(description="Which of both")
+    reason: Literal["limit", "singularity", "collision", "unreachable"] = Field(
+        description="Why it stopped"
+    )
     where: str = Field(description="The pair of bodies or the joint, or empty")
     count: int = Field(description="Configurations")
     max_fraction: float = Field(

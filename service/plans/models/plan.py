@@ -4,10 +4,21 @@ from datetime import datetime
 
 from pydantic import Field
 
-from service.api.models import UNRECORDED, Failure, ResponseModel
+from service.api.failures.failure import Failure
+from service.api.models import UNRECORDED, ResponseModel
 from service.jobs.states import JobState
 from service.plans.models.request import PlanRequest
 from service.plans.models.result import PlanResult
+
+
+class BestPath(ResponseModel):
+    """The best path that a search has found so far."""
+
+    length: float = Field(description="Its weighted length")
+    seconds: float | None = Field(
+        default=None,
+        description="When it was found, since the worker began with the plan [s]",
+    )
 
 
 class PlanSummary(ResponseModel):
@@ -16,7 +27,17 @@ class PlanSummary(ResponseModel):
     id: str = Field(description="Of the plan")
     state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
     stage: str = Field(description="The stage that it is in or ended in, or empty")
-    progress: float = Field(description="Of the whole plan, 0 to 1", ge=0, le=1)
+    progress: float = Field(
+        description="Of the whole plan, 0 to 1: within a stage it grows with the share of the "
+        "allowed time that is used; of a plan that failed or was canceled, how far it came",
+        ge=0,
+        le=1,
+    )
+    best: BestPath | None = Field(
+        default=None,
+        description="The best path of the search so far, while the plan runs; null before one is "
+        "found, and once the plan has ended",
+    )
     created_at: datetime = Field(description="When it was requested (UTC)")
     started_at: datetime | None = Field(description="When a worker took it (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")

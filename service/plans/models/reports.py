@@ -1,6 +1,6 @@
 """What every stage of a plan says about its work."""
 
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import Field
 
@@ -21,7 +21,7 @@ class GoalsReport(ResponseModel):
 class RefineReport(ResponseModel):
     """What the refine stage did."""
 
-    method: str = Field(description="`trajopt`, `auto` or `none`")
+    method: Literal["trajopt", "auto", "none"] = Field(description="As it was asked for")
     improved: bool = Field(description="Whether the refined curve is what was delivered")
     reason: str = Field(description="Why not, or empty")
     solver: str = Field(description="Name of the solver, or empty")
@@ -79,7 +79,7 @@ class DurationExplanation(ResponseModel):
 class RetimeReport(ResponseModel):
     """What the retime stage did."""
 
-    method: str = Field(description="`toppra` or `ruckig`")
+    method: Literal["toppra", "ruckig"] = Field(description="As it was asked for")
     duration: float = Field(description="Of the trajectory [s]")
     slowed: float = Field(description="Factor by which the audit stretched it; 1 is not at all")
     binding: dict[str, str] = Field(description="What is nearest its bound, per limit")

@@ -20,7 +20,7 @@ IN_QUERY = ("period", "points")
 
 
 class Sampling(RequestModel):
-    """So many samples, or one every so often."""
+    """A number of samples, or a longest time between two."""
 
     sample_period: Annotated[Real, Field(ge=1e-4, le=10)] | None = Field(
         default=DEFAULT_PERIOD,

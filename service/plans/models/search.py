@@ -9,9 +9,9 @@ from planning.domain.robot.steering import Steering
 from service.api.models import (
     WHOLE,
     Boolean,
-    Coordinate,
     Identifier,
     Integer,
+    Interval,
     JointOrBlockName,
     MobileJointName,
     Name,
@@ -20,7 +20,6 @@ from service.api.models import (
     RequestModel,
 )
 
-type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 type ParameterValue = Boolean | Integer | Real | Annotated[str, Field(max_length=256)]
 
 

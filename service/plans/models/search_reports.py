@@ -82,7 +82,9 @@ class SearchReport(ResponseModel):
         default=False,
         description="Whether the straight line was free, so that no search was needed",
     )
-    objective: str = Field(default="length", description="By what solutions were compared")
+    objective: Literal["length", "weighted_length", "clearance", "duration"] = Field(
+        default="length", description="By what solutions were compared"
+    )
     cost: float = Field(
         default=0.0,
         description="Of the kept solution: a length [rad or m], a duration [s], or, for clearance, "

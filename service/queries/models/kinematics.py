@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, Strict
 
 from planning.domain.goals.configuration_quality import ConfigurationQuality
+from service.api.failures.failure import Failure
 from service.api.models import (
     WHOLE,
-    Failure,
     FrameName,
     GroupPositions,
     Name,

@@ -26,9 +26,9 @@ class Joint(ResponseModel):
     """A joint of a group."""
 
     name: str = Field(description="Full name, `robot::joint`")
-    type: str = Field(
-        description="revolute, continuous, prismatic, planar or floating; whole turns are nothing "
-        "only to continuous joints, and a joint that another one follows by less is revolute"
+    type: domain.JointType = Field(
+        description="Whole turns are nothing only to continuous joints, and a joint that another "
+        "one follows by less is revolute"
     )
     steering: Steering | None = Field(
         default=None, description="How a planar joint is steered; null if it moves any way"
@@ -83,7 +83,7 @@ class Group(ResponseModel):
     @property
     def domain_joints(self) -> list[domain.Joint]:
         """Its joints as the domain has them."""
-        return [domain.Joint(joint.name, domain.JointType(joint.type)) for joint in self.joints]
+        return [domain.Joint(joint.name, joint.type) for joint in self.joints]
 
     @classmethod
     def from_summary(cls, summary: GroupSummary, aliases: Sequence[str]) -> Self:
@@ -93,7 +93,7 @@ class Group(ResponseModel):
         joints = [
             Joint(
                 name=joint.name,
-                type=str(joint.type),
+                type=joint.type,
                 steering=Steering.model_validate(cars[joint.name]) if joint.name in cars else None,
             )
             for joint in group.joints

@@ -4,6 +4,7 @@ import json
 from dataclasses import fields
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -63,6 +64,24 @@ def test_the_sentence_says_what_was_hit_how_often_and_how_deep() -> None:
         "300 tried, 37 converged, 31 of them hit table-arm::forearm_link by 8 to 31 mm, "
         "6 are free, 1 of these have no free approach or retreat, 4 are distinct"
     )
+
+
+@pytest.mark.parametrize(
+    ("num_free", "counts", "text"),
+    [
+        (0, (), "9 of them collide"),
+        (2, (4, 3), "4 of them hit a0-b by 1 to 2 mm, 3 of them hit a1-b by 1 to 2 mm, 2 are free"),
+        (0, (2, 1), "(3 measured: 2 of them hit a0-b by 1 to 2 mm, 1 of them hit a1-b by 1 to 2"),
+        (0, (4, 2, 1, 1, 1), "1 of them hit a2-b by 1 to 2 mm, 2 of them hit other pairs"),
+    ],
+)
+def test_the_sentence_names_the_most_frequent_pairs_of_those_measured(
+    num_free: int, counts: tuple[int, ...], text: str
+) -> None:
+    hits = tuple(PairTally((f"a{i}", "b"), n, 0.001, 0.002) for i, n in enumerate(counts))
+    sentence = funnel_summary(Funnel(9, 9, 9, num_free, num_free, hits))
+    assert text in sentence
+    assert "otherwise" not in sentence
 
 
 def test_nothing_tried_is_nothing_to_say() -> None:

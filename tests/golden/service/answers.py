@@ -6,6 +6,7 @@ import io
 import json
 import re
 import tempfile
+import threading
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -81,6 +82,9 @@ def answers() -> Iterator[tuple[str, dict[str, Any]]]:
             yield call.name, _compared(call, answer, masks)
 
 
+_PAUSE = threading.Event()
+
+
 def ask(service: Any, call: Call, given: dict[str, Any]) -> Any:
     """Return the answer to a call; `given` has earlier answers by the names of their calls."""
     ids = {name: part["id"] for name, part in given.items() if "id" in part}
@@ -91,6 +95,7 @@ def ask(service: Any, call: Call, given: dict[str, Any]) -> Any:
         answer = service.request(call.method, path, headers=call.headers, **sent)
         if call.until is None or _is_there(call.until, answer.json()):
             return answer
+        _PAUSE.wait(0.01)  # what is waited for needs this process as well
 
 
 def _is_there(until: tuple[str, str], found: dict[str, Any]) -> bool:

@@ -21,7 +21,16 @@ _SHA256 = re.compile(r"\b[0-9a-f]{64}\b")
 _INSTANT = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|\+00:00)")
 _CANCELED_AT = re.compile(r"canceled [0-9.]+ s into")
 _MEASURED = {"positions", "tracking_error", "max_tracking_error", "lateness"}
-_MOVING = {"state", "stage", "progress", "status", "started_at", "finished_at", "unrecorded"}
+_MOVING = {
+    "state",
+    "stage",
+    "progress",
+    "best",
+    "status",
+    "started_at",
+    "finished_at",
+    "unrecorded",
+}
 
 
 class Masks:

@@ -7,8 +7,9 @@ import threading
 import pytest
 
 from planning.errors import Canceled
-from service.api.client_disconnect import DisconnectWatch, note_question, unless_client_leaves
+from service.api.client_disconnect import DisconnectWatch, call_for_client, unless_client_leaves
 from service.errors import ClientLeft
+from service.jobs.calls import CallResult
 from service.queries.tasks import CHECK
 
 # Against tests that hang.
@@ -56,15 +57,14 @@ def test_work_is_canceled_once_its_client_has_left(before):
 
 
 def test_the_answer_comes_while_the_client_waits_and_says_what_it_took():
-    async def work():
+    async def work(waited, worked):
         for _ in range(10):
             await asyncio.sleep(0)
-        return 3
+        return CallResult(3, waited, worked)
 
     async def endpoint(_, __, send):
-        assert await unless_client_leaves(work()) == 3
-        note_question(0.5, 0.25)
-        note_question(0.25, 0.25)
+        assert (await call_for_client(work(0.5, 0.25))).content == 3
+        await call_for_client(work(0.25, 0.25))
         await send({"type": "http.response.start", "status": 200, "headers": []})
 
     [start] = asked(endpoint, [EMPTY])

@@ -9,6 +9,7 @@ import service
 from planning.errors import WayproofError
 from service.api.error_responses import CODES
 from service.jobs.errors import InternalError
+from tests.golden.failures import REWRITE, with_table
 
 GUIDE = Path(__file__).parents[3] / "docs" / "failures.md"
 
@@ -34,3 +35,8 @@ def test_the_guide_names_every_code():
     told = {code for row in rows for code in re.findall(r"`(\w+)`", row)}
     assert InternalError.code in codes()
     assert told == codes()
+
+
+def test_the_table_is_as_it_is_generated():
+    text = GUIDE.read_text()
+    assert text == with_table(text), f"write it anew: {REWRITE}"

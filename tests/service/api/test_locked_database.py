@@ -9,7 +9,7 @@ from tests.service.jobs.databases import locked
 @pytest.fixture
 def held(app, settings, client, monkeypatch):
     """The write lock is another's; new jobs are refused soon."""
-    dispatcher = app.state.desk._dispatcher
+    dispatcher = app.state.jobs._dispatcher
     monkeypatch.setattr(dispatcher, "_timeouts", DatabaseTimeouts(record=0.05))
     with locked(settings.data_dir / "wayproof.sqlite"):
         yield

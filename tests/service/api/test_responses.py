@@ -57,7 +57,7 @@ def test_answers_are_what_is_declared(client, solved, few_regions):
 @pytest.fixture
 def vast(app, client, solved):
     """The id of a plan with a large result, recorded as if a worker had just told it."""
-    store = app.state.desk._store
+    store = app.state.jobs._store
     payload = {"request": solved["request"], "revision": 1}
     job, _ = store.insert(JobSpec("plan", PLAN.name, payload, prefix="pln"))
     store.start(job.id)

@@ -33,7 +33,7 @@ def execution(finished_at):
 
 
 @pytest.mark.parametrize(
-    ("desk", "is_at_rest"),
+    ("jobs", "is_at_rest"),
     [
         (SceneJobs(), True),
         (SceneJobs(execution(BEFORE)), True),
@@ -42,5 +42,5 @@ def execution(finished_at):
         (SceneJobs(execution(None), execution(BEFORE)), False),
     ],
 )
-def test_a_revision_is_the_latest_for_good_once_nothing_moves(desk, is_at_rest):
-    assert asyncio.run(settled(RECORD, None, desk)) == (RECORD, is_at_rest)
+def test_a_revision_is_the_latest_for_good_once_nothing_moves(jobs, is_at_rest):
+    assert asyncio.run(settled(RECORD, None, jobs)) == (RECORD, is_at_rest)

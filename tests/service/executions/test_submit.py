@@ -74,7 +74,7 @@ class Scene:
             yield job
         self.while_looked_for()
 
-    async def scene_work(self, record):
+    async def work(self, record):
         return SceneWork.model_validate({part: MOVING[part] for part in ("library", "scene")})
 
     async def submit(self, spec):

@@ -9,10 +9,11 @@ import planning
 from planning.errors import ProblemInvalid
 from planning.retime.limits.request_limits import path_limits
 from service.app import create_app
-from service.jobs.task import run_task
+from service.jobs.worker.run_task import run_task
 from service.settings import Settings
 from tests.service.hostile.files import urdf
 from tests.service.hostile.test_bodies import tells_of_the_server
+from tests.service.jobs import fake_tasks
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -133,7 +134,8 @@ def test_a_robot_of_the_server_that_is_broken_tells_no_folder(public, tmp_path):
 
 
 def test_a_fault_of_ours_tells_no_traceback(caplog):
-    end = run_task("tests.service.jobs.fake_tasks:blunder", "{}", None)
+    assert fake_tasks.blunder  # its import has the task carried out
+    end = run_task("fake.blunder", "{}", None)
     assert not tells_of_the_server(end.text)
     evidence = json.loads(end.text)["evidence"]
     assert set(evidence) == {"exception", "reference"}

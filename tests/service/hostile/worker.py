@@ -4,8 +4,8 @@ import json
 import sys
 
 from service.errors import status_of
-from service.jobs.task import run_task
 from service.jobs.worker.protocol import MessageKind, load_error
+from service.jobs.worker.run_task import run_task
 from service.scenes import worker as scenes
 from service.scenes.tasks import LOAD_SCENE
 

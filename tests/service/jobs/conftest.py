@@ -14,15 +14,17 @@ from service.jobs.worker.assignment import Worker
 from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.jobs.worker_pool import WorkerPool
+from tests.service.jobs import fake_tasks
 from tests.service.jobs.databases import FullDisk
 
-TASKS = "tests.service.jobs.fake_tasks"
+TASKS = fake_tasks.__name__
+WARM_UP = "fake.warm"
 # What ends within it ends [s]; it is for what hangs, whatever the machine does besides.
 GUARD = 120.0
 
 
 def spec(task: str, /, **options: object) -> JobSpec:
-    return JobSpec(**{"queue": "plan", "task": f"{TASKS}:{task}", "payload": {}, **options})
+    return JobSpec(**{"queue": "plan", "task": f"fake.{task}", "payload": {}, **options})
 
 
 @asynccontextmanager
@@ -49,7 +51,7 @@ async def running(  # noqa: PLR0913  (what a test may vary)
     pool = WorkerPool([worker() for _ in range(workers)])
     queues = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
     dispatcher = Dispatcher(store, DispatcherLock(engine), queues)
-    await dispatcher.start(f"{TASKS}:warm")
+    await dispatcher.start(WARM_UP)
     try:
         yield dispatcher, store
     finally:

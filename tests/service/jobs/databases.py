@@ -1,4 +1,4 @@
-"""Databases that are full, or locked by another connection, when a test says so."""
+"""Databases that are full, locked by another connection, or old, when a test says so."""
 
 import sqlite3
 import threading
@@ -36,3 +36,43 @@ def locked(file):
         other.execute("ROLLBACK")
     finally:
         other.close()
+
+
+FORMER_NAMES = {
+    "service.tasks.plan:plan_motion": "plan",
+    "service.tasks.reverse:reverse_motion": "reverse",
+    "service.tasks.regions:grow": "grow_regions",
+    "service.tasks.execute:execute": "execute",
+}
+_FORMER_COLUMNS = {
+    "serial": "sequence",
+    "lane": "queue",
+    "warm_key": "world_digest",
+    "allowed": "time_limit",
+}
+
+
+def make_released(engine):
+    """Have a database of this version, with its rows, be as version 0.1 would have left it.
+
+    But for its revision, 0001, which that version did not store.
+    """
+    renamed = [
+        f"ALTER TABLE jobs RENAME COLUMN {name} TO {former}"
+        for former, name in _FORMER_COLUMNS.items()
+    ]
+    tasks = [
+        f"UPDATE jobs SET task = '{path}' WHERE task = '{FORMER_NAMES[path]}'"
+        for path in FORMER_NAMES
+    ]
+    with engine.begin() as connection:
+        for statement in (
+            "DROP INDEX one_open_execution_of_scene",
+            "DROP INDEX jobs_of_queue",
+            *renamed,
+            "CREATE INDEX jobs_of_lane ON jobs (lane, serial)",
+            "ALTER TABLE job_summaries RENAME TO job_briefs",
+            *tasks,
+            "UPDATE alembic_version SET version_num = '0001'",
+        ):
+            connection.exec_driver_sql(statement)

@@ -10,50 +10,82 @@ import time
 from pathlib import Path
 from typing import Any
 
+from pydantic import JsonValue, RootModel
+
 from planning.errors import Canceled, GoalUnreachable
 from service.jobs.context import TaskContext
+from service.jobs.task import Task
 
 
+class Payload(RootModel[dict[str, Any]]):
+    """Whatever a test gives."""
+
+
+class Result(RootModel[JsonValue]):
+    """Whatever is JSON."""
+
+
+def fake(function):
+    """Declare the task `fake.<name of the function>`, which gives and takes dictionaries."""
+    task = Task(f"fake.{function.__name__}", Payload, Result)
+
+    @task.runs
+    def run(work, context):
+        return Result.model_validate(function(work.root, context))
+
+    return run
+
+
+@fake
 def echo(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     channel.emit("stage", {"stage": "echo", "progress": 0.5})
     return {"echo": payload, "pid": os.getpid()}
 
 
+@fake
 def warm(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {}
 
 
+@fake
 def garbage(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     """Tell whether this process looks for garbage, and how often it, or what it is of, has."""
     looks = sum(generation["collections"] for generation in gc.get_stats())
     return {"looks": gc.isenabled(), "spared": gc.get_freeze_count() > 1000, "has_looked": looks}
 
 
+@fake
 def repeat(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Give the same whenever it is asked, unless a clock had a part in it."""
     return {"cut_short": payload.get("cut_short", [])}
 
 
+@fake
 def refuse(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise GoalUnreachable("too far", {"metres": 2.0})
 
 
+@fake
 def blunder(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {"x": {}["missing"]}
 
 
+@fake
 def leave(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise SystemExit(3)
 
 
+@fake
 def interrupt(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise KeyboardInterrupt
 
 
+@fake
 def secret(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {"not JSON": {1, 2}}
 
 
+@fake
 def spin(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Run until canceled, in Python."""
     channel.emit("stage", {"stage": "spin", "progress": 0.1, "pid": os.getpid()})
@@ -62,6 +94,7 @@ def spin(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     raise Canceled("noticed")
 
 
+@fake
 def hang(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Sleep in C with the interpreter's lock held: no signal handler, no thread can run."""
     told = {"stage": "hang", "progress": 0.1, "pid": os.getpid(), "timings": {"load": 0.125}}
@@ -70,6 +103,7 @@ def hang(_: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     return {}
 
 
+@fake
 def reckon(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Say how long it may take, some seconds each time, and then work for some."""
     for allowed, works in payload["terms"]:
@@ -78,11 +112,13 @@ def reckon(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     return {"pid": os.getpid()}
 
 
+@fake
 def segfault(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     os.kill(os.getpid(), signal.SIGSEGV)
     return {}
 
 
+@fake
 def die_once(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """End the process at the first attempt, return at the second."""
     marker = Path(payload["marker"])
@@ -92,20 +128,24 @@ def die_once(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     return {"attempt": 2}
 
 
+@fake
 def chatter(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     for i in range(payload["count"]):
         channel.emit("note", {"i": i, "text": "x" * payload["size"]})
     return {}
 
 
+@fake
 def leave_quietly(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     os._exit(0)
 
 
+@fake
 def exhaust(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     raise MemoryError
 
 
+@fake
 def close_everything(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     """Close the socket to the server, and stay."""
     os.closerange(3, 100)
@@ -113,6 +153,7 @@ def close_everything(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {}
 
 
+@fake
 def babble(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     """Write noise into every descriptor, as damaged native code might."""
     for descriptor in range(3, 30):
@@ -121,6 +162,7 @@ def babble(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {}
 
 
+@fake
 def touch(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Count runs in a file."""
     with Path(payload["file"]).open("a") as file:
@@ -128,6 +170,7 @@ def touch(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     return {}
 
 
+@fake
 def stubborn(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return its result although it was canceled."""
     channel.emit("stage", {"stage": "stubborn", "pid": os.getpid()})
@@ -136,6 +179,7 @@ def stubborn(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     return {"kept": payload}
 
 
+@fake
 def wait_for_file(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Return once a file is there; make another one first if it is named."""
     channel.emit("stage", {"stage": "wait", "pid": os.getpid()})
@@ -147,10 +191,12 @@ def wait_for_file(payload: dict[str, Any], channel: TaskContext) -> dict[str, An
     return {"pid": os.getpid(), **filling}
 
 
+@fake
 def vast(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     return {"numbers": [0.1 * i for i in range(payload["count"])], "none": float("inf")}
 
 
+@fake
 def move(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Say how it goes until canceled, then come to rest in some steps; obey `goal`."""
     channel.watch(payload.get("silence", 60.0))
@@ -167,6 +213,7 @@ def move(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     raise Canceled(message, {"place": place})
 
 
+@fake
 def spin_until_told(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Run until canceled, and leave a sign of each."""
     Path(payload["begun"]).touch()
@@ -176,6 +223,7 @@ def spin_until_told(payload: dict[str, Any], channel: TaskContext) -> dict[str, 
     raise Canceled("noticed")
 
 
+@fake
 def hang_quietly(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Leave a sign, and sleep in C with the interpreter's lock held."""
     Path(payload["begun"]).touch()
@@ -183,6 +231,7 @@ def hang_quietly(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     return {}
 
 
+@fake
 def grow(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     """Take memory, `chunk` bytes at a time, up to `most`; come to rest when told to."""
     taken: list[bytes] = []
@@ -195,6 +244,7 @@ def grow(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
     raise Canceled("at rest")
 
 
+@fake
 def keep(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
     """Take memory, and keep it."""
     _kept.append(b"x" * payload["count"])
@@ -204,5 +254,6 @@ def keep(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
 _kept: list[bytes] = []
 
 
+@fake
 def niceness(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {"niceness": os.nice(0)}

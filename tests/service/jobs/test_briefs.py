@@ -7,7 +7,7 @@ from itertools import count
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sqlalchemy import event, insert, select, update
+from sqlalchemy import event, insert, select, text
 
 from planning.errors import Canceled, NoPathFound
 from service.executions.tasks import EXECUTE
@@ -15,13 +15,15 @@ from service.jobs.database import open_engine
 from service.jobs.job import JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
+from service.jobs.schema import stored_revision
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
-from service.jobs.tables import bodies, jobs, metadata, summaries
-from service.jobs.tasks import outline_of
+from service.jobs.tables import bodies, jobs, summaries
+from service.jobs.task import outline_of
 from service.plans.tasks import PLAN as PLAN_TASK
 from service.plans.tasks import REVERSE as REVERSE_TASK
 from service.regions.tasks import GROW_REGIONS
+from tests.service.jobs.databases import FORMER_NAMES, make_released
 
 PLAN, REVERSE, REGIONS = PLAN_TASK.name, REVERSE_TASK.name, GROW_REGIONS.name
 LARGE = [[0.1] * 7] * 50
@@ -100,22 +102,27 @@ def assert_listed(store, engine):
 PARTS = ("payload", "result", "failure")
 
 
-def check_upgrade(engine):
-    """A database without briefs, then one whose jobs ended under a version that writes none."""
-    metadata.drop_all(engine)
-    metadata.create_all(engine)
-    store = JobStore(engine)
+def leave_to_upgrade(engine, store):
+    """Make a database what version 0.1 may leave: no summaries, or without ends."""
+    store.open()
     add_some(store)
-    summaries.drop(engine)
-    store.open()
-    assert_listed(store, engine)
+    make_released(engine)
+    odd = "DELETE FROM job_briefs WHERE job IN (SELECT id FROM jobs WHERE serial % 2 = 1)"
     with engine.begin() as connection:
-        connection.execute(update(summaries).values(result=None, failure=None))
+        connection.execute(text(odd))
+        connection.execute(text("UPDATE job_briefs SET result = NULL, failure = NULL"))
+
+
+def check_upgrade(engine):
+    """A database of version 0.1 is listed as one of this version, and looked at once."""
+    store = JobStore(engine)
+    leave_to_upgrade(engine, store)
     store.open()
     assert_listed(store, engine)
+    assert {job.task for job in store.page("plan", limit=100)} == set(RESULTS)
     with statements(engine) as told:
         store.open()
-    assert not any("job_bodies" in statement and "SELECT" in statement for statement in told)
+    assert not any("jobs" in statement for statement in told)
 
 
 def test_lists_have_all_but_what_is_large(engine):
@@ -131,9 +138,7 @@ def test_what_an_older_version_wrote_is_listed_as_well(engine):
 
 def test_an_upgrade_that_is_interrupted_loses_nothing(engine):
     store = JobStore(engine)
-    store.open()
-    add_some(store)
-    summaries.drop(engine)
+    leave_to_upgrade(engine, store)
     portions = count(1)
 
     def interrupt(_, __, statement, *___):
@@ -144,8 +149,12 @@ def test_an_upgrade_that_is_interrupted_loses_nothing(engine):
     with pytest.raises(KeyboardInterrupt):
         store.open()
     event.remove(engine, "before_cursor_execute", interrupt)
+    assert stored_revision(engine) == "0001"
     with engine.connect() as connection:
-        assert len(connection.execute(select(summaries)).all()) == 16
+        names = set(connection.execute(text("SELECT task FROM jobs")).scalars())
+        kept = connection.execute(text("SELECT job FROM job_briefs")).all()
+    assert names == {*FORMER_NAMES, "m:f"}
+    assert len(kept) == len(RESULTS) * len(JobState) // 2
     store.open()
     assert_listed(store, engine)
 
@@ -160,6 +169,7 @@ def test_jobs_without_a_body_do_not_keep_a_store_from_opening(engine):
         connection.execute(bodies.delete().where(bodies.c.job.in_(lost)))
         connection.execute(summaries.delete().where(summaries.c.job.in_(lost)))
         connection.execute(insert(bodies).values(job="nobody", payload={}))
+    make_released(engine)
     store.open()
     assert len(store.page("plan", limit=100)) == len(RESULTS) * len(JobState) - 3
 

@@ -8,7 +8,7 @@ import pytest
 from service.jobs.calls import Call
 from service.jobs.errors import InternalError, QueueFull, QueueTimeout, WorkerCrashed
 from service.jobs.queue import Share
-from tests.service.jobs.conftest import GUARD, TASKS, running, spec
+from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.servers import until
 
 
@@ -17,7 +17,7 @@ async def call(dispatcher, task, payload=None, **given):
 
 
 def answer(dispatcher, task, payload=None, allowed=GUARD, patience=GUARD, **about):
-    question = Call(f"{TASKS}:{task}", payload or {}, "plan", allowed, patience, **about)
+    question = Call(f"fake.{task}", payload or {}, "plan", allowed, patience, **about)
     return dispatcher.call(question)
 
 

@@ -15,7 +15,7 @@ from service.jobs.calls import Call
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull, UnknownJob
 from service.jobs.job import Job
 from service.jobs.states import JobState
-from tests.service.jobs.conftest import GUARD, TASKS, running, spec
+from tests.service.jobs.conftest import GUARD, running, spec
 
 
 async def until_running(dispatcher: object, store: object, job: Job) -> int:
@@ -200,7 +200,7 @@ def test_admission_is_limited(tmp_path: Path) -> None:
 
 
 def asked(task: str, payload: dict | None = None, allowed: float = GUARD) -> Call:
-    return Call(f"{TASKS}:{task}", payload or {}, "plan", allowed, GUARD)
+    return Call(f"fake.{task}", payload or {}, "plan", allowed, GUARD)
 
 
 def test_short_calls_return_raise_and_time_out(tmp_path: Path) -> None:

@@ -14,7 +14,6 @@ from service.jobs.json_text import (
     encode,
     encode_in_parts,
     encode_leniently,
-    encode_result,
 )
 from tests.profiles import num_cases
 
@@ -36,27 +35,21 @@ def expected(content):
             return content
 
 
-@pytest.mark.parametrize("encode", [encode, encode_result])
 @given(CONTENT)
-def test_what_goes_in_comes_out(encode, content):
+def test_what_goes_in_comes_out(content):
     text = encode(content)
     assert text.isascii()
     assert "\0" not in text
     assert repr(json.loads(text)) == repr(expected(content))
 
 
-ODD = [np.int64(1), np.zeros(2), object(), "\ud800", {1}, b"", {1: 2}, (1, [2.5]), np.float64(1)]
+ODD = [np.int64(1), np.zeros(2), object(), {1}, b""]
 
 
 @pytest.mark.parametrize("odd", ODD)
-def test_results_are_refused_as_anything_is(odd):
-    def said(encode):
-        try:
-            return encode({"a": [odd]})
-        except TypeError as fault:
-            return str(fault)
-
-    assert said(encode_result) == said(encode)
+def test_what_only_python_knows_is_refused(odd):
+    with pytest.raises(TypeError):
+        encode({"a": [odd]})
 
 
 def test_what_is_no_json_is_refused_or_shown():

@@ -4,19 +4,22 @@ import asyncio
 import itertools
 
 import pytest
-from sqlalchemy import event, text
+from sqlalchemy import event, inspect, text
 
 from service.jobs.database import open_engine
 from service.jobs.job import JobSpec
 from service.jobs.store import JobStore
-from service.jobs.tables import jobs
 from service.scenes.store import SceneStore
+from service.scenes.tasks import Library
+from tests.service.jobs.databases import make_released
 
 # Every way in which lists are asked for.
 FILTERS = [
     dict(zip(("state", "scene", "world_digest"), chosen, strict=True))
     for chosen in itertools.product([None, "queued"], [None, "s1"], [None])
 ] + [{"world_digest": "w1"}]
+
+LIBRARY = Library(model_roots=[], allow_paths=False, copies="")
 
 
 @pytest.fixture
@@ -70,7 +73,7 @@ def test_a_page_of_jobs_reads_its_own_rows(engine, wanted, before):
 
 
 def test_a_page_of_scenes_reads_its_own_rows(engine, tmp_path):
-    store = SceneStore(engine, tmp_path / "scenes")
+    store = SceneStore(engine, tmp_path / "scenes", LIBRARY)
     asyncio.run(store.open())
     for before in (None, 40):
         asked = asked_by(engine, lambda before=before: asyncio.run(store.page(5, before)))
@@ -82,9 +85,11 @@ def test_a_page_of_scenes_reads_its_own_rows(engine, tmp_path):
 def test_databases_of_older_versions_get_the_indices(engine):
     store = JobStore(engine)
     store.open()
+    make_released(engine)
     with engine.begin() as connection:
-        for index in jobs.indexes:
-            index.drop(connection)
+        for index in inspect(connection).get_indexes("jobs"):
+            connection.execute(text(f"DROP INDEX {index['name']}"))
+        connection.execute(text("DROP TABLE alembic_version"))
         connection.execute(text("CREATE INDEX jobs_by_scene ON jobs (scene, serial)"))
     store.open()
     asked = asked_by(engine, lambda: store.page("plan", {"scene": "s"}, before=9, limit=5))

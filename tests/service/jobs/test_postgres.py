@@ -16,7 +16,7 @@ from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
 from service.jobs.store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker
-from tests.service.jobs.conftest import GUARD, TASKS, spec
+from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP, spec
 from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time
 from tests.service.jobs.postgres import cluster
 from tests.service.jobs.test_briefs import check_upgrade
@@ -67,7 +67,7 @@ async def serving(url, timeouts=None):
     dispatcher = Dispatcher(
         store, DispatcherLock(engine), queues, on_taken=taken.set, timeouts=timeouts
     )
-    await dispatcher.start(f"{TASKS}:warm")
+    await dispatcher.start(WARM_UP)
     try:
         yield dispatcher, store
     finally:
@@ -93,7 +93,7 @@ async def run_jobs(engine):
     store = JobStore(engine)
     queues = {"plan": JobQueue("plan", [ProcessWorker([TASKS])], 100)}
     dispatcher = Dispatcher(store, DispatcherLock(engine), queues)
-    await dispatcher.start(f"{TASKS}:warm")
+    await dispatcher.start(WARM_UP)
     try:
         good = await dispatcher.submit(
             spec("vast", payload={"count": 1000}, key="k", request_digest="1")
@@ -132,6 +132,13 @@ def test_jobs_on_postgresql(url):
         store = JobStore(engine)
         odd, _ = store.insert(spec("x", payload={"text": "\0 \ud800 \u2028", "n": float("nan")}))
         assert store.get(odd.id).payload == {"text": "\0 \ud800 \u2028", "n": None}
+    finally:
+        engine.dispose()
+
+
+def test_a_database_of_version_0_1_is_brought_up_to_date_on_postgresql(url):
+    engine = open_engine(url)
+    try:
         check_upgrade(engine)
     finally:
         engine.dispose()

@@ -1,4 +1,4 @@
-"""The desk's readings of the jobs that there are."""
+"""How JobService reads the jobs that there are."""
 
 import asyncio
 
@@ -47,14 +47,14 @@ def store(tmp_path):
 
 
 @pytest.fixture
-def desk(store):
+def jobs(store):
     # what reads needs no dispatcher
     return JobService(store, None, prefixes={}, queues=())  # pyright: ignore[reportArgumentType]
 
 
-async def taken(desk, count):
+async def taken(jobs, count):
     found = []
-    async for job in desk.newest("regions", world_digest="here"):
+    async for job in jobs.newest("regions", world_digest="here"):
         found.append(job.id)
         if len(found) == count:
             break
@@ -62,41 +62,41 @@ async def taken(desk, count):
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 7, 43])
-def test_the_newest_come_first_and_all_of_them(desk, store, count):
+def test_the_newest_come_first_and_all_of_them(jobs, store, count):
     made = []
     for _ in range(count):
         made.append(store.insert(JobSpec("regions", "", {}, world_digest="here"))[0].id)
         store.insert(JobSpec("regions", "", {}, world_digest="elsewhere"))
-    assert asyncio.run(taken(desk, -1)) == made[::-1]
+    assert asyncio.run(taken(jobs, -1)) == made[::-1]
 
 
 @pytest.mark.parametrize("wanted", [1, 2, 5])
-def test_no_more_are_read_than_were_looked_at_and_as_many_again(desk, store, wanted):
+def test_no_more_are_read_than_were_looked_at_and_as_many_again(jobs, store, wanted):
     for _ in range(30):
         store.insert(JobSpec("regions", "", {}, world_digest="here"))
-    assert len(asyncio.run(taken(desk, wanted))) == wanted
+    assert len(asyncio.run(taken(jobs, wanted))) == wanted
     assert store.num_read < 2 * wanted
 
 
 @pytest.mark.parametrize("state", ["queued", "running"])
-def test_only_the_last_execution_is_read_to_find_what_moves(desk, store, state):
+def test_only_the_last_execution_is_read_to_find_what_moves(jobs, store, state):
     spec = JobSpec("execution", "", MOVING, scene="here")
-    assert asyncio.run(require_at_rest(desk, "here")) == 0
+    assert asyncio.run(require_at_rest(jobs, "here")) == 0
     for _ in range(30):
         store.cancel(store.insert(spec)[0].id, Canceled("over"))
     last = store.page("execution", limit=1)[0].sequence
     store.num_read = 0
-    assert asyncio.run(require_at_rest(desk, "here")) == last
+    assert asyncio.run(require_at_rest(jobs, "here")) == last
     moves = store.insert(spec)[0].id
     if state == "running":
         store.start(moves)
     with pytest.raises(RobotBusy, match=moves):
-        asyncio.run(require_at_rest(desk, "here"))
+        asyncio.run(require_at_rest(jobs, "here"))
     assert store.num_read == 2
-    assert asyncio.run(require_at_rest(desk, "elsewhere")) == 0
+    assert asyncio.run(require_at_rest(jobs, "elsewhere")) == 0
 
 
-def test_what_begins_to_move_while_it_is_looked_for_is_found(desk, store):
+def test_what_begins_to_move_while_it_is_looked_for_is_found(jobs, store):
     store.begins = store.insert(JobSpec("execution", "", MOVING, scene="here"))[0].id
     with pytest.raises(RobotBusy, match=store.begins):
-        asyncio.run(require_at_rest(desk, "here"))
+        asyncio.run(require_at_rest(jobs, "here"))

@@ -5,8 +5,8 @@ import json
 import pytest
 
 from planning.errors import DeadlineExceeded
-from service.jobs.task import run_task
 from service.jobs.worker.protocol import MessageKind
+from service.jobs.worker.run_task import run_task
 from service.plans.models.request import PlanRequest
 from service.plans.submit import SLACK
 from service.plans.tasks import PLAN, PlanWork
@@ -23,8 +23,11 @@ class TaskContext:
 
     def __init__(self):
         self.notes = []
+        self.progress = []
 
     def emit(self, event_type, data):
+        if "progress" in data:
+            self.progress.append(data["progress"])
         if event_type == "stage":
             self.notes.append(data["stage"])
 
@@ -74,6 +77,10 @@ def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload
     stages = [note for note in channel.notes if isinstance(note, str)]
     assert caught.value.stage == stages[-1]
     assert {"load", caught.value.stage, "total"} <= set(caught.value.timings)
+    # All of its time is over: it came to the end of the stage, and not beyond.
+    assert channel.progress == sorted(channel.progress)
+    end = {"goals": 0.1, "search": 0.5}[caught.value.stage]
+    assert 0.95 * end < channel.progress[-1] < end
 
 
 @pytest.mark.parametrize("is_late", [False, True])
@@ -90,9 +97,8 @@ def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
     assert {"load", "samples", "total"} <= set(done["timings"])
 
 
-@pytest.mark.parametrize("name", [PLAN.name, "service.tasks.plan:plan_motion"])
-def test_jobs_that_older_servers_queued_are_run(payload, name):
-    end = run_task(name, json.dumps({**payload, "roadmaps": "", "cores": None}), TaskContext())
+def test_jobs_that_older_servers_queued_are_run(payload):
+    end = run_task(PLAN.name, json.dumps({**payload, "roadmaps": "", "cores": None}), TaskContext())
     assert end.kind is MessageKind.RESULT, end.text
     outcome = json.loads(end.text)
     assert outcome["result"]["certificate"]["proven"]

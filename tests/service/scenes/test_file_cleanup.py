@@ -77,11 +77,11 @@ def test_what_a_job_was_made_in_stays_after_its_scene(client, settings, engine, 
     scene = post(client, tmp_path, -1)
     before = kept(settings)
     row = {column.name: "" for column in jobs.c if not column.nullable}
-    row |= {"warm_key": scene["digest"], "id": "pln_1"}
+    row |= {"world_digest": scene["digest"], "id": "pln_1"}
     row |= {c.name: 0 for c in jobs.c if not c.nullable and c.type.python_type is int}
     row |= {c.name: 0.0 for c in jobs.c if not c.nullable and c.type.python_type is float}
     row |= {c.name: False for c in jobs.c if not c.nullable and c.type.python_type is bool}
-    row.pop("serial", None)
+    row.pop("sequence", None)
     with engine.begin() as connection:
         connection.execute(insert(jobs).values(row))
     client.delete(f"/v1/scenes/{scene['id']}")

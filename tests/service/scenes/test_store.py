@@ -21,10 +21,12 @@ from service.scenes.record_cache import RecentScenes
 from service.scenes.records import scenes
 from service.scenes.resource import scene_text
 from service.scenes.store import SceneStore
-from service.scenes.tasks import LoadedScene
+from service.scenes.tasks import Library, LoadedScene
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
 UNCHECKED = Encoded(encode([{"bodies": ["a", "b"], "reason": "welded", "evidence": "w"}]))
+
+LIBRARY = Library(model_roots=[], allow_paths=False, copies="")
 
 
 def loaded(name, digest, document=None, summary=None):
@@ -55,7 +57,7 @@ def stores(engine, tmp_path):
     with start_blocking_portal() as portal:
 
         def opened(of=engine):
-            store = Blocking(portal, SceneStore(of, tmp_path / "documents"))
+            store = Blocking(portal, SceneStore(of, tmp_path / "documents", LIBRARY))
             store.open()
             return store
 

@@ -15,7 +15,7 @@ from service.jobs.outcome import Crashed, MemoryExceeded, Raised, Returned, Term
 from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker
-from tests.service.jobs.conftest import GUARD, TASKS
+from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
 from tests.service.servers import until
 
 
@@ -35,7 +35,7 @@ class Sink:
 
 
 @asynccontextmanager
-async def open_slot(warm_up=f"{TASKS}:warm", terms=None):
+async def open_slot(warm_up=WARM_UP, terms=None):
     worker = ProcessWorker([TASKS], terms)
     await worker.open(warm_up)
     try:
@@ -47,7 +47,7 @@ async def open_slot(warm_up=f"{TASKS}:warm", terms=None):
 
 
 def run_of(task, sink=None, allowed=None, **payload):
-    return Assignment(f"{TASKS}:{task}", payload, sink or Sink(), allowed)
+    return Assignment(f"fake.{task}", payload, sink or Sink(), allowed)
 
 
 def is_alive(pid):
@@ -268,12 +268,12 @@ def test_closing_ends_the_process_and_giving_up_the_wait_ends_the_task():
 
 def test_a_warm_up_that_fails_or_kills_its_process_is_survived(caplog):
     async def story():
-        async with open_slot(f"{TASKS}:blunder") as worker:
+        async with open_slot("fake.blunder") as worker:
             assert isinstance(await worker.run(run_of("echo")), Returned)
             assert "KeyError" in worker.fault
         worker = ProcessWorker([TASKS])
         assert worker.fault == "no process is ready"
-        await worker.open(f"{TASKS}:segfault")
+        await worker.open("fake.segfault")
         await asyncio.to_thread(until, lambda: "died before it was ready" in caplog.text)
         await worker.close()
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from service.jobs.json_text import Encoded
-from service.regions.selection import SelectedRegions, regions_file
+from service.plans.region_selection import SelectedRegions, regions_file
 
 SIZE = 1_000
 

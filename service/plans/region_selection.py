@@ -12,18 +12,23 @@ from service.errors import NoRegions
 from service.jobs.job import JobSummary
 from service.jobs.json_steps import member_of
 from service.jobs.json_text import Encoded
+from service.jobs.service import JobService
 from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
-from service.regions.eligibility import PLANNER, uses_gcs
 from service.regions.models import RegionsSummary
 from service.regions.tasks import RegionsOutline, RegionsWork
-from service.scene_jobs import SceneJobs
 from service.scenes.records import SceneRecord
 from service.scenes.validation import find_group
 
+PLANNER = "GCS"
 _MAX_NAMED = 20
 # Some hundred files; many more than can be waited for at once.
 _MAX_BYTES = 2**29
+
+
+def uses_gcs(search: Search) -> bool:
+    """Return whether the planner that plans inside regions is among those asked for."""
+    return PLANNER in search.planners
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,7 @@ class SelectedRegions:
 
 
 async def select_regions(
-    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+    request: PlanRequest, record: SceneRecord, jobs: JobService
 ) -> SelectedRegions | None:
     """Return the regions that a plan is given; None if its planners need none.
 
@@ -62,10 +67,10 @@ async def select_regions(
     margin = request.margin
     margin = float(record.document.get("margin") or 0.0) if margin is None else margin
     seen: list[dict[str, object]] = []
-    async for job in _candidates(request, record, desk):
+    async for job in _candidates(request, record, jobs):
         grown = _grown(job)
         if grown is not None and _fits(grown, record, group, margin):
-            outcome = (await desk.job_text("regions", job.id)).result
+            outcome = (await jobs.job_text("regions", job.id)).result
             return SelectedRegions(job.id, grown.digest, outcome or Encoded("{}"))
         if len(seen) < _MAX_NAMED:
             seen.append(_describe(job, grown))
@@ -90,12 +95,12 @@ def _check_unnamed(search: Search) -> None:
 
 
 async def _candidates(
-    request: PlanRequest, record: SceneRecord, desk: SceneJobs
+    request: PlanRequest, record: SceneRecord, jobs: JobService
 ) -> AsyncIterator[JobSummary]:
     if request.search.regions is not None:
-        yield (await desk.job_text("regions", request.search.regions)).summary
+        yield (await jobs.job_text("regions", request.search.regions)).summary
         return
-    async for job in desk.newest("regions", world_digest=record.digest):
+    async for job in jobs.newest("regions", world_digest=record.digest):
         yield job
 
 

@@ -1,0 +1,1 @@
+"""Failures and problems by code: what the evidence of each has."""

@@ -1,0 +1,201 @@
+"""What failures of goals say of the nearest feasible goal, and of what would have to give way."""
+
+from typing import Literal, NotRequired, TypedDict
+
+from pydantic import with_config
+
+from service.api.failures.parts import (
+    OPEN,
+    Bodies,
+    ConstraintViolation,
+    PlainPose,
+    ViolatedLimit,
+    ViolatingPair,
+)
+
+
+@with_config(OPEN)
+class LineStopEvidence(TypedDict):
+    """Where and why a straight line stops."""
+
+    reason: Literal["limit", "collision", "singularity", "unreachable"]
+    """Why"""
+    fraction: float
+    """The part of the line that is free [0 to 1]"""
+    where: PlainPose
+    """The tool there, in world"""
+    positions: list[float]
+    """The group's positions there [rad or m]"""
+    joint: str | None
+    """That would leave its limits, if that is the reason"""
+    pair: ViolatingPair | None
+    """That would violate its margin, if that is the reason"""
+    singular_value: float | None
+    """The least of the Jacobian there"""
+
+
+@with_config(OPEN)
+class NearestPoseEvidence(TypedDict):
+    """The feasible pose of the tool that is nearest to the goal."""
+
+    position: list[float]
+    """x, y, z in world [m]"""
+    quaternion: list[float]
+    """w, x, y, z in world"""
+    positions: list[float]
+    """The group's positions there [rad or m]"""
+    translation_error: float
+    """Distance from the goal, its tolerance aside [m]"""
+    rotation_error: float
+    """Angle from the goal, its tolerance aside [rad]"""
+    pose_index: int
+    """Which of the goal's poses it is nearest to, from 0"""
+    goal: PlainPose
+    """That pose, within its tolerance, as near as it may be"""
+    binding: (
+        Literal["collision", "path_constraint", "approach", "retreat", "limits", "reach"] | None
+    )
+    """What keeps it from being nearer; null where time ran out before that was known"""
+    joints: list[str]
+    """Coordinates at their limits"""
+    pairs: list[Bodies]
+    """Pairs of bodies at their margins"""
+    constraints: list[str]
+    """Path constraints that would be violated nearer to the goal"""
+    line: dict[str, object] | None
+    """Where and why its approach or retreat would stop nearer to the goal"""
+    cut_short: bool
+    """Whether time ran out, so that a nearer pose may exist"""
+
+
+@with_config(OPEN)
+class NearestConfigurationEvidence(TypedDict):
+    """The feasible configuration that is nearest to the goal's."""
+
+    positions: list[float]
+    """The group's positions [rad or m]"""
+    distance: float
+    """From the goal's configuration, in the metric of joints [rad or m]"""
+    differences: dict[str, float]
+    """From it, by coordinate [rad or m]"""
+    goal_index: int
+    """Which of the goal's configurations it is nearest to, from 0"""
+    binding: Literal["collision", "path_constraint", "limits"]
+    """What keeps it from being nearer"""
+    joints: list[str]
+    """Coordinates at their limits"""
+    pairs: list[Bodies]
+    """Pairs of bodies at their margins"""
+    constraints: list[str]
+    """Path constraints that would be violated nearer to the goal"""
+    cut_short: bool
+    """Whether time ran out, so that a nearer one may exist"""
+
+
+@with_config(OPEN)
+class LargerTolerance(TypedDict):
+    """Tolerances with which the nearest pose solves the goal."""
+
+    pose_index: int
+    """Of the goal's pose, from 0"""
+    position: list[float]
+    """Along x, y, z of the goal [m]"""
+    rotation: list[float]
+    """About x, y, z of the goal [rad]"""
+
+
+@with_config(OPEN)
+class PartialPose(TypedDict):
+    """A configuration that keeps the rest of the pose."""
+
+    error: float
+    """By which the position [m] or the rotation [rad] is off"""
+    pose_index: int
+    """Of the goal's pose, from 0"""
+    positions: list[float]
+    """The group's positions [rad or m]"""
+
+
+@with_config(OPEN)
+class RemovedBody(TypedDict):
+    """A body without which the goal is feasible."""
+
+    body: str
+    """Its full name"""
+    pose_index: int
+    """Of the goal's pose that is reached then, from 0"""
+    positions: list[float]
+    """The group's positions then [rad or m]"""
+
+
+@with_config(OPEN)
+class RelaxedConstraint(TypedDict):
+    """A path constraint whose change alone is sufficient."""
+
+    constraint: str
+    """Its place in the request and its kind"""
+    value: float | None
+    """The bound that is sufficient, in `unit`; null where it would have to be left out"""
+    bound: float | None
+    """The bound that there is, in `unit`"""
+    unit: str
+    """Of both; `1` for a number without one"""
+    joint: NotRequired[str]
+    """Of constraints on joints, the worst one"""
+
+    pose_index: int
+    """Of the goal's pose that is reached then, from 0"""
+    positions: list[float]
+    """The group's positions then [rad or m]"""
+
+
+@with_config(OPEN)
+class ToolRelaxation(TypedDict):
+    """Changes of a goal of the tool, each of which is sufficient."""
+
+    tolerance: NotRequired[LargerTolerance | None]
+    """Larger tolerances"""
+    position: NotRequired[PartialPose | None]
+    """Another position at the same rotation"""
+    rotation: NotRequired[PartialPose | None]
+    """Another rotation at the same position"""
+    obstacles: NotRequired[list[ViolatingPair]]
+    """Pairs that would have to be allowed to collide"""
+    positions: NotRequired[list[float] | None]
+    """The group's positions with these pairs [rad or m]"""
+    cut_short: NotRequired[bool]
+    """Whether time ran out, so that smaller changes may be sufficient"""
+    constraints: NotRequired[list[RelaxedConstraint]]
+    """Path constraints each of which would have to give way"""
+    approach: NotRequired[float | None]
+    """Length of an approach that is free [m]"""
+    retreat: NotRequired[float | None]
+    """Length of a retreat that is free [m]"""
+    pose_index: NotRequired[int | None]
+    """Of the goal's pose that these lengths are for, from 0"""
+    remove: NotRequired[RemovedBody | None]
+    """A body to be removed"""
+
+
+@with_config(OPEN)
+class ConfigurationRelaxation(TypedDict):
+    """What all would have to change for the least infeasible of the goal's configurations."""
+
+    goal_index: int
+    """Which of the goal's configurations, from 0"""
+    positions: list[float]
+    """The group's positions [rad or m]"""
+    limits: list[ViolatedLimit]
+    """Limits that are violated"""
+    obstacles: list[ViolatingPair]
+    """Pairs that are violated"""
+    constraints: list[ConstraintViolation]
+    """Path constraints that are violated"""
+    remove: list[str] | None
+    """Bodies to be removed; null where the robot is in its own way"""
+    margin: float | None
+    """A margin that is kept [m]; null where none is"""
+
+
+type Nearest = NearestPoseEvidence | NearestConfigurationEvidence | None
+type Relaxation = ConfigurationRelaxation | ToolRelaxation

@@ -1,0 +1,100 @@
+"""Failure: why a job, or a part of an answer, has no result."""
+
+from functools import cache
+from typing import Annotated, Any, Self, override
+
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from planning.errors import WayproofError
+from service.api.failures.table import EVIDENCE, failure_errors
+from service.api.failures.union import NoneOf, enum_of, member, union_schema
+
+FailureCode = enum_of(
+    "FailureCode",
+    "Codes of failures that this version knows.",
+    (error.code for error in failure_errors()),
+)
+
+
+class Failure(BaseModel):
+    """Why a job has no result: its `code` says what its `evidence` has.
+
+    Codes and evidence of older versions are passed on as they are.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "code": "goal_unreachable",
+                    "stage": "goals",
+                    "detail": "no configuration reaches the goal pose",
+                    "evidence": {
+                        "funnel": {
+                            "tried": 300,
+                            "converged": 0,
+                            "within_limits": 0,
+                            "collision_free": 0,
+                            "distinct": 0,
+                            "rejected_by": [],
+                        }
+                    },
+                    "timings": {"load": 0.021, "goals": 0.187, "total": 0.187},
+                }
+            ]
+        }
+    )
+
+    code: str = Field(description="Stable machine-readable name of the kind")
+    stage: str = Field(
+        description="The stage that gave up, or in which the time ran out or the cancel came: a "
+        "name in `timings`, for example `goals`; `worker` if it is not known; or empty"
+    )
+    detail: str = Field(description="What went wrong, for a person")
+    evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+    timings: dict[str, float] = Field(
+        default={},
+        description="Seconds per stage, of those that ended and of the one that failed; empty "
+        "where nothing was timed",
+    )
+
+    @classmethod
+    def from_error(cls, error: WayproofError) -> Self:
+        """Return what a job says of an error that ended it."""
+        return cls(
+            code=error.code,
+            stage=str(getattr(error, "stage", "")),
+            detail=error.detail,
+            evidence=dict(error.evidence),
+            timings=dict(getattr(error, "timings", {})),
+        )
+
+    @classmethod
+    @override
+    def __get_pydantic_json_schema__(
+        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the union by `code` for the model itself, and for a member its own schema."""
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        if cls is not Failure:
+            return {key: part for key, part in schema.items() if key != "examples"}
+        return union_schema(schema, failures(), OtherFailure, handler)
+
+
+class OtherFailure(Failure):
+    """A failure that an older or a newer version recorded."""
+
+    code: Annotated[str, NoneOf(FailureCode)] = Field(
+        description="Stable machine-readable name of the kind"
+    )
+
+
+@cache
+def failures() -> dict[str, type[Failure]]:
+    """Return the members of the union by code; only documents and tests need them."""
+    return {
+        error.code: member(Failure, error, error.code, EVIDENCE[error])
+        for error in failure_errors()
+    }

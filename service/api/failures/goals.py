@@ -1,0 +1,102 @@
+"""Evidence of failures in the stage `goals`: at the start, and at the goal."""
+
+from typing import NotRequired, TypedDict
+
+from pydantic import with_config
+
+from service.api.failures.diagnosis import LineStopEvidence, Nearest, Relaxation
+from service.api.failures.parts import (
+    OPEN,
+    ConstraintViolation,
+    FunnelEvidence,
+    ViolatedLimit,
+    ViolatingPair,
+)
+
+
+@with_config(OPEN)
+class PairsEvidence(TypedDict):
+    """Pairs of bodies at the start."""
+
+    pairs: list[ViolatingPair]
+    """Those that overlap or violate their margin"""
+
+
+@with_config(OPEN)
+class StartLimitsEvidence(TypedDict):
+    """Positions of the start outside their limits."""
+
+    joints: list[ViolatedLimit]
+    """Where, and by how much; dust below 1e-6 is clipped and no failure"""
+
+
+@with_config(OPEN)
+class StartConstraintEvidence(TypedDict):
+    """Path constraints that the start violates."""
+
+    violations: list[ConstraintViolation]
+    """Which, and by how much"""
+
+
+@with_config(OPEN)
+class GoalLimitsEvidence(TypedDict):
+    """Positions of the goal's configurations outside their limits."""
+
+    joints: list[ViolatedLimit]
+    """Where, and by how much"""
+    nearest: NotRequired[Nearest]
+    """The nearest feasible configuration, null if none was found"""
+    relaxation: NotRequired[Relaxation]
+    """What would have to change"""
+
+
+@with_config(OPEN)
+class GoalEvidence(TypedDict):
+    """Why no goal configuration is feasible, and what would have to change."""
+
+    funnel: FunnelEvidence
+    """How many samples passed each test"""
+    pairs: NotRequired[list[ViolatingPair]]
+    """Of given configurations, the pairs of the least infeasible one"""
+    nearest: NotRequired[Nearest]
+    """The nearest feasible pose or configuration, null if none was found"""
+    relaxation: NotRequired[Relaxation]
+    """What would have to change"""
+
+
+@with_config(OPEN)
+class CountedViolation(TypedDict):
+    """How many goal configurations violate one path constraint."""
+
+    constraint: str
+    """Its place in the request and its kind"""
+    count: int
+    """Goal configurations"""
+    least: ConstraintViolation
+    """The least violation among them"""
+
+
+@with_config(OPEN)
+class GoalConstraintEvidence(TypedDict):
+    """Path constraints that all goal configurations violate."""
+
+    violations: list[CountedViolation]
+    """By constraint, the most frequent first"""
+    nearest: NotRequired[Nearest]
+    """The nearest feasible pose or configuration, null if none was found"""
+    relaxation: NotRequired[Relaxation]
+    """Which constraint would have to give way, and how far"""
+
+
+@with_config(OPEN)
+class LineEvidence(TypedDict):
+    """Where a straight line stops."""
+
+    line: int
+    """Which of the goal's lines, from 0"""
+    fraction: float
+    """The part of it that is free [0 to 1]"""
+    length: float
+    """Of the line [m]"""
+    stopped_by: LineStopEvidence
+    """Where and why"""

@@ -1,0 +1,177 @@
+"""Evidence of what goes wrong with jobs and their workers, whatever they do."""
+
+from typing import NotRequired, TypedDict
+
+from pydantic import with_config
+
+from service.api.failures.parts import OPEN
+
+
+@with_config(OPEN)
+class QueueFullEvidence(TypedDict):
+    """How full a queue is."""
+
+    lane: str
+    """Which queue"""
+    bound: int
+    """How many may wait"""
+    queued: NotRequired[int]
+    """How many do"""
+    retry_after: float
+    """When to ask again [s]"""
+
+
+@with_config(OPEN)
+class QueueTimeoutEvidence(TypedDict):
+    """How long a question waited for a worker."""
+
+    lane: str
+    """In which queue"""
+    waited: float
+    """Seconds"""
+    queued: int
+    """How many wait there"""
+    retry_after: float
+    """When to ask again [s]"""
+
+
+@with_config(OPEN)
+class IdempotencyEvidence(TypedDict):
+    """Which request used the key."""
+
+    key: str
+    """The key"""
+    job: str
+    """Id of the job of the first request"""
+
+
+@with_config(OPEN)
+class JobIdEvidence(TypedDict):
+    """Which job does not exist."""
+
+    id: str
+    """As it was given"""
+
+
+@with_config(OPEN)
+class DatabaseEvidence(TypedDict):
+    """Which database another server works on."""
+
+    database: str
+    """Its address, without the password"""
+
+
+@with_config(OPEN)
+class DatabaseRevisionEvidence(TypedDict):
+    """Which revision a database has."""
+
+    revision: str
+    """Of the database"""
+    newest: str
+    """The newest one that this server knows"""
+
+
+@with_config(OPEN)
+class ForeignTableEvidence(TypedDict):
+    """Which table is not one of this program."""
+
+    table: str
+    """Its name"""
+    missing: list[str]
+    """Columns that it lacks"""
+
+
+@with_config(OPEN)
+class BackupEvidence(TypedDict, total=False):
+    """Which file is no backup."""
+
+    file: str
+    """Its path"""
+    member: str
+    """What in it is wrong"""
+
+
+@with_config(OPEN)
+class DatabaseTakenEvidence(TypedDict):
+    """Which server has the database."""
+
+    epoch: int
+    """How many servers had it up to this one"""
+    latest: int | None
+    """And up to the one that has it now"""
+
+
+@with_config(OPEN)
+class StorageEvidence(TypedDict):
+    """Why nothing is written."""
+
+    reason: str
+    """What the database or the file system said"""
+    retry_after: float
+    """When to ask again [s]"""
+
+
+@with_config(OPEN)
+class WorkerCrashedEvidence(TypedDict):
+    """How the worker's process died."""
+
+    attempts: int
+    """How often the job was started"""
+    exit_code: int | None
+    """Negative where a signal ended it, null if unknown"""
+    signal: NotRequired[str | None]
+    """The name of that signal"""
+    reason: NotRequired[str]
+    """What it said before, or empty"""
+    during: NotRequired[str]
+    """The stage that it told last"""
+
+
+@with_config(OPEN)
+class WorkerSilentEvidence(TypedDict):
+    """How long the worker's process said nothing."""
+
+    silence: float
+    """Seconds"""
+    attempts: NotRequired[int]
+    """How often the job was started"""
+    during: NotRequired[str]
+    """The stage that it told last"""
+
+
+@with_config(OPEN)
+class MemoryEvidence(TypedDict):
+    """How much memory the worker used."""
+
+    used: int
+    """The most that was seen [bytes]"""
+    bound: int
+    """What it may use [bytes]"""
+    attempts: NotRequired[int]
+    """How often the job was started"""
+    during: NotRequired[str]
+    """The stage that it told last"""
+
+
+@with_config(OPEN)
+class RestartEvidence(TypedDict):
+    """How often the job was started."""
+
+    attempts: int
+    """So often"""
+    reason: NotRequired[str]
+    """Why the server ended it, if it did"""
+    during: NotRequired[str]
+    """The stage that it told last"""
+
+
+@with_config(OPEN)
+class InternalErrorEvidence(TypedDict):
+    """A fault of ours; the log has the rest."""
+
+    exception: NotRequired[str]
+    """Its class"""
+    reference: NotRequired[str]
+    """Under which the server's log says more"""
+    during: NotRequired[str]
+    """The stage that it told last"""

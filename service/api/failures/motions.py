@@ -1,0 +1,213 @@
+"""Evidence of failures from the search to the execution of a motion."""
+
+from typing import NotRequired, TypedDict
+
+from pydantic import with_config
+
+from service.api.failures.parts import OPEN, FunnelEvidence
+
+
+@with_config(OPEN)
+class Approximation(TypedDict):
+    """The nearest that a search came to a goal."""
+
+    positions: list[float]
+    """The configuration [rad or m]"""
+    path: list[list[float]]
+    """To it, a row for each configuration [rad or m]"""
+    goal_distance: float
+    """From a goal, as a length in joint space [rad or m]"""
+    goal: list[float]
+    """That goal [rad or m]"""
+
+
+@with_config(OPEN)
+class SearchEvidence(TypedDict):
+    """What a search without a path did; members that its planner does not tell are absent."""
+
+    planner: NotRequired[str]
+    """OMPL's name; of several, all"""
+    reason: NotRequired[str]
+    """`start`, `goals` or `setup` where nothing could be searched for because of these"""
+    locked: NotRequired[list[str]]
+    """Locked joints that no goal has at their start positions"""
+    padding: NotRequired[float]
+    """Distance that was demanded beyond the margin [m]"""
+    attempts: NotRequired[int]
+    """How many were made"""
+    num_goals: NotRequired[int]
+    """Goal configurations"""
+    num_states_checked: NotRequired[int]
+    """Configurations checked for collision"""
+    status: NotRequired[str]
+    """OMPL's word for how its last attempt ended"""
+    num_vertices: NotRequired[int | None]
+    """Configurations that the planner kept; null where it does not tell"""
+    num_edges: NotRequired[int | None]
+    """Motions that the planner kept; null where it does not tell"""
+    goal_distance: NotRequired[float | None]
+    """From the nearest of them to a goal, as a length in joint space [rad or m]"""
+    num_given_up: NotRequired[int]
+    """Attempts whose planner gave up before its time was over"""
+    budget: NotRequired[float]
+    """What setting the planner up may take [s]"""
+    spent: NotRequired[float]
+    """What it took [s]"""
+    approximate: NotRequired[Approximation | None]
+    """The nearest to a goal, if the request wants it"""
+    graph: NotRequired[dict[str, object]]
+    """What the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`"""
+    roadmap: NotRequired[dict[str, object]]
+    """What a roadmap did, if the request has one: as in a search's report"""
+
+
+@with_config(OPEN)
+class DeadlineEvidence(TypedDict):
+    """What had been done when the time was over; of a search, as in `SearchEvidence`."""
+
+    allowed: NotRequired[float]
+    """Seconds that it might take"""
+    during: NotRequired[str]
+    """The work at which it ended"""
+    waited: NotRequired[float]
+    """Seconds for which a question waited for a worker before"""
+    funnel: NotRequired[FunnelEvidence]
+    """In the stage `goals`, how many samples passed each test until then"""
+    max_trials: NotRequired[int]
+    """In the stage `goals`, how many samples were to be tried"""
+    cut_short: NotRequired[bool]
+    """In the stage `goals`, that the funnel is not complete"""
+    planner: NotRequired[str]
+    """In the stage `search`, OMPL's name; of several, all"""
+    attempts: NotRequired[int]
+    """In the stage `search`, how many were made"""
+    num_goals: NotRequired[int]
+    """In the stage `search`, goal configurations"""
+    num_states_checked: NotRequired[int]
+    """In the stage `search`, configurations checked for collision"""
+    goal_distance: NotRequired[float | None]
+    """In the stage `search`, from the nearest to a goal, as a length in joint space [rad or m]"""
+    approximate: NotRequired[Approximation | None]
+    """In the stage `search`, the nearest to a goal, if the request wants it"""
+    graph: NotRequired[dict[str, object]]
+    """In the stage `search`, what the planner explored, if the request wants it"""
+
+
+@with_config(OPEN)
+class CancelEvidence(TypedDict):
+    """Where a cancel came."""
+
+    during: NotRequired[str]
+    """The work at which it ended"""
+    time: NotRequired[float]
+    """Of an execution, along the motion [s]"""
+    reason: NotRequired[str]
+    """Where the server ended it, not a client: why"""
+
+
+@with_config(OPEN)
+class RetimingEvidence(TypedDict):
+    """Why the path has no timing."""
+
+    method: NotRequired[str]
+    """Of timing"""
+    duration: NotRequired[float]
+    """That was requested [s]"""
+    least: NotRequired[float]
+    """That the limits allow [s]"""
+    limit: NotRequired[str]
+    """Which one is too low"""
+    stuck: NotRequired[list[str]]
+    """Joints that move and may not, because of it"""
+    where: NotRequired[str]
+    """Of a limit on torques: the joint"""
+    torque: NotRequired[float]
+    """That gravity alone needs [N m or N]"""
+    bound: NotRequired[float]
+    """That it may use [N m or N]"""
+    at: NotRequired[float]
+    """The share of the way where that is [0 to 1]"""
+    joints: NotRequired[list[str]]
+    """Of types that the method does not move"""
+    result: NotRequired[str]
+    """What the method said"""
+    missed: NotRequired[float]
+    """By how much it missed the end of the path [rad or m]"""
+    num_cells: NotRequired[int]
+    """Pieces that the path was cut into"""
+    num_grid_points: NotRequired[int]
+    """Points that the path was sampled at"""
+
+
+@with_config(OPEN)
+class FailedCheck(TypedDict):
+    """A check of the certificate that failed."""
+
+    name: str
+    """Of the check"""
+    value: float | None
+    """Its worst value, in the unit of the check; null where it is not finite"""
+    bound: float | None
+    """What it may be; null where it is not finite"""
+    unit: NotRequired[str]
+    """Of both; `1` for a number without one"""
+    where: str
+    """The joint, frame or bodies, or empty"""
+    time: NotRequired[float]
+    """On the motion [s]"""
+
+
+@with_config(OPEN)
+class CertificateEvidence(TypedDict):
+    """Why no motion passed the certifier; of executions, why the plan's does not by now."""
+
+    checks: list[FailedCheck]
+    """Of the last motion, the worst first"""
+    refused: NotRequired[list[str]]
+    """Each motion that was refused, and why"""
+    check: NotRequired[str]
+    """Of executions, the first of the checks"""
+    pair: NotRequired[list[str]]
+    """Of executions, the two bodies that come too near, if that is the check"""
+    time: NotRequired[float]
+    """Of executions, when on the motion [s]"""
+    value: NotRequired[float | None]
+    """Of executions, the worst value of that check"""
+    bound: NotRequired[float | None]
+    """Of executions, what it may be"""
+
+
+@with_config(OPEN)
+class TransitionEvidence(TypedDict):
+    """What a state does not allow."""
+
+    state: str
+    """The present one"""
+    event: str
+    """What was asked for"""
+    legal: list[str]
+    """What is allowed in that state"""
+
+
+@with_config(OPEN)
+class TrackingEvidence(TypedDict):
+    """How far the robot is off."""
+
+    error: float | None
+    """The tracking error [rad or m]; null where a simulation diverged"""
+    bound: float | None
+    """What it may be [rad or m]"""
+    time: float
+    """On the motion [s]"""
+
+
+@with_config(OPEN)
+class ContactEvidence(TypedDict):
+    """What touched what."""
+
+    pair: list[str]
+    """Full names of both bodies"""
+    depth: NotRequired[float]
+    """By which they overlap [m]"""
+    time: float
+    """On the motion [s]"""

@@ -1,0 +1,97 @@
+"""Problem: why a request was refused."""
+
+from functools import cache
+from typing import Annotated, Any, override
+
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from service.api.failures.parts import NoEvidence
+from service.api.failures.table import EVIDENCE, HTTP_ERROR, problem_errors
+from service.api.failures.union import NoneOf, enum_of, member, union_schema
+
+ProblemCode = enum_of(
+    "ProblemCode",
+    "Codes of problems that this version knows.",
+    (HTTP_ERROR, *(error.code for error in problem_errors())),
+)
+
+
+class ProblemError(BaseModel):
+    """One thing that is wrong with a request, and where."""
+
+    pointer: str = Field(
+        description="JSON pointer into the body; empty for its root and for parameters"
+    )
+    message: str = Field(description="What is wrong there, for a person")
+    nearest: list[str] = Field(description="Names that were perhaps meant, the nearest first")
+
+
+class Problem(BaseModel):
+    """Why a request was refused (`application/problem+json`, RFC 9457).
+
+    Its `code` says what its `evidence` has.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "urn:wayproof:problem:unknown_name",
+                    "title": "Unknown name",
+                    "status": 422,
+                    "code": "unknown_name",
+                    "detail": "frame 'pik' does not exist; did you mean 'pick'? frames: ['pick']",
+                    "evidence": {"kind": "frame", "name": "pik", "known": ["pick"]},
+                    "errors": [
+                        {
+                            "pointer": "/goal/poses/0/frame",
+                            "message": "frame 'pik' does not exist",
+                            "nearest": ["pick"],
+                        }
+                    ],
+                }
+            ]
+        }
+    )
+
+    type: str = Field(description="`urn:wayproof:problem:` and the code")
+    title: str = Field(description="The kind of problem, for a person")
+    status: int = Field(description="The HTTP status, again")
+    code: str = Field(description="Stable machine-readable name of the kind")
+    detail: str = Field(description="What is wrong with this request, for a person")
+    evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
+    errors: list[ProblemError] = Field(
+        default=[],
+        description="What is wrong in the body, at most 20; absent where no place of it is",
+    )
+
+    @classmethod
+    @override
+    def __get_pydantic_json_schema__(
+        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the union by `code` for the model itself, and for a member its own schema."""
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        if cls is not Problem:
+            return {key: part for key, part in schema.items() if key != "examples"}
+        return union_schema(schema, problems(), OtherProblem, handler)
+
+
+class OtherProblem(Problem):
+    """A problem that a newer version tells."""
+
+    code: Annotated[str, NoneOf(ProblemCode)] = Field(
+        description="Stable machine-readable name of the kind"
+    )
+
+
+@cache
+def problems() -> dict[str, type[Problem]]:
+    """Return the members of the union by code; only documents and tests need them."""
+    known = {
+        error.code: member(Problem, error, error.code, EVIDENCE[error])
+        for error in problem_errors()
+    }
+    return {HTTP_ERROR: member(Problem, None, HTTP_ERROR, NoEvidence), **known}

@@ -1,0 +1,173 @@
+"""Evidence of requests that the service does not carry out."""
+
+from typing import Any, NotRequired, TypedDict
+
+from pydantic import with_config
+
+from service.api.failures.parts import OPEN
+
+
+@with_config(OPEN)
+class UnreadableEvidence(TypedDict):
+    """Why a body cannot be read."""
+
+    reason: NotRequired[str]
+    """What is wrong with it"""
+    position: NotRequired[int | None]
+    """Of the first character that is wrong, from 0"""
+    line: NotRequired[int]
+    """In which line, from 1"""
+
+
+@with_config(OPEN)
+class HostEvidence(TypedDict):
+    """Whom a request was for."""
+
+    host: str
+    """As the request has it"""
+
+
+@with_config(OPEN)
+class OriginEvidence(TypedDict):
+    """Whose page asked."""
+
+    origin: str
+    """As the request has it"""
+
+
+@with_config(OPEN)
+class TimeoutEvidence(TypedDict):
+    """How long a body may take."""
+
+    allowed: float
+    """Seconds"""
+
+
+@with_config(OPEN)
+class UnknownResourceEvidence(TypedDict):
+    """What does not exist; empty where the address leads nowhere."""
+
+    kind: NotRequired[str]
+    """What was looked for"""
+    id: NotRequired[str]
+    """As it was given"""
+    name: NotRequired[str]
+    """Of a model, as it was given"""
+    known: NotRequired[list[str]]
+    """Names of models that there are"""
+    nearest: NotRequired[list[str]]
+    """Of these, those that were perhaps meant, the nearest first"""
+
+
+@with_config(OPEN)
+class ReadinessEvidence(TypedDict):
+    """Why the server is not ready."""
+
+    faults: NotRequired[dict[str, str]]
+    """By kind of work, why none of its workers is"""
+    retry_after: NotRequired[float]
+    """When to ask again [s]"""
+
+
+@with_config(OPEN)
+class NoTrajectoryEvidence(TypedDict):
+    """What there is instead of a motion."""
+
+    id: NotRequired[str]
+    """Of the plan"""
+    state: NotRequired[str]
+    """That it is in"""
+    failure: NotRequired[dict[str, Any] | None]
+    """Why it has no motion, if it ended without one"""
+
+
+@with_config(OPEN)
+class NoRegionsEvidence(TypedDict):
+    """Which regions were looked for."""
+
+    scene: NotRequired[str]
+    """The scene"""
+    digest: str
+    """Of its content"""
+    group: str
+    """That they are for"""
+    margin: float
+    """That they keep at least [m]"""
+    there: list[dict[str, Any]]
+    """Regions that there are, and why they do not fit"""
+
+
+@with_config(OPEN)
+class StartMismatchEvidence(TypedDict):
+    """Where a plan starts, and where the robot is."""
+
+    start: list[float]
+    """Of the plan [rad or m]"""
+    positions: list[float]
+    """Of the robot [rad or m]"""
+    distance: float
+    """The largest difference of a coordinate [rad or m]"""
+    bound: NotRequired[float]
+    """What it may be [rad or m]"""
+    names: NotRequired[list[str]]
+    """Of the coordinates"""
+
+
+@with_config(OPEN)
+class BusyEvidence(TypedDict):
+    """What moves in the scene."""
+
+    execution: str
+    """Its id"""
+    group: str
+    """That it moves"""
+
+
+@with_config(OPEN)
+class RevisionEvidence(TypedDict):
+    """Which revision the scene is at."""
+
+    revision: int
+    """That the request names"""
+    latest: int
+    """That there is"""
+
+
+@with_config(OPEN)
+class EntityTagEvidence(TypedDict):
+    """Which revision the scene is at."""
+
+    revision: int
+    """That there is"""
+    etag: str
+    """Of that revision"""
+    asked: str
+    """What `If-Match` names"""
+
+
+@with_config(OPEN)
+class DigestEvidence(TypedDict):
+    """Which scene is not kept."""
+
+    digest: str
+    """Of its content"""
+
+
+@with_config(OPEN)
+class SizeEvidence(TypedDict):
+    """How large a body may be."""
+
+    bound: NotRequired[int]
+    """Largest number of bytes that is read"""
+    bytes: NotRequired[int]
+    """Number of bytes of the body"""
+
+
+@with_config(OPEN)
+class MediaTypeEvidence(TypedDict):
+    """What is read instead."""
+
+    got: NotRequired[str]
+    """The content type that came"""
+    known: NotRequired[list[str]]
+    """Those that are read"""

@@ -1,0 +1,40 @@
+"""spec_of(): a task about a scene as a job."""
+
+from pydantic import BaseModel
+
+from service.jobs.job import IdempotencyKey, JobSpec
+from service.jobs.task import Task
+from service.scenes.records import SceneBrief
+
+# Of the ids of each queue's jobs.
+PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}
+
+
+def spec_of[In: BaseModel, Out: BaseModel](
+    task: Task[In, Out],
+    work: In,
+    scene: SceneBrief,
+    key: IdempotencyKey,
+    time_limit: float | None = None,
+) -> JobSpec:
+    """Return the job that carries a task out in a scene.
+
+    Args:
+        task: Of a queue of jobs.
+        work: What it is given.
+        scene: That it is about.
+        key: By which a repeated request finds the same job.
+        time_limit: Seconds after which it is told to end; None without one.
+    """
+    return JobSpec(
+        queue=task.queue,
+        task=task.name,
+        payload=work.model_dump(mode="json"),
+        prefix=PREFIXES[task.queue],
+        scene=scene.id,
+        world_digest=scene.digest,
+        time_limit=time_limit,
+        max_attempts=task.max_attempts,
+        key=key.text,
+        request_digest=key.digest,
+    )

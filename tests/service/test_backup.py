@@ -1,0 +1,305 @@
+"""What was backed up is restored, in any folder; nothing else is, and not over records."""
+
+import gzip
+import hashlib
+import io
+import json
+import sqlite3
+import tarfile
+import threading
+from contextlib import closing
+
+import pytest
+from typer.testing import CliRunner
+
+from service import backup as module
+from service.backup import BackupInvalid, RecordsExist, backup, restore
+from service.cli.app import app
+from service.jobs.database import open_engine
+from service.jobs.errors import DatabaseTooNew
+from service.jobs.job import JobSpec
+from service.jobs.schema import NEWEST, stored_revision
+from service.jobs.store import JobStore
+from service.settings import Settings
+from tests.golden.service.__main__ import changes
+from tests.golden.service.answers import ask, client
+from tests.golden.service.calls import get
+from tests.golden.service.stored import ANSWERS, DUMP, load, read, settle
+
+
+@pytest.fixture
+def settings(tmp_path):
+    return Settings(engine="inline", data_dir=tmp_path / "data", port=0)
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    return Settings(engine="inline", data_dir=tmp_path / "else" / "where", port=0)
+
+
+@pytest.fixture
+def file(tmp_path):
+    (tmp_path / "kept").mkdir()
+    return tmp_path / "kept" / "backup.tar.gz"
+
+
+def store_at(settings):
+    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    made = JobStore(open_engine(settings.url))
+    made.open()
+    return made
+
+
+def keep(settings, content):
+    """Have a file among those that scenes were made from."""
+    name = hashlib.sha256(content).hexdigest()
+    folder = settings.data_dir / "files" / "bytes"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content)
+    return name
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def rows(settings, query):
+    with closing(sqlite3.connect(module.database_file(settings))) as database:
+        return database.execute(query).fetchall()
+
+
+def test_a_server_on_what_was_restored_elsewhere_answers_as_before(settings, elsewhere, file):
+    stored = json.loads(ANSWERS.read_text(encoding="utf-8"))
+    given = {name: {"id": identifier} for name, identifier in stored["ids"].items()}
+    load(DUMP.read_text(encoding="utf-8"), settings.data_dir)
+    backup(settings, file)
+    settings.data_dir.rename(settings.data_dir.with_name("gone"))
+    restore(elsewhere, file)
+    with client(elsewhere.data_dir) as service:
+        settle(service, given)
+        assert changes(stored["answers"], read(service, given)) == []
+        page = ask(service, get("", "/v1/plans/{done}/replay.html"), given)
+        assert page.status_code == 200, page.text
+    assert not settings.data_dir.exists()
+    old = json.dumps(str(settings.data_dir))[1:-1]
+    for table in ("job_bodies", "job_summaries"):
+        query = f"SELECT count(*) FROM {table} WHERE instr(payload, '{old}/')"
+        assert rows(elsewhere, query) == [(0,)]
+
+
+def test_it_is_whole_while_jobs_are_written(settings, tmp_path, file):
+    store, is_over = store_at(settings), threading.Event()
+
+    def write():
+        count = 0
+        while not is_over.is_set():
+            store.insert(JobSpec("plan", "plan", {"count": count, "x": "x" * 5000}))
+            count += 1
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    counts = []
+    try:
+        for i in range(5):
+            before = len(store.page("plan", limit=10_000))
+            backup(settings, file)
+            after = len(store.page("plan", limit=10_000))
+            place = settings.model_copy(update={"data_dir": tmp_path / str(i)})
+            restore(place, file)
+            ((count,),) = rows(place, "SELECT count(*) FROM jobs")
+            assert before <= count <= after
+            counts.append(count)
+            whole = "SELECT count(*) FROM jobs JOIN job_bodies ON job = id"
+            assert rows(place, whole) == [(count,)]
+            assert rows(place, "PRAGMA integrity_check") == [("ok",)]
+            assert stored_revision(open_engine(place.url)) == NEWEST
+    finally:
+        is_over.set()
+        writer.join()
+    assert counts[-1] > 0
+
+
+def test_files_that_come_and_go_meanwhile(settings, elsewhere, file, monkeypatch):
+    store_at(settings)
+    gone, stays = keep(settings, b"gone"), keep(settings, b"stays")
+    copy_database = module._copy_database
+    came = []
+
+    def copy(*paths):
+        (settings.data_dir / "files" / "bytes" / gone).unlink()
+        came.append(keep(settings, b"came"))
+        return copy_database(*paths)
+
+    monkeypatch.setattr(module, "_copy_database", copy)
+    (settings.data_dir / "scenes").mkdir()
+    (settings.data_dir / "scenes" / "abc.json").write_text("{}")
+    (settings.data_dir / "scenes" / ".part-1").write_text("half")
+    (settings.data_dir / "files" / "folders" / "x").mkdir(parents=True)
+    backup(settings, file)
+    restore(elsewhere, file)
+    kept = elsewhere.data_dir / "files" / "bytes"
+    assert {path.name for path in kept.iterdir()} == {gone, stays, *came}
+    assert (kept / came[0]).read_bytes() == b"came"
+    assert names(elsewhere.data_dir / "scenes") == ["abc.json"]
+    assert names(elsewhere.data_dir) == ["files", "scenes", "wayproof.sqlite"]
+    assert names(file.parent) == [file.name]
+
+
+def test_a_file_that_vanishes_as_it_is_packed_is_left_out(settings, file, monkeypatch):
+    store_at(settings)
+    gone = keep(settings, b"gone")
+    add = module._Packed.add
+
+    def vanish(self, path, name):
+        if path.name == gone:
+            path.unlink()
+        add(self, path, name)
+
+    monkeypatch.setattr(module._Packed, "add", vanish)
+    assert set(backup(settings, file).sha256) == {"database.sqlite"}
+
+
+def test_records_are_not_replaced(settings, file):
+    store = store_at(settings)
+    backup(settings, file)
+    job, _ = store.insert(JobSpec("plan", "plan", {}))
+    with pytest.raises(RecordsExist):
+        restore(settings, file)
+    assert store.get(job.id) == job
+
+
+def test_a_backup_that_fails_leaves_the_one_before(settings, file, monkeypatch):
+    store_at(settings)
+    backup(settings, file)
+    before = file.read_bytes()
+
+    def fail(*_):
+        raise sqlite3.OperationalError("disk I/O error")
+
+    monkeypatch.setattr(module, "_copy_database", fail)
+    with pytest.raises(sqlite3.OperationalError):
+        backup(settings, file)
+    assert file.read_bytes() == before
+    assert names(file.parent) == [file.name]
+
+
+def assert_refused(settings, file, kind=BackupInvalid):
+    with pytest.raises(kind) as refused:
+        restore(settings, file)
+    assert not (settings.data_dir / "wayproof.sqlite").exists()
+    assert not any(path.is_file() for path in settings.data_dir.parent.rglob("*"))
+    return refused.value
+
+
+@pytest.mark.parametrize("place", [0, 0.1, 0.5, 0.9, 0.999])
+def test_what_is_damaged_is_refused_whole(settings, elsewhere, file, place):
+    store_at(settings)
+    keep(settings, b"some" * 1000)
+    backup(settings, file)
+    content = bytearray(file.read_bytes())
+    at = int(place * len(content))
+    content[at] ^= 0xFF
+    file.write_bytes(content)
+    assert_refused(elsewhere, file)
+    file.write_bytes(content[:at])
+    assert_refused(elsewhere, file)
+
+
+def repacked(file, change):
+    """Pack a backup again, with its members (name to bytes) changed."""
+    with tarfile.open(file) as tar:
+        members = {name: tar.extractfile(name).read() for name in tar.getnames()}
+    change(members)
+    with tarfile.open(file, "w:gz") as tar:
+        for name, content in members.items():
+            known = tarfile.TarInfo(name)
+            known.size = len(content)
+            tar.addfile(known, io.BytesIO(content))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda members: members.update({"../evil": b"x"}),
+        lambda members: members.update({"scenes/../../evil": b"x"}),
+        lambda members: members.update({"/etc/evil": b"x"}),
+        lambda members: members.update({"scenes/not-packed.json": b"x"}),
+        lambda members: members.update({next(iter(members)): b"other"}),
+        lambda members: members.pop("database.sqlite"),
+        lambda members: members.pop("manifest.json"),
+        lambda members: members.update({"manifest.json": b"[]"}),
+        dict.clear,
+    ],
+)
+def test_members_that_were_not_packed_are_refused(settings, elsewhere, file, change):
+    store_at(settings)
+    keep(settings, b"some")
+    backup(settings, file)
+    repacked(file, change)
+    assert_refused(elsewhere, file)
+    assert not list(file.parent.parent.rglob("evil"))
+
+
+def test_bytes_are_what_they_are_named_for(settings, elsewhere, file):
+    store_at(settings)
+    name = keep(settings, b"some")
+    (settings.data_dir / "files" / "bytes" / name).write_bytes(b"other")
+    backup(settings, file)
+    assert assert_refused(elsewhere, file).evidence["member"] == f"files/bytes/{name}"
+
+
+def test_links_are_not_followed(elsewhere, file):
+    with tarfile.open(file, "w:gz") as tar:
+        link = tarfile.TarInfo("database.sqlite")
+        link.type, link.linkname = tarfile.SYMTYPE, "/etc/passwd"
+        tar.addfile(link)
+    assert_refused(elsewhere, file)
+
+
+@pytest.mark.parametrize("content", [b"", b"no archive", gzip.compress(b"no archive" * 99)])
+def test_what_is_no_backup_is_refused(elsewhere, file, content):
+    file.write_bytes(content)
+    assert_refused(elsewhere, file)
+
+
+def test_a_backup_of_a_newer_version_is_refused(settings, elsewhere, file):
+    with store_at(settings)._engine.begin() as connection:
+        connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
+    assert backup(settings, file).revision == "9999"
+    assert_refused(elsewhere, file, DatabaseTooNew)
+
+
+def test_of_postgresql_the_files_alone_are_packed(settings, elsewhere, file):
+    url = {"database_url": "postgresql+psycopg://u:secret@nowhere/records"}
+    name = keep(settings, b"some")
+    manifest = backup(settings.model_copy(update=url), file)
+    assert (set(manifest.sha256), manifest.has_records) == ({f"files/bytes/{name}"}, False)
+    restore(elsewhere.model_copy(update=url), file)
+    assert (elsewhere.data_dir / "files" / "bytes" / name).read_bytes() == b"some"
+    with gzip.open(file) as packed:
+        assert b"secret" not in packed.read()
+
+
+def wayproof(*arguments):
+    return CliRunner().invoke(app, list(map(str, arguments)))
+
+
+def test_the_commands_say_what_they_did(settings, elsewhere, file):
+    store = store_at(settings)
+    job, _ = store.insert(JobSpec("plan", "plan", {}))
+    ended = wayproof("backup", file, "--data-dir", settings.data_dir)
+    assert ended.exit_code == 0, ended.output
+    assert f"wrote {file}" in ended.stdout
+    ended = wayproof("restore", file, "--data-dir", elsewhere.data_dir)
+    assert ended.exit_code == 0, ended.output
+    assert JobStore(open_engine(elsewhere.url)).get(job.id) == job
+    again = wayproof("restore", file, "--data-dir", elsewhere.data_dir)
+    assert (again.exit_code, "there are records" in again.stderr) == (1, True)
+
+
+def test_the_commands_say_what_is_missing(settings, file):
+    ended = wayproof("backup", file, "--data-dir", settings.data_dir)
+    assert (ended.exit_code, "there are no records" in ended.stderr) == (1, True)
+    assert not file.exists()
+    ended = wayproof("restore", file, "--data-dir", settings.data_dir)
+    assert (ended.exit_code, str(file) in ended.stderr) == (1, True)
