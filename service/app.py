@@ -2,18 +2,20 @@
 
 from collections.abc import AsyncGenerator, Awaitable, Callable
 from contextlib import asynccontextmanager, nullcontext
+from functools import partial
 
 from fastapi import Depends, FastAPI
 
 from service.api import error_responses as problems
 from service.api import openapi, operations
-from service.api.body_limit import BodyLimit
-from service.api.client_disconnect import DisconnectWatch
-from service.api.graceful_shutdown import GracefulShutdown
-from service.api.host_check import HostCheck
 from service.api.metrics import MeasureRequests, Metrics
+from service.api.middleware.body_limit import BodyLimit
+from service.api.middleware.client_disconnect import DisconnectWatch
+from service.api.middleware.graceful_shutdown import GracefulShutdown
+from service.api.middleware.host_check import HostCheck
+from service.api.middleware.request_id import RequestId
+from service.api.middleware.response_headers import ResponseHeaders
 from service.api.params import require_known_query
-from service.api.request_id import RequestId
 from service.catalog import routes as catalog
 from service.executions import replay
 from service.executions import routes as executions
@@ -25,10 +27,10 @@ from service.regions import routes as regions
 from service.scenes import routes as scenes
 from service.security.audit import Audit
 from service.security.cross_origin import allow_origins
+from service.security.document import declare_security
 from service.security.guard import Guard
 from service.security.key_ring import KeyRing, open_key_ring
 from service.security.keys import ApiKey
-from service.security.response_headers import ResponseHeaders
 from service.security.start import require_guarded
 from service.settings import Settings
 from service.trajectories import routes as trajectories
@@ -125,7 +127,7 @@ def create_app(
     app.add_middleware(MeasureRequests, metrics=metrics)
     app.add_middleware(RequestId)
     problems.install(app)
-    openapi.install(app)
+    openapi.install(app, partial(declare_security, is_asked=chosen.auth == "keys"))
     for part in PARTS:
         app.include_router(part.router, dependencies=[Depends(require_known_query)])
     return app

@@ -26,7 +26,7 @@ from sqlalchemy import make_url
 
 from service.errors import BackupInvalid, RecordsExist
 from service.jobs.errors import DatabaseTooNew
-from service.jobs.schema import NEWEST
+from service.jobs.store.schema import NEWEST
 from service.settings import Settings
 from service.versions import versions
 

@@ -13,7 +13,7 @@ from service.workers import PRELOAD
 _MORE = (
     "service.cli.server",
     "service.cli.app",
-    "service.jobs.migrations.upgrade",
+    "service.jobs.store.migrations.upgrade",
     "service.plans.charts",
     "trimesh",
     "trimesh.exchange.obj",

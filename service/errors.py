@@ -217,6 +217,18 @@ class RecordsExist(WayproofError):
     code = "records_exist"
 
 
+class KeyExists(WayproofError):
+    """A key of this name is in use; evidence: `name`."""
+
+    code = "key_exists"
+
+
+class Unguarded(WayproofError):
+    """The server would listen beyond this machine, and ask for no keys; evidence: `host`."""
+
+    code = "unguarded"
+
+
 class ServerStopping(Refusal):
     """The server ends before it could answer; evidence: none."""
 

@@ -8,20 +8,20 @@ from typing import Any
 
 from anyio import to_thread
 
-from service.api.client_disconnect import call_for_client
+from service.api.middleware.client_disconnect import call_for_client
 from service.executions.settlement import settled
-from service.jobs.database import keep_off_loops, open_engine
-from service.jobs.dispatcher import Dispatcher
+from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.queue import JobQueue, Share
+from service.jobs.dispatch.worker_pool import WorkerPool
 from service.jobs.job import JobSummary
-from service.jobs.leader import DispatcherLock
-from service.jobs.queue import JobQueue, Share
 from service.jobs.service import CallTerms, JobService
-from service.jobs.store import JobStore
+from service.jobs.store.database import keep_off_loops, open_engine
+from service.jobs.store.job_store import JobStore
 from service.jobs.worker.assignment import Worker
 from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
-from service.jobs.worker_pool import WorkerPool
 from service.retention import Retention
 from service.scenes.file_cleanup import Sweeper
 from service.scenes.job_spec import PREFIXES

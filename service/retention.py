@@ -18,8 +18,8 @@ from sqlalchemy.exc import SQLAlchemyError
 from service.jobs.errors import DatabaseTaken
 from service.jobs.json_text import encode
 from service.jobs.states import JobState
-from service.jobs.store import JobStore
-from service.jobs.tables import bodies, events, jobs, makers, summaries
+from service.jobs.store.job_store import JobStore
+from service.jobs.store.tables import bodies, events, jobs, makers, summaries
 from service.scenes.records import scenes
 
 # Between two sweeps [s].

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.service_load.measure import Measure
-from service.jobs.database import open_engine
-from service.jobs.dispatcher import Dispatcher
+from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.queue import JobQueue
 from service.jobs.job import JobSpec
-from service.jobs.leader import DispatcherLock
-from service.jobs.queue import JobQueue
-from service.jobs.store import JobStore
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker
 
 _HERE = __name__

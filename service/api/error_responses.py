@@ -16,13 +16,13 @@ from starlette.routing import Match
 
 from planning.errors import WayproofError
 from planning.world.documents.document_faults import Fault, faults_of, message_of
-from service.api.request_id import HEADER, request_id
+from service.api.middleware.request_id import HEADER, request_id
+from service.api.middleware.response_headers import guard_headers
 from service.api.strict_route import CarriedRefusal, body_schema
 from service.errors import DiskFull, Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
-from service.jobs.database import is_of_database
 from service.jobs.errors import RETRY_AFTER, DatabaseUnavailable
-from service.security.response_headers import guard_headers
+from service.jobs.store.database import is_of_database
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20

@@ -10,8 +10,8 @@ from prometheus_client import disable_created_metrics as leave_out_creation_time
 from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.jobs.dispatch.scheduler import QueueLoad
 from service.jobs.job import JobSummary
-from service.jobs.scheduler import QueueLoad
 
 MEDIA_TYPE = CONTENT_TYPE_PLAIN_0_0_4
 _REQUESTS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 60.0)

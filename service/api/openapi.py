@@ -1,5 +1,6 @@
 """The OpenAPI document: FastAPI's, with what FastAPI cannot know."""
 
+from collections.abc import Callable
 from typing import Any
 
 from fastapi import FastAPI
@@ -7,17 +8,8 @@ from fastapi.openapi.utils import get_openapi
 
 from planning.world.documents.scene_document import SceneDocument
 from service.api.failures.problem import Problem
-from service.api.responses import problems
-from service.security.scopes import required_scope
 
 _REF = "#/components/schemas/{model}"
-_KEY = {
-    "type": "http",
-    "scheme": "bearer",
-    "description": "`Authorization: Bearer wp_...`, where the server asks for keys "
-    "(`WAYPROOF_AUTH=keys`). `wayproof keys create` makes one for scopes: `read`, `plan`, "
-    "`execute`, and `admin` for all of them. Each operation names the one that it needs.",
-}
 _TAGS = [
     {"name": "models", "description": "Robots there are"},
     {"name": "scenes", "description": "What the robots stand in"},
@@ -31,18 +23,23 @@ _TAGS = [
 ]
 
 
-def install(app: FastAPI) -> None:
-    """Make `app` serve the full document."""
+def install(app: FastAPI, add: Callable[[dict[str, Any]], None]) -> None:
+    """Make `app` serve the full document.
+
+    Args:
+        app: What it is of.
+        add: Adds to the document what stands around all routes, which they do not know of.
+    """
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _document(app)
+            app.openapi_schema = _document(app, add)
         return app.openapi_schema
 
     app.openapi = openapi
 
 
-def _document(app: FastAPI) -> dict[str, Any]:
+def _document(app: FastAPI, add: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
     document = get_openapi(
         title=app.title,
         version=app.version,
@@ -58,26 +55,9 @@ def _document(app: FastAPI) -> dict[str, Any]:
             schemas.setdefault(name, part)
         schemas[model.__name__] = schema
     _declare_events(document)
-    _declare_security(document, is_asked=app.state.settings.auth == "keys")
+    add(document)
     inlined: dict[str, Any] = _inlined(document, schemas)
     return inlined
-
-
-def _declare_security(document: dict[str, Any], *, is_asked: bool) -> None:
-    """Say which scope of a key each operation needs, and how it is refused without."""
-    document["components"]["securitySchemes"] = {"key": _KEY}
-    refusals = {str(status): answer for status, answer in problems(401, 429).items()}
-    for path, operations in document["paths"].items():
-        for method, operation in operations.items():
-            scope = required_scope(method.upper(), path)
-            if scope is None:
-                operation["security"] = []
-                continue
-            needed = {"key": [str(scope)]}
-            # A server that asks for no keys says so: the empty requirement is one too.
-            operation["security"] = [needed] if is_asked else [needed, {}]
-            answers = {**refusals, **operation["responses"]}
-            operation["responses"] = dict(sorted(answers.items()))
 
 
 def _declare_events(document: dict[str, Any]) -> None:

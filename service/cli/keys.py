@@ -13,7 +13,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from planning.errors import WayproofError
 from service.cli.output import console
 from service.cli.serve import settings_of
-from service.jobs.database import open_engine
+from service.jobs.store.database import open_engine
 from service.security.keys import ApiKey, KeyStore, NewKey
 from service.security.scopes import Scope
 

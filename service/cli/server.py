@@ -14,7 +14,7 @@ from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from planning.errors import WayproofError
-from service.api.request_id import RequestIdFilter
+from service.api.middleware.request_id import RequestIdFilter
 from service.app import create_app
 from service.cli.connections import Connections, bounded_protocol, most_connections
 from service.settings import Settings

@@ -6,10 +6,10 @@ from collections.abc import Awaitable, Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from service.jobs.database import is_of_database
 from service.jobs.errors import DatabaseTaken
 from service.jobs.job import PendingEvent
 from service.jobs.json_text import Encoded
+from service.jobs.store.database import is_of_database
 
 _MAX_BACKLOG = 256
 # Events that come so soon after another one are recorded with it [s].

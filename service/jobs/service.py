@@ -9,14 +9,14 @@ from anyio import to_thread
 from pydantic import BaseModel
 
 from service.errors import NotReady, UnknownResource
-from service.jobs.calls import Call, CallResult
-from service.jobs.dispatcher import Dispatcher
+from service.jobs.dispatch.calls import Call, CallResult
+from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
 from service.jobs.job import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.json_text import Encoded
-from service.jobs.scheduler import QueueLoad
 from service.jobs.states import JobState
-from service.jobs.store import JobStore
+from service.jobs.store.job_store import JobStore
 from service.jobs.task import Task
 
 _CHUNK = 20

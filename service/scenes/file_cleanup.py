@@ -14,7 +14,7 @@ from anyio import to_thread
 from sqlalchemy import Engine, select
 
 from planning.domain.value import digest
-from service.jobs.tables import jobs
+from service.jobs.store.tables import jobs
 from service.scenes.records import scenes
 
 # What was touched so lately may be of a scene that is being loaded [s].

@@ -14,10 +14,10 @@ from sqlalchemy.exc import DBAPIError
 
 from planning.parallel.atomic_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
-from service.jobs.database import set_durability
 from service.jobs.errors import DatabaseUnavailable
 from service.jobs.json_text import encode
-from service.jobs.schema import bring_up_to_date
+from service.jobs.store.database import set_durability
+from service.jobs.store.schema import bring_up_to_date
 from service.scenes import rows
 from service.scenes.record_cache import Latest, RecentScenes
 from service.scenes.records import SceneBrief, SceneRecord

@@ -12,7 +12,7 @@ from fastapi.routing import APIRoute
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.request_id import request_id
+from service.api.middleware.request_id import request_id
 from service.security.guard import CALLER
 from service.security.scopes import SAFE_METHODS
 

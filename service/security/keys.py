@@ -15,17 +15,19 @@ from datetime import datetime, timedelta
 from sqlalchemy import Column, Engine, MetaData, Row, String, Table, insert, select, update
 
 from planning.errors import ProblemInvalid, UnknownName
-from service.security.errors import KeyExists
+from service.errors import KeyExists
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.store.schema import NEWEST, bring_up_to_date, refuse_newer
 from service.security.scopes import Scope
 
 _TEXT = re.compile(r"wp_([0-9a-f]{12})_([A-Za-z0-9_-]{43})")
 _NAME = re.compile(r"[A-Za-z0-9._-]{1,64}")
 _NO_DIGEST = "0" * 64
 
-_metadata = MetaData()
+metadata = MetaData()
 api_keys = Table(
     "api_keys",
-    _metadata,
+    metadata,
     Column("id", String(12), primary_key=True),
     Column("name", String(64), nullable=False, index=True),
     Column("digest", String(64), nullable=False),
@@ -100,8 +102,16 @@ class KeyStore:
         self._engine = engine
 
     def open(self) -> None:
-        """Create the table if it is missing."""
-        _metadata.create_all(self._engine)
+        """Bring the database to the newest revision; an older one only if no server works on it.
+
+        Raises:
+            DatabaseInUse: It has an older revision, and a server that knows no other.
+            DatabaseTooNew: A newer version has changed it.
+            DatabaseUnrecognized: Its tables are not this program's.
+        """
+        if refuse_newer(self._engine) != NEWEST:
+            with DispatcherLock(self._engine).kept():
+                bring_up_to_date(self._engine)
 
     def all(self) -> list[ApiKey]:
         """Return all keys, those that expired or were revoked too, oldest first."""
@@ -125,7 +135,8 @@ class KeyStore:
         chosen = frozenset(scopes)
         if _NAME.fullmatch(name) is None or not chosen:
             message = f"a key has a name of 1 to 64 of A-Z a-z 0-9 . _ -, not {name[:80]!r}"
-            raise ProblemInvalid(message if chosen else f"the key {name!r} needs a scope")
+            fault = ("name", message) if chosen else ("scopes", f"the key {name!r} needs a scope")
+            raise ProblemInvalid(fault[1], {"field": fault[0]})
         if self._valid(name, now):
             message = f"there is a key {name!r}; `wayproof keys rotate {name}` replaces it"
             raise KeyExists(message, {"name": name})

@@ -1,6 +1,6 @@
 """What is looked at before a server starts."""
 
-from service.security.errors import Unguarded
+from service.errors import Unguarded
 from service.settings import Settings
 
 

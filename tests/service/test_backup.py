@@ -15,11 +15,11 @@ from typer.testing import CliRunner
 from service import backup as module
 from service.backup import BackupInvalid, RecordsExist, backup, restore
 from service.cli.app import app
-from service.jobs.database import open_engine
 from service.jobs.errors import DatabaseTooNew
 from service.jobs.job import JobSpec
-from service.jobs.schema import NEWEST, stored_revision
-from service.jobs.store import JobStore
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
+from service.jobs.store.schema import NEWEST, stored_revision
 from service.settings import Settings
 from tests.golden.service.__main__ import changes
 from tests.golden.service.answers import ask, client

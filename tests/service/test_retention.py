@@ -7,8 +7,8 @@ from sqlalchemy import create_engine, func, insert, select, update
 
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded
-from service.jobs.store import JobStore
-from service.jobs.tables import bodies, events, jobs, makers, summaries
+from service.jobs.store.job_store import JobStore
+from service.jobs.store.tables import bodies, events, jobs, makers, summaries
 from service.retention import _EVENTS_AT_ONCE, Retention
 from service.scenes.records import metadata, scenes
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 import uvicorn
 
-from service.api.body_limit import BodyLimit
+from service.api.middleware.body_limit import BodyLimit
 from service.cli.connections import Connections, bounded_protocol
 
 HALF = b"POST /x HTTP/1.1\r\nHost: x\r\n"

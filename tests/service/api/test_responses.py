@@ -9,9 +9,9 @@ from service.api import responses as whole_module
 from service.api.models import ResponseModel
 from service.api.responses import passed_on, whole
 from service.jobs import json_steps
-from service.jobs.database import is_in_loop
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
+from service.jobs.store.database import is_in_loop
 from service.plans.models.plan import Plan
 from service.plans.models.trajectory import Trajectory
 from service.plans.tasks import PLAN

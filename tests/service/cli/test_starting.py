@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 from service.cli.app import app
 from service.cli.serve import bind
 from service.cli.server import run
-from service.jobs.database import open_engine
-from service.jobs.leader import DispatcherLock
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.store.database import open_engine
 from service.settings import Settings
 
 

@@ -4,16 +4,16 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from service.jobs.database import open_engine
-from service.jobs.dispatcher import Dispatcher
+from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.queue import JobQueue, Share
+from service.jobs.dispatch.worker_pool import WorkerPool
 from service.jobs.job import JobSpec
-from service.jobs.leader import DispatcherLock
-from service.jobs.queue import JobQueue, Share
-from service.jobs.store import JobStore
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
 from service.jobs.worker.assignment import Worker
 from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
-from service.jobs.worker_pool import WorkerPool
 from tests.service.jobs import fake_tasks
 from tests.service.jobs.databases import FullDisk
 

@@ -7,7 +7,7 @@ import pytest
 from planning.errors import Canceled
 from service.jobs.errors import IdempotencyConflict, Overtaken
 from service.jobs.job import JobSpec
-from service.jobs.store import JobStore
+from service.jobs.store.job_store import JobStore
 
 NUM_SERVERS = 6
 

@@ -7,13 +7,14 @@ import pytest
 from sqlalchemy import event
 
 from planning.errors import Canceled
-from service.jobs.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine
-from service.jobs.dispatcher import Dispatcher
+from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.queue import JobQueue
+from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.errors import DatabaseUnavailable
-from service.jobs.leader import DatabaseTimeouts, DispatcherLock
-from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
-from service.jobs.store import JobStore
+from service.jobs.store.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine
+from service.jobs.store.job_store import JobStore
 from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.databases import locked

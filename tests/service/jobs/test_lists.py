@@ -6,9 +6,9 @@ import itertools
 import pytest
 from sqlalchemy import event, inspect, text
 
-from service.jobs.database import open_engine
 from service.jobs.job import JobSpec
-from service.jobs.store import JobStore
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
 from service.scenes.store import SceneStore
 from service.scenes.tasks import Library
 from tests.service.jobs.databases import make_released

@@ -8,13 +8,14 @@ import pytest
 from sqlalchemy import text
 
 from service.cli.server import TAKEN
-from service.jobs.database import open_engine
-from service.jobs.dispatcher import Dispatcher
+from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.queue import JobQueue
+from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
-from service.jobs.leader import DatabaseTimeouts, DispatcherLock
-from service.jobs.queue import JobQueue
 from service.jobs.states import JobState
-from service.jobs.store import JobStore
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP, spec
 from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time

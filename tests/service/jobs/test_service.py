@@ -7,10 +7,10 @@ import pytest
 from planning.errors import Canceled
 from service.errors import RobotBusy
 from service.executions.position import require_at_rest
-from service.jobs.database import open_engine
 from service.jobs.job import JobSpec
 from service.jobs.service import JobService
-from service.jobs.store import JobStore
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
 
 MOVING = {
     "library": {"model_roots": [], "allow_paths": False, "copies": ""},

@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import create_engine, insert
 
 from service.app import create_app
-from service.jobs.tables import jobs
+from service.jobs.store.tables import jobs
 from service.scenes.file_cleanup import Sweeper, _is_owner, sweep
 from service.settings import Settings
 from tests.service.hostile.files import urdf

@@ -12,10 +12,10 @@ from anyio.from_thread import start_blocking_portal
 from sqlalchemy import create_engine, event, insert, select
 
 from service.errors import RevisionConflict, UnknownResource
-from service.jobs.database import open_engine
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
-from service.jobs.store import JobStore
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
 from service.scenes.models.scene import SceneSummary
 from service.scenes.record_cache import RecentScenes
 from service.scenes.records import scenes

@@ -8,7 +8,7 @@ import pytest
 
 from service.app import create_app
 from service.cli.server import LOGGING
-from service.jobs.database import open_engine
+from service.jobs.store.database import open_engine
 from service.security.keys import KeyStore
 from service.security.scopes import Scope
 from service.settings import Settings

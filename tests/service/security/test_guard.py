@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy.exc import OperationalError
 
 from service.app import create_app
-from service.jobs.database import open_engine
+from service.jobs.store.database import open_engine
 from service.security.guard import Guard
 from service.security.key_ring import KeyRing
 from service.security.keys import KeyStore

@@ -7,8 +7,8 @@ import pytest
 from sqlalchemy import text
 
 from planning.errors import ProblemInvalid, UnknownName
-from service.jobs.database import open_engine
-from service.security.errors import KeyExists
+from service.errors import KeyExists
+from service.jobs.store.database import open_engine
 from service.security.keys import KeyStore, find_key
 from service.security.scopes import Scope
 

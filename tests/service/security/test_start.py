@@ -5,7 +5,7 @@ from typer.testing import CliRunner
 
 from service.app import create_app
 from service.cli.app import app
-from service.security.errors import Unguarded
+from service.errors import Unguarded
 from service.security.start import require_guarded
 from service.settings import Settings
 from tests.service.conftest import TestClient

@@ -1,0 +1,1 @@
+"""How jobs run: queues, workers to run them in, and the attempts that end in the table."""

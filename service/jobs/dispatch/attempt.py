@@ -1,0 +1,309 @@
+"""Attempt: one run of a job, from the queue to its end in the table."""
+
+import asyncio
+import json
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from datetime import datetime
+from functools import partial
+from typing import Any
+
+from planning.errors import Canceled, WayproofError
+from service.jobs.dispatch.recorder import JobRecorder
+from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.errors import DatabaseTaken, InternalError
+from service.jobs.event_buffer import EventBuffer
+from service.jobs.job import Job, JobText, PendingEvent
+from service.jobs.json_text import Encoded
+from service.jobs.outcome import (
+    Crashed,
+    Failed,
+    Outcome,
+    Raised,
+    Returned,
+    Silent,
+    Terminated,
+    error_of,
+    interrupted,
+    is_deterministic,
+    with_stage,
+)
+from service.jobs.states import JobState
+from service.jobs.store.transitions import Transition, ended_job
+from service.jobs.worker.assignment import Assignment, Worker
+
+# How long to wait before the start of a job is written again after the database refused it [s].
+_RETRY_PERIOD = 5.0
+CONTROLS = "controls"
+_log = logging.getLogger(__name__)
+
+
+class Attempt:
+    """Runs a job once; the dispatcher queues it again if `run` says so.
+
+    It hears of everything in memory, at once; what the database has of it may come later.
+
+    Attributes:
+        job: As it was queued.
+        controls: That are set, to be passed to the task.
+        has_begun: Whether it was given a worker.
+        concluded: Set once its end is in the table, or another server has the job.
+        ended: The job as the table has it, once it has ended in this attempt.
+    """
+
+    def __init__(
+        self, job: Job, recorder: JobRecorder, scheduler: Scheduler, controls: Mapping[str, Any]
+    ) -> None:
+        """Prepare to run a queued job."""
+        self.job = job
+        self.controls = dict(controls)
+        self.has_begun = False
+        self.concluded = asyncio.Event()
+        self.ended: JobText | None = None
+        self._recorder = recorder
+        self._scheduler = scheduler
+        self._events = EventBuffer(self._write_events)
+        self._worker: Worker | None = None
+        self._is_confirmed = asyncio.Event()
+        self._is_discarded = False
+        self._is_cancel_requested = job.is_cancel_requested
+        self._interruption = ""
+        self._start: Transition | None = None
+        self._start_is_decided = asyncio.Event()
+        self._has_ended = False
+        self._pending_events: list[PendingEvent] = []
+        self._seconds = 0.0
+
+    @property
+    def is_cancel_requested(self) -> bool:
+        """Whether its end was requested."""
+        return self._is_cancel_requested
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it still takes controls."""
+        return not (self._is_cancel_requested or self._has_ended)
+
+    @property
+    def grace(self) -> float:
+        """How long it may take to end once it is told to [s]."""
+        # A task that has something to give on a cancel says how long it needs for that.
+        usual = self._scheduler.queue(self.job.queue).cancel_grace
+        return float(self.job.payload.get("cancel_grace", usual))
+
+    @property
+    def unrecorded(self) -> list[str]:
+        """What has happened and is not in the database yet."""
+        known = self._recorder.unrecorded(self.job.id)
+        own = {"events": self._events.is_refused, "end": self._has_ended}
+        return list(dict.fromkeys([*known, *(what for what, is_so in own.items() if is_so)]))
+
+    def confirm(self, job: Job) -> None:
+        """Record what happens from now on: the table has the job, which reads so."""
+        self.job = job
+        self._is_confirmed.set()
+
+    def discard(self) -> None:
+        """End the run, and record nothing of it: the table will never have the job."""
+        self._is_discarded = True
+        self._is_confirmed.set()
+        self.cancel()
+
+    def cancel(self) -> None:
+        """End the run on request, whatever it does."""
+        self._is_cancel_requested = True
+        self._terminate()
+
+    def interrupt(self, reason: str) -> None:
+        """End the run because the server has to; the job is queued again if it may run again."""
+        self._interruption = self._interruption or reason
+        self._terminate()
+
+    def control(self, controls: Mapping[str, Any]) -> None:
+        """Set controls of the run; those of other names stay."""
+        self.controls |= controls
+        if self._worker is not None:
+            self._worker.control(self.controls)
+
+    def latest(self, event_type: str) -> dict[str, Any] | None:
+        """Return the data of the last event of a type, recorded or not."""
+        data = self._events.latest.get(event_type)
+        return None if data is None else json.loads(data.text)
+
+    def snapshot(self) -> Job:
+        """Return the job as memory has it."""
+        job = replace(self.job, is_cancel_requested=self._is_cancel_requested)
+        if self._start is None:
+            return job
+        started_at = datetime.fromisoformat(self._start.event.at)
+        attempts = self._start.attempts
+        return replace(job, state=JobState.RUNNING, started_at=started_at, attempts=attempts)
+
+    async def run(self, worker: Worker) -> bool:
+        """Run the job in a worker, which is given back; return whether it is queued again."""
+        start = asyncio.get_running_loop().create_task(self._write_start())
+        start.add_done_callback(self._on_start)
+        try:
+            # What may run but once does not begin before that is written; the others save the time.
+            if self.job.max_attempts == 1:
+                await self._start_is_decided.wait()
+            outcome = await self._run_task(worker)
+            await self._start_is_decided.wait()
+            self._start = await start
+        except DatabaseTaken:
+            return False
+        except Exception:  # noqa: BLE001  (it is queued still)
+            _log.exception("the start of %s could not be written", self.job.id)
+            await asyncio.sleep(_RETRY_PERIOD)
+            return True
+        finally:
+            start.cancel()
+        if self._start is None:  # canceled while it was queued
+            return False
+        self._has_ended = True
+        self._pending_events = await self._events.close()
+        return await self._conclude(outcome, self._start.attempts)
+
+    async def _write_start(self) -> Transition | None:
+        await self._is_confirmed.wait()
+        if self._is_discarded:
+            return None
+        store, identifier = self._recorder.store, self.job.id
+        # What the database forgot to have begun would be begun once more, and could not end.
+        is_durable = store.may_crash_alone
+        start = partial(store.start, identifier)
+        return await self._recorder.apply(identifier, start, is_durable=is_durable)
+
+    def _on_start(self, start: asyncio.Task[Transition | None]) -> None:
+        """Go on if the database took the start of a queued job, else end the run."""
+        if not start.cancelled() and start.exception() is None:
+            self._start = start.result()
+        self._start_is_decided.set()
+        if self._start is None or self._start.is_cancel_requested:
+            self._terminate()
+
+    async def _write_events(self, events: Sequence[PendingEvent]) -> None:
+        """Record events of the run, once its start is."""
+        await self._start_is_decided.wait()
+        if self._start is not None:
+            await self._recorder.append_events(self.job.id, events)
+
+    @property
+    def _may_begin(self) -> bool:
+        if self._is_cancel_requested or self._interruption:
+            return False
+        if not self._start_is_decided.is_set():
+            return True
+        return self._start is not None and not self._start.is_cancel_requested
+
+    def _terminate(self) -> None:
+        if self._worker is not None:
+            self._worker.cancel(self.grace)
+
+    async def _run_task(self, worker: Worker) -> Outcome:
+        """Run the task and give the worker back before the end is written: others wait for it."""
+        loop = asyncio.get_running_loop()
+        began = loop.time()
+        outcome: Outcome = Terminated(Canceled("canceled before it began"))
+        job = self.job
+        try:
+            if self._may_begin:
+                self._worker = worker
+                task = (job.task, job.payload, self._events, job.time_limit, self.controls)
+                outcome = await worker.run(Assignment(*task))
+        except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
+            _log.exception("the worker failed under %s", job.id)
+            outcome = Raised(InternalError(f"the worker failed: {type(fault).__name__}"))
+        finally:
+            self._worker = None
+            self._seconds = loop.time() - began
+            self._scheduler.release(job.queue, worker, self._seconds)
+        return outcome
+
+    async def _conclude(self, outcome: Outcome, attempts: int) -> bool:
+        """Write the end into the table, however long that takes."""
+        identifier = self.job.id
+        write = partial(self._write_end, outcome, attempts)
+        try:
+            return await self._recorder.write_until_done(identifier, "end", write)
+        except DatabaseTaken:
+            return False
+        except Exception as fault:
+            if self._pending_events:
+                _log.exception("%d events of %s were lost", len(self._pending_events), identifier)
+                self._pending_events = []
+                return await self._conclude(outcome, attempts)
+            # The database is well: it is what the task gave that it does not take.
+            if isinstance(outcome, Raised) and isinstance(outcome.error, InternalError):
+                raise
+            _log.exception("the end of %s could not be written", identifier)
+            reason = f"the result could not be recorded: {type(fault).__name__}"
+            return await self._conclude(Raised(InternalError(reason)), attempts)
+
+    async def _write_end(self, outcome: Outcome, attempts: int) -> bool:
+        """Write the end, and return whether the job is queued again instead."""
+        store, identifier = self._recorder.store, self.job.id
+        if isinstance(outcome, Returned):
+            result = outcome.result
+            summary = json.loads((outcome.summary or result).text)
+            succeed = partial(store.succeed, identifier, result, outcome.summary)
+            end = await self._apply(succeed, is_durable=self._must_be_durable(summary))
+            self._keep_end(end, result, summary)
+            return False
+        requeue = self._requeue(outcome, attempts)
+        if requeue is not None:
+            queued = await self._apply(requeue)
+            if queued is None or not (queued.is_cancel_requested or self._is_cancel_requested):
+                return queued is not None
+            outcome = Terminated()
+        error = self._error(outcome, attempts)
+        is_canceled = isinstance(error, Canceled)
+        cancel = partial(store.cancel, identifier, error) if is_canceled else None
+        self._keep_end(await self._apply(cancel or partial(store.fail, identifier, error)))
+        return False
+
+    def _must_be_durable(self, summary: Any) -> bool:
+        """Return whether a power cut must not take a result back, which would be made again."""
+        is_last = self.job.max_attempts == 1 or self._recorder.store.may_crash_alone
+        return is_last or not is_deterministic(summary)
+
+    def _keep_end(
+        self, end: Transition | None, result: Encoded | None = None, summary: Any = None
+    ) -> None:
+        """Keep the job as it would be read, for those who wait for it."""
+        if end is not None:
+            made_by = self._recorder.store.versions
+            self.ended = ended_job(end, self.job.payload, made_by, result, summary)
+
+    def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Transition | None] | None:
+        """Return how to queue the job again if it is to run again, else None."""
+        requeue = partial(self._recorder.store.requeue, self.job.id)
+        if self._is_cancel_requested:
+            return None
+        if self._interruption:
+            again = partial(requeue, self._interruption, refund=1)
+            return again if self.job.max_attempts > 1 else None
+        if isinstance(outcome, Crashed | Silent) and attempts < self.job.max_attempts:
+            return partial(requeue, error_of(outcome, attempts).detail)
+        return None
+
+    def _error(self, outcome: Failed, attempts: int) -> WayproofError:
+        """Return what the job shows for an end without a result."""
+        may_repeat = self.job.max_attempts > 1
+        if self._is_cancel_requested and may_repeat and isinstance(outcome, Crashed | Silent):
+            outcome = Terminated()
+        stage_event = self.latest("stage") or {}
+        error = with_stage(error_of(outcome, attempts), stage_event, self._seconds)
+        if not self._interruption or self._is_cancel_requested:
+            return error
+        return interrupted(outcome, error, self._interruption, attempts)
+
+    async def _apply(
+        self, change: Callable[[], Transition | None], *, is_durable: bool = True
+    ) -> Transition | None:
+        """Write a transition of the job, with its last events."""
+        apply = partial(self._recorder.apply, self.job.id, change, events=self._pending_events)
+        transition = await apply(is_durable=is_durable, is_owed=True)
+        self._pending_events = []
+        return transition

@@ -1,0 +1,190 @@
+"""Calls: short tasks that workers run at once, and that need no record."""
+
+import asyncio
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from planning.errors import DeadlineExceeded
+from service.jobs.dispatch.queue import CallKind
+from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.errors import WORKER, QueueTimeout
+from service.jobs.event_buffer import NullSink
+from service.jobs.json_steps import STEP, decode
+from service.jobs.json_text import Encoded, decode_parts
+from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
+from service.jobs.worker.assignment import Assignment, Worker
+
+_ATTEMPTS = 2
+
+
+@dataclass(frozen=True)
+class Call:
+    """A short task to run.
+
+    Attributes:
+        task: `module:function`.
+        payload: What it is called with.
+        queue: Which workers may run it.
+        time_limit: For the work [s]; what it waits for a worker does not count.
+        worker_timeout: How long it waits for a worker [s].
+        world_digest: Workers that have this scene loaded are preferred.
+        size: How much is requested: lists with twice as many items take longer.
+        digest_field: Of a task that loads a scene, the field of its result that has the digest.
+        is_raw: Whether the result is wanted as the JSON that the task gave.
+        is_partly_raw: Whether the members that the task encoded itself are wanted as they are.
+    """
+
+    task: str
+    payload: dict[str, Any]
+    queue: str
+    time_limit: float
+    worker_timeout: float
+    world_digest: str | None = None
+    size: int = 0
+    digest_field: str = ""
+    is_raw: bool = False
+    is_partly_raw: bool = False
+
+    @property
+    def kind(self) -> CallKind:
+        """What it has in common with calls that take about as long."""
+        return CallKind(self.task, self.size.bit_length(), is_load=bool(self.digest_field))
+
+
+@dataclass(frozen=True)
+class CallResult:
+    """What a short task returned.
+
+    Attributes:
+        content: Decoded JSON, or `Encoded` if it is raw, or an object of both.
+        waited: For a worker [s].
+        worked: In the worker [s].
+    """
+
+    content: Any
+    waited: float
+    worked: float
+
+
+@dataclass(frozen=True)
+class _Finished:
+    outcome: Outcome
+    content: Any
+    seconds: float
+
+
+class Calls:
+    """Runs short tasks in the workers of a scheduler."""
+
+    def __init__(self, scheduler: Scheduler) -> None:
+        """Use the workers of `scheduler`."""
+        self._scheduler = scheduler
+        self._num_calls = 0
+
+    async def run(self, call: Call) -> CallResult:
+        """Run a task and return its result; canceled, it is told to end, and soon after killed.
+
+        Raises:
+            WayproofError: What the task raised.
+            QueueFull: As many wait as may.
+            QueueTimeout: No worker was free in time.
+            DeadlineExceeded: The task took too long.
+            WorkerCrashed: Its process died, twice.
+        """
+        self._scheduler.check_room(call.queue)
+        loop = asyncio.get_running_loop()
+        waited = 0.0
+        for attempt in range(1, _ATTEMPTS + 1):
+            came = loop.time()
+            worker = await self._worker_for(call)
+            waited += loop.time() - came
+            finished = await self._shielded_run(call, worker)
+            outcome = finished.outcome
+            if isinstance(outcome, Returned):
+                return CallResult(finished.content, waited, finished.seconds)
+            if isinstance(outcome, TimedOut):
+                message = f"no answer within {call.time_limit:g} s"
+                evidence = {"allowed": call.time_limit, "during": WORKER, "waited": waited}
+                raise DeadlineExceeded(message, evidence).in_stage(WORKER)
+            if not isinstance(outcome, Crashed) or attempt == _ATTEMPTS:
+                raise error_of(outcome, attempt)
+        raise AssertionError
+
+    async def _worker_for(self, call: Call) -> Worker:
+        """Return a worker as soon as there is one.
+
+        Raises:
+            QueueTimeout: There was none in time.
+        """
+        granted: asyncio.Future[Worker] = asyncio.get_running_loop().create_future()
+        self._num_calls += 1
+        entry = f"call {self._num_calls}"
+        use = partial(self._assign, call.queue, granted)
+        self._scheduler.request_for_call(call.queue, entry, use, call.world_digest, call.kind)
+        try:
+            async with asyncio.timeout(call.worker_timeout):
+                return await granted
+        except (TimeoutError, asyncio.CancelledError) as ended:
+            self._scheduler.queue(call.queue).remove(entry)
+            if granted.done() and not granted.cancelled():
+                self._scheduler.return_worker(call.queue, granted.result())
+            if isinstance(ended, TimeoutError):
+                raise self._timeout_error(call) from ended
+            raise
+
+    async def _shielded_run(self, call: Call, worker: Worker) -> _Finished:
+        """Run the task; if it is not waited for any more, it ends, and the worker is free again."""
+        work = asyncio.get_running_loop().create_task(self._run_in(call, worker))
+        self._scheduler.keep(work)
+        try:
+            return await asyncio.shield(work)
+        except asyncio.CancelledError:
+            worker.cancel(self._scheduler.queue(call.queue).cancel_grace)
+            raise
+
+    async def _run_in(self, call: Call, worker: Worker) -> _Finished:
+        loop = asyncio.get_running_loop()
+        began = loop.time()
+        run = Assignment(call.task, call.payload, NullSink(), call.time_limit)
+        content: Any = None
+        try:
+            outcome = await worker.run(run)
+            if isinstance(outcome, Returned):
+                content = await self._content(call, outcome.result)
+            return _Finished(outcome, content, loop.time() - began)
+        finally:
+            seconds = loop.time() - began
+            if call.digest_field and content is not None:
+                queue, digest = self._scheduler.queue(call.queue), content[call.digest_field]
+                queue.pool.warm(worker, digest)
+                queue.durations.record_load(digest, seconds)
+            self._scheduler.release(call.queue, worker, seconds)
+
+    @staticmethod
+    async def _content(call: Call, result: Encoded) -> Any:
+        if call.is_raw:
+            return result
+        read = decode_parts if call.is_partly_raw else decode
+        if len(result.text) <= STEP:
+            return read(result.text)
+        # What is large is decoded elsewhere: nothing else would be answered meanwhile.
+        return await asyncio.to_thread(read, result.text)
+
+    def _assign(self, queue: str, granted: asyncio.Future[Worker], worker: Worker) -> None:
+        """Hand a worker to a call; take it back if the call waits no longer."""
+        if granted.done():
+            self._scheduler.return_worker(queue, worker)
+        else:
+            granted.set_result(worker)
+
+    def _timeout_error(self, call: Call) -> QueueTimeout:
+        queue = self._scheduler.queue(call.queue)
+        message = f"no worker was free within {call.worker_timeout:g} s; try again later"
+        evidence = {
+            "lane": queue.name,
+            "waited": call.worker_timeout,
+            "queued": queue.num_waiting,
+            "retry_after": queue.retry_after,
+        }
+        return QueueTimeout(message, evidence)

@@ -1,0 +1,250 @@
+"""Dispatcher: takes jobs from the table to the workers and their ends back to the table."""
+
+import asyncio
+import logging
+from collections.abc import AsyncGenerator, Callable, Mapping
+from contextlib import aclosing
+from dataclasses import replace
+from typing import Any
+
+from service.jobs.dispatch.attempt import Attempt
+from service.jobs.dispatch.calls import Call, CallResult, Calls
+from service.jobs.dispatch.leader import DispatcherLock, LockWatch
+from service.jobs.dispatch.queue import JobQueue
+from service.jobs.dispatch.recorder import JobRecorder
+from service.jobs.dispatch.recovery import Recovery
+from service.jobs.dispatch.requests import JobControl, JobSubmission
+from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
+from service.jobs.dispatch.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
+from service.jobs.event_bus import EventBatch, EventBus
+from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.store.job_store import JobStore
+from service.jobs.worker.assignment import Worker
+
+# To record the ends of what ran when the server stops [s].
+_WRITING = 5.0
+_log = logging.getLogger(__name__)
+
+
+def _nothing() -> None:
+    pass
+
+
+class Dispatcher:
+    """Runs every job of one database, from one event loop.
+
+    Attributes:
+        is_taken: Whether another server has taken the database over.
+    """
+
+    def __init__(
+        self,
+        store: JobStore,
+        lock: DispatcherLock,
+        queues: Mapping[str, JobQueue],
+        *,
+        on_taken: Callable[[], None] = _nothing,
+        on_end: Callable[[JobSummary], None] | None = None,
+        timeouts: DatabaseTimeouts | None = None,
+    ) -> None:
+        """Put the parts together; `start` begins.
+
+        Args:
+            store: The record of jobs.
+            lock: On the database.
+            queues: Where jobs wait, by name.
+            on_taken: Called once when another server has taken the database over.
+            on_end: Called with each job that ended here.
+            timeouts: How long a database may be out of reach.
+        """
+        self.is_taken = False
+        self._on_taken = on_taken
+        self._on_end = on_end
+        self._timeouts = timeouts or DatabaseTimeouts()
+        self._store = store
+        self._lock = lock
+        self._scheduler = Scheduler(queues)
+        self._bus: EventBus[LoggedEvent] = EventBus(self._read_events)
+        self._attempts: dict[str, Attempt] = {}
+        self._calls = Calls(self._scheduler)
+        self._waits = JobWaits(self._attempts, self._bus, store)
+        self._recorder: JobRecorder
+        self._control: JobControl
+        self._submission: JobSubmission
+
+    async def start(self, warm_up: str | None = None) -> None:
+        """Take the database, recover what an earlier server left, and begin to warm the workers.
+
+        Args:
+            warm_up: A task that every process runs first.
+
+        Raises:
+            DatabaseInUse: Another dispatcher has the database.
+            DatabaseTooNew: A newer version has changed it.
+        """
+        await asyncio.to_thread(self._store.refuse_newer)
+        await asyncio.to_thread(self._lock.take)
+        try:
+            self._store.set_epoch(self._lock.epoch)
+            await asyncio.to_thread(self._store.open)
+            recorder = self._recorder = JobRecorder(self._store, self._bus, self.give_up)
+            self._control = JobControl(self._attempts, recorder, self._scheduler)
+            within = self._timeouts.record
+            self._submission = JobSubmission(recorder, self._schedule, self._unschedule, within)
+            await self._scheduler.open(warm_up)
+            recovery = Recovery(recorder, self._lock, self._scheduler, self._enqueue)
+            await recovery.run(self._timeouts.takeover)
+        except BaseException:
+            await asyncio.to_thread(self._lock.release)
+            raise
+        if self._lock.may_be_lost:
+            self._scheduler.spawn(LockWatch(self._lock, self, self._timeouts).run())
+
+    async def stop(self) -> None:
+        """Bring what runs to its end, end every worker and release the database.
+
+        What was interrupted is queued again if it may run again; that does not count as an attempt.
+        """
+        self.begin_to_stop()
+        running = [attempt for attempt in self._attempts.values() if attempt.has_begun]
+        longest = max((attempt.grace for attempt in running), default=0.0) + _WRITING
+        waits = [asyncio.ensure_future(attempt.concluded.wait()) for attempt in running]
+        if waits:
+            _, late = await asyncio.wait(waits, timeout=longest)
+            for wait in late:
+                wait.cancel()
+            if late:
+                _log.error("the ends of %d jobs could not be recorded", len(late))
+        self._bus.close()
+        await self._scheduler.close()
+        await self._recorder.close()
+        await asyncio.to_thread(self._lock.release)
+
+    def begin_to_stop(self) -> None:
+        """Begin nothing more, and tell what runs to end: a robot comes to rest on its path.
+
+        Every wait for a job is answered at once: what waited would be cut off.
+        """
+        self._waits.end()
+        self._interrupt_all("the server stopped")
+
+    def suspend(self) -> None:
+        """Begin nothing, and end what runs: the database may be another's by now."""
+        self._interrupt_all("the database was out of reach")
+
+    def resume(self) -> None:
+        """Work again after `suspend`."""
+        self._scheduler.resume()
+
+    def give_up(self) -> None:
+        """End what runs, and do nothing more: another has the database."""
+        if not self.is_taken:
+            self.is_taken = True
+            _log.critical("another server has taken the database over: this one gives up")
+            self._interrupt_all("another server took the database over")
+            self._on_taken()
+
+    def attempt_of(self, identifier: str) -> Attempt | None:
+        """Return what memory has of a job that waits or runs here, None if it does not."""
+        return self._attempts.get(identifier)
+
+    def loads(self) -> dict[str, QueueLoad]:
+        """Return what waits and what works, by queue."""
+        return self._scheduler.loads()
+
+    def faults(self) -> dict[str, str]:
+        """Return why queues cannot begin a job well, by name; empty if all can."""
+        return self._scheduler.faults()
+
+    async def submit(self, spec: JobSpec) -> Job:
+        """Queue a job; it is durable when this returns; see `JobSubmission.submit`.
+
+        Raises:
+            QueueFull: Its queue has as many waiting jobs as it may.
+        """
+        if spec.key:
+            request = (spec.queue, spec.key, spec.request_digest)
+            known = await asyncio.to_thread(self._store.find_by_key, *request)
+            if known:
+                return known
+        self._scheduler.check_room(spec.queue)
+        return await self._submission.submit(spec)
+
+    async def cancel(self, identifier: str) -> JobSummary:
+        """End a job and return it; see `JobControl.cancel`."""
+        return await self._control.cancel(identifier)
+
+    async def control(self, identifier: str, controls: Mapping[str, Any]) -> Job:
+        """Set controls of a job and return it; see `JobControl.control`."""
+        return await self._control.control(identifier, controls)
+
+    async def wait(self, identifier: str, seconds: float) -> Job:
+        """Return a job when it has ended; see `JobWaits.whole`."""
+        return await self._waits.whole(identifier, seconds)
+
+    async def wait_text(self, identifier: str, seconds: float) -> JobText:
+        """Return a job when it has ended, its result as text; see `JobWaits.text`."""
+        return await self._waits.text(identifier, seconds)
+
+    async def subscribe(self, identifier: str, after: int = 0) -> AsyncGenerator[LoggedEvent]:
+        """Yield a job's events with numbers above `after`, each once, until it has ended.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        async with aclosing(self._bus.follow(identifier, min(after, END_OF_STREAM))) as events:
+            async for event in events:
+                yield event
+
+    async def call(self, call: Call) -> CallResult:
+        """Run a short task that needs no record, and return what it returns; see `Calls.run`."""
+        return await self._calls.run(call)
+
+    def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
+        """Run a queued job of the table when it has a worker."""
+        self._schedule(job, controls, order).confirm(job)
+
+    def _schedule(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> Attempt:
+        """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
+        place: list[int] = []
+        attempt = Attempt(job, self._recorder, self._scheduler, controls)
+        self._attempts[job.id] = attempt
+
+        def use(worker: Worker) -> None:
+            attempt.has_begun = True
+            self._scheduler.spawn(self._run(attempt, worker, place))
+
+        place.append(0 if order is None else order)
+        place[0] = self._scheduler.request_worker(job, use, order)
+        return attempt
+
+    def _unschedule(self, attempt: Attempt) -> None:
+        """Have a job that the table does not have run no more."""
+        attempt.discard()
+        self._scheduler.queue(attempt.job.queue).remove(attempt.job.id)
+        if not attempt.has_begun:
+            self._attempts.pop(attempt.job.id, None)
+            attempt.concluded.set()
+
+    async def _run(self, attempt: Attempt, worker: Worker, place: list[int]) -> None:
+        is_queued_again = False
+        try:
+            is_queued_again = await attempt.run(worker)
+        finally:
+            self._attempts.pop(attempt.job.id, None)
+            attempt.concluded.set()
+        if attempt.ended is not None and self._on_end is not None:
+            self._on_end(attempt.ended.summary)
+        if is_queued_again:
+            job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
+            self._enqueue(job, attempt.controls, place[0])
+
+    def _interrupt_all(self, reason: str) -> None:
+        self._scheduler.pause()
+        for attempt in self._attempts.values():
+            if attempt.has_begun:
+                attempt.interrupt(reason)
+
+    async def _read_events(self, identifier: str, after: int) -> EventBatch[LoggedEvent]:
+        return await asyncio.to_thread(self._store.events_after, identifier, after)

@@ -1,0 +1,89 @@
+"""Recovery: what an earlier server left is queued again, or ended with the reason."""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from planning.errors import Canceled
+from service.jobs.dispatch.attempt import CONTROLS
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.recorder import JobRecorder
+from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.errors import InternalError, ServerRestarted
+from service.jobs.job import Job
+from service.jobs.states import JobState
+from service.jobs.store.transitions import Transition
+
+
+class Recovery:
+    """Takes up the jobs that are queued or running in the table when a server starts."""
+
+    def __init__(
+        self,
+        recorder: JobRecorder,
+        lock: DispatcherLock,
+        scheduler: Scheduler,
+        enqueue: Callable[[Job, Mapping[str, Any]], None],
+    ) -> None:
+        """Prepare.
+
+        Args:
+            recorder: Of jobs.
+            lock: On the database, just taken.
+            scheduler: Where jobs run.
+            enqueue: Queues a job with its controls.
+        """
+        self._store = recorder.store
+        self._recorder = recorder
+        self._scheduler = scheduler
+        self._enqueue = enqueue
+        self._may_still_run = lock.may_be_lost and lock.was_left
+
+    async def run(self, takeover: float) -> None:
+        """Take up all jobs.
+
+        Args:
+            takeover: How long an owner that lost the database without ending may still run
+                something [s]; only after that it is taken up.
+        """
+        for job in await asyncio.to_thread(self._store.unfinished):
+            if self._may_still_run and job.state is JobState.RUNNING:
+                self._scheduler.spawn(self._recover_later(job.id, takeover))
+            else:
+                transition = await asyncio.to_thread(self._settle, job)
+                if transition is None or not transition.event.is_last:
+                    self._enqueue(job, await asyncio.to_thread(self._controls, job.id))
+
+    async def _recover_later(self, identifier: str, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+
+        def recover() -> tuple[Job, Transition | None]:
+            job = self._store.get(identifier)
+            return job, self._settle(job)
+
+        write = partial(self._recorder.write, recover)
+        job, transition = await self._recorder.write_until_done(identifier, "recovery", write)
+        if transition is not None:
+            self._recorder.publish(identifier, [transition.event])
+            if not transition.event.is_last:
+                self._enqueue(job, {})
+
+    def _settle(self, job: Job) -> Transition | None:
+        """Write what becomes of a job that was left; None if it only has to run."""
+        if job.is_cancel_requested:
+            return self._store.cancel(job.id, Canceled("canceled on request"))
+        if job.queue not in self._scheduler:
+            message = f"this server has no queue {job.queue!r}"
+            return self._store.fail(job.id, InternalError(message))
+        if job.state is JobState.QUEUED:
+            return None
+        if job.attempts < job.max_attempts:
+            return self._store.requeue(job.id, "the server ended while this ran")
+        error = ServerRestarted("the server ended while this ran", {"attempts": job.attempts})
+        return self._store.fail(job.id, error)
+
+    def _controls(self, identifier: str) -> dict[str, Any]:
+        """Return the controls of a job that were set before the earlier server ended."""
+        event = self._store.last_event(identifier, CONTROLS)
+        return {} if event is None else event.data

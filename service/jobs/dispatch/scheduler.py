@@ -1,0 +1,200 @@
+"""Scheduler: brings together what waits in queues and the workers of their pools that get free."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Coroutine, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from service.jobs.dispatch.queue import CallKind, JobQueue, QueueEntry
+from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.errors import QueueFull
+from service.jobs.job import Job
+from service.jobs.worker.assignment import Worker
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class QueueLoad:
+    """How busy a queue is.
+
+    Attributes:
+        num_waiting: Jobs and questions that wait.
+        num_ready: Workers that may run them and are warm, busy or not.
+    """
+
+    num_waiting: int
+    num_ready: int
+
+
+class Scheduler:
+    """The queues of a dispatcher at work; belongs to one event loop."""
+
+    def __init__(self, queues: Mapping[str, JobQueue]) -> None:
+        """Start with no worker ready; `open` makes them so."""
+        self._queues = queues
+        self._pools = list({id(queue.pool): queue.pool for queue in queues.values()}.values())
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._is_closed = False
+        self._is_paused = False
+
+    def queue(self, name: str) -> JobQueue:
+        """Return a queue."""
+        return self._queues[name]
+
+    def __contains__(self, name: str) -> bool:
+        """Return whether there is such a queue."""
+        return name in self._queues
+
+    async def open(self, warm_up: str | None) -> None:
+        """Begin to get all workers ready; each is used as soon as it is."""
+        for pool in self._pools:
+            for worker in pool.workers:
+                await worker.open(warm_up)
+                self.spawn(self._await_ready(pool, worker))
+
+    def pause(self) -> None:
+        """Give workers to nothing more until `resume`."""
+        self._is_paused = True
+
+    def resume(self) -> None:
+        """Give workers to what waits again."""
+        self._is_paused = False
+        for queue in self._queues.values():
+            self._assign(queue)
+
+    async def close(self) -> None:
+        """End everything that runs, and all workers."""
+        self._is_closed = True
+        for timer in self._timers.values():
+            timer.cancel()
+        for task in list(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        workers = [worker for pool in self._pools for worker in pool.workers]
+        await asyncio.gather(*(worker.close() for worker in workers))
+
+    def faults(self) -> dict[str, str]:
+        """Return why queues cannot begin a job well, by name; not those with one good worker.
+
+        A worker that is being replaced just now is none.
+        """
+        found: dict[str, str] = {}
+        for name, queue in self._queues.items():
+            known = [worker.fault for worker in queue.pool.workers]
+            if None not in known:
+                found[name] = next(fault for fault in known if fault is not None)
+        return found
+
+    def loads(self) -> dict[str, QueueLoad]:
+        """Return what waits and what works, by queue."""
+        return {
+            name: QueueLoad(
+                queue.num_waiting, sum(worker.fault is None for worker in queue.pool.workers)
+            )
+            for name, queue in self._queues.items()
+        }
+
+    def check_room(self, name: str) -> None:
+        """Go on only if one more may wait in a queue.
+
+        Raises:
+            QueueFull: It may not.
+        """
+        queue = self._queues[name]
+        if queue.is_full:
+            message = f"{queue.num_waiting} jobs wait for {name} already; try again later"
+            evidence = {
+                "lane": name,
+                "queued": queue.num_waiting,
+                "bound": queue.max_waiting,
+                "retry_after": queue.retry_after,
+            }
+            raise QueueFull(message, evidence)
+
+    def request_worker(
+        self, job: Job, use: Callable[[Worker], None], order: int | None = None
+    ) -> int:
+        """Call `use` with a worker as soon as there is one; return the place in the queue.
+
+        Args:
+            job: Waits.
+            use: Gets the worker, and must `release` it.
+            order: The place of a job that waits again.
+        """
+        queue = self._queues[job.queue]
+        place = queue.next_order() if order is None else order
+        self._add(queue, QueueEntry(job.id, job.world_digest, job.priority, _now(), use, place))
+        return place
+
+    def request_for_call(
+        self,
+        name: str,
+        call: str,
+        use: Callable[[Worker], None],
+        digest: str | None,
+        kind: CallKind,
+    ) -> None:
+        """Call `use` with a worker for a call of a kind about a scene; else as `request_worker`."""
+        queue = self._queues[name]
+        self._add(queue, QueueEntry(call, digest, 0, _now(), use, queue.next_order(), kind))
+
+    def release(self, name: str, worker: Worker, seconds: float) -> None:
+        """Give a worker back after a run; it is used again once it is ready."""
+        queue = self._queues[name]
+        queue.end_run(worker, seconds)
+        self.spawn(self._await_ready(queue.pool, worker))
+        self._assign(queue)
+
+    def return_worker(self, name: str, worker: Worker) -> None:
+        """Take a worker back that was not used."""
+        queue = self._queues[name]
+        queue.end_run(worker)
+        self.spawn(self._await_ready(queue.pool, worker))
+
+    def spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        """Carry out work in the background; it is canceled when the scheduler closes."""
+        if self._is_closed:
+            work.close()
+            return
+        self.keep(asyncio.get_running_loop().create_task(work))
+
+    def keep(self, task: asyncio.Task[Any]) -> None:
+        """Hold a task that works in the background; it is canceled when the scheduler closes."""
+        self._tasks.add(task)
+        task.add_done_callback(self._on_done)
+
+    def _add(self, queue: JobQueue, entry: QueueEntry) -> None:
+        queue.add(entry)
+        self._assign(queue)
+
+    async def _await_ready(self, pool: WorkerPool, worker: Worker) -> None:
+        await worker.ready()
+        pool.give_back(worker)
+        for queue in self._queues.values():
+            if queue.pool is pool:
+                self._assign(queue)
+
+    def _assign(self, queue: JobQueue) -> None:
+        if self._is_paused:
+            return
+        loop = asyncio.get_running_loop()
+        decided = queue.assign(loop.time())
+        timer = self._timers.pop(queue.name, None)
+        if timer is not None:
+            timer.cancel()
+        if decided.decide_again is not None:
+            self._timers[queue.name] = loop.call_at(decided.decide_again, self._assign, queue)
+        for entry, worker in decided.pairs:
+            entry.use(worker)
+
+    def _on_done(self, task: asyncio.Task[Any]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (fault := task.exception()) is not None:
+            _log.error("work in the background failed", exc_info=fault)
+
+
+def _now() -> float:
+    return asyncio.get_running_loop().time()

@@ -1,0 +1,1 @@
+"""How jobs are kept: tables, migrations, and the changes and queries of them."""

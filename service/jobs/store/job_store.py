@@ -1,0 +1,264 @@
+"""JobStore: the system of record. States change by compare-and-set, final ones are written once.
+
+Every writing transaction begins with an update or insert, which locks what it changes, so nothing
+is decided on what another has changed meanwhile; the statements are the same on every database.
+"""
+
+import threading
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import contextmanager
+
+from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
+
+from planning.errors import Canceled, WayproofError
+from service.jobs.errors import DatabaseTaken
+from service.jobs.job import Job, JobSpec, LoggedEvent, PendingEvent
+from service.jobs.json_text import Encoded, encode
+from service.jobs.outcome import failure_of
+from service.jobs.outline import without
+from service.jobs.states import JobEvent, JobState
+from service.jobs.store.database import Prepared, set_durability, sync_log
+from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
+from service.jobs.store.schema import bring_up_to_date, refuse_newer
+from service.jobs.store.tables import bodies, jobs, makers, owner, summaries
+from service.jobs.store.transitions import (
+    Draft,
+    Transition,
+    append_events,
+    apply_event,
+    draft,
+    insert_job,
+    reserve_events,
+)
+from service.jobs.task import outline_of
+
+_OPEN = [state.value for state in JobState if not state.is_final]
+_JOB_ID = bindparam("job_id")
+_FORGET_MAKER = delete(makers).where(makers.c.job == _JOB_ID)
+_ADD_MAKER = Prepared(insert(makers), "job", "made_by")
+_END = {
+    (table, part): Prepared(
+        update(table).where(table.c.job == _JOB_ID).values({part: bindparam("new")})
+    )
+    for table in (bodies, summaries)
+    for part in ("result", "failure")
+}
+_IF_OPEN = update(jobs).where(jobs.c.id == _JOB_ID, jobs.c.state.in_(_OPEN))
+_CANCEL = _IF_OPEN.values(is_cancel_requested=True)
+_EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
+
+
+class JobStore(JobQueries):
+    """Jobs and their events in a database; every method is one transaction, from any thread.
+
+    Attributes:
+        versions: Of what runs them, by name.
+    """
+
+    def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
+        """Keep jobs in `engine`; call `open` before use.
+
+        Args:
+            engine: Where.
+            versions: Of what runs them, by name.
+        """
+        super().__init__(engine)
+        self.versions = dict(versions or {})
+        self._made_by = encode(self.versions)
+        self._epoch: int | None = None
+        self._lock = threading.RLock()
+        self._open_transaction: Connection | None = None
+
+    def open(self) -> None:
+        """Bring the database to the newest revision.
+
+        Raises:
+            DatabaseTooNew: A newer version has changed it.
+            DatabaseUnrecognized: Its tables are not this program's.
+        """
+        bring_up_to_date(self._engine)
+
+    def refuse_newer(self) -> None:
+        """Look at the database, and write nothing to it.
+
+        Raises:
+            DatabaseTooNew: A newer version has changed it.
+        """
+        refuse_newer(self._engine)
+
+    @property
+    def may_crash_alone(self) -> bool:
+        """Whether the database may die while we live: then it forgets what was not durable."""
+        return self._engine.dialect.name != "sqlite"
+
+    def set_epoch(self, epoch: int) -> None:
+        """Write only as long as the owner of the database is the one of an epoch."""
+        self._epoch = epoch
+
+    @contextmanager
+    def transaction(self, *, is_durable: bool) -> Generator[Connection]:
+        """Make what this thread writes meanwhile one transaction.
+
+        Args:
+            is_durable: Whether it must survive a power cut. The death of the server it survives
+                in any case.
+
+        Raises:
+            DatabaseTaken: The database has another owner; nothing was written.
+        """
+        with self._lock:
+            if self._open_transaction is not None:
+                yield self._open_transaction
+                return
+            with self._engine.connect() as connection:
+                set_durability(connection, is_durable=is_durable)
+                self._open_transaction = connection
+                try:
+                    yield connection
+                    self._check_ownership(connection)
+                    connection.commit()
+                finally:
+                    self._open_transaction = None
+
+    def insert(self, spec: JobSpec) -> tuple[Job, bool]:
+        """Return a new queued job and True, or the one that the idempotency key names and False.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+            Overtaken: Another job of its queue has entered its scene.
+            TypeError: The payload is not JSON-compatible.
+        """
+        return self.insert_draft(draft(spec))
+
+    def insert_draft(self, drafted: Draft) -> tuple[Job, bool]:
+        """Write a job that was drafted; returns and raises as `insert`."""
+        with self.transaction(is_durable=True) as connection:
+            while (known := find_by_idempotency_key(connection, drafted.job)) is None:
+                if (job := insert_job(connection, drafted)) is not None:
+                    return job, True
+            return known, False
+
+    def start(self, identifier: str) -> Transition | None:
+        """Let a queued job run; None if it is not queued any more; so for all transitions."""
+        changes = {"started_at": now(), "more_attempts": 1}
+        with self.transaction(is_durable=False) as connection:
+            transition = apply_event(connection, identifier, JobEvent.START, changes, {})
+            if transition is not None:
+                if transition.event.number > 2:  # it is not the first event after `queued`
+                    connection.execute(_FORGET_MAKER, {"job_id": identifier})
+                _ADD_MAKER(connection, job=identifier, made_by=self._made_by)
+            return transition
+
+    def requeue(self, identifier: str, reason: str, *, refund: int = 0) -> Transition | None:
+        """Queue a running job again.
+
+        Args:
+            identifier: Of the job.
+            reason: For people.
+            refund: How many attempts do not count.
+        """
+        changes = {"more_attempts": -refund}
+        with self.transaction(is_durable=False) as connection:
+            return apply_event(
+                connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason}
+            )
+
+    def succeed(
+        self, identifier: str, result: Encoded, summary: Encoded | None = None
+    ) -> Transition | None:
+        """End a running job with its result.
+
+        Args:
+            identifier: Of the job.
+            result: Whole.
+            summary: What lists show of it; None for all.
+        """
+        with self.transaction(is_durable=True) as connection:
+            transition = apply_event(
+                connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {}
+            )
+            if transition is not None:
+                _end(connection, identifier, "result", result.text, (summary or result).text)
+            return transition
+
+    def fail(self, identifier: str, error: WayproofError) -> Transition | None:
+        """End a job with the reason why it has no result."""
+        return self._end_without_result(identifier, JobEvent.FAIL, error)
+
+    def cancel(self, identifier: str, error: Canceled) -> Transition | None:
+        """End a running job whose cancel was requested."""
+        return self._end_without_result(identifier, JobEvent.CANCEL, error)
+
+    def cancel_queued(self, identifier: str, error: Canceled) -> Transition | None:
+        """End a job whose cancel was requested, if it is still queued."""
+        return self._end_without_result(identifier, JobEvent.CANCEL, error, only=JobState.QUEUED)
+
+    def request_cancel(self, identifier: str) -> Job:
+        """Note that the end of a job is requested, if it has not ended, and return it.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        with self.transaction(is_durable=True) as connection:
+            connection.execute(_CANCEL, {"job_id": identifier})
+            return read_job(connection, identifier)
+
+    def append_events(
+        self, identifier: str, new_events: Sequence[PendingEvent], *, may_wait: bool = False
+    ) -> list[LoggedEvent]:
+        """Append events of a running job, and return them; none if the job has ended meanwhile.
+
+        The last `stage` and `progress` in the data become the job's.
+
+        Args:
+            identifier: Of the job.
+            new_events: Types and data.
+            may_wait: Whether the job may also be queued: they are then about the job, not from it.
+        """
+        if not new_events:
+            return []
+        with self.transaction(is_durable=False) as connection:
+            first = reserve_events(connection, identifier, new_events, may_wait=may_wait)
+            return [] if first is None else append_events(connection, identifier, first, new_events)
+
+    def flush(self) -> None:
+        """Make durable what was committed before this.
+
+        Raises:
+            OSError: The disk does not take it.
+        """
+        sync_log(self._engine)
+
+    def _end_without_result(
+        self,
+        identifier: str,
+        event: JobEvent,
+        error: WayproofError,
+        only: JobState | None = None,
+    ) -> Transition | None:
+        failure = failure_of(error)
+        with self.transaction(is_durable=True) as connection:
+            transition = apply_event(connection, identifier, event, {}, {"failure": failure}, only)
+            if transition is not None:
+                kept = without(failure, outline_of(transition.columns["task"]).failure)
+                _end(connection, identifier, "failure", encode(failure), encode(kept))
+            return transition
+
+    def _check_ownership(self, connection: Connection) -> None:
+        """Go on to the commit only if no other server has taken the database; it cannot before it.
+
+        Raises:
+            DatabaseTaken: One has.
+        """
+        if self._epoch is None:
+            return
+        latest = _EPOCH(connection).scalar_one_or_none()
+        if latest != self._epoch:
+            message = "another server has taken the database over: nothing is written to it here"
+            raise DatabaseTaken(message, {"epoch": self._epoch, "latest": latest})
+
+
+def _end(connection: Connection, identifier: str, part: str, whole: str, short: str) -> None:
+    """Write how a job ended (JSON), whole and as lists show it."""
+    _END[bodies, part](connection, job_id=identifier, new=whole)
+    _END[summaries, part](connection, job_id=identifier, new=short)

@@ -1,0 +1,48 @@
+"""The revision of a database: it is brought to the newest, and one that is newer is refused."""
+
+import logging
+
+from sqlalchemy import Engine, column, inspect, select, table
+
+from service.jobs.errors import DatabaseTooNew
+
+# The number of the last file of `migrations/versions`; numbers of revisions have four digits.
+NEWEST = "0004"
+_VERSION = table("alembic_version", column("version_num"))
+_log = logging.getLogger(__name__)
+
+
+def stored_revision(engine: Engine) -> str | None:
+    """Return the revision of a database; None if it has none, as version 0.1 and before left it."""
+    if not inspect(engine).has_table(_VERSION.name):
+        return None
+    with engine.connect() as connection:
+        return connection.execute(select(_VERSION.c.version_num)).scalar()
+
+
+def refuse_newer(engine: Engine) -> str | None:
+    """Return the revision of a database that this version can open, None if it has none.
+
+    Raises:
+        DatabaseTooNew: A newer version has changed it.
+    """
+    stored = stored_revision(engine)
+    if stored is not None and stored > NEWEST:
+        raise DatabaseTooNew.of(stored, NEWEST)
+    return stored
+
+
+def bring_up_to_date(engine: Engine) -> None:
+    """Bring a database to the newest revision; one that is there is only looked at.
+
+    Raises:
+        DatabaseTooNew: A newer version has changed it.
+        DatabaseUnrecognized: It has no revision, and tables that are not this program's.
+    """
+    stored = refuse_newer(engine)
+    if stored == NEWEST:
+        return
+    from service.jobs.store.migrations.upgrade import upgrade  # noqa: PLC0415  (takes a quarter second)
+
+    upgrade(engine)
+    _log.info("brought the database from revision %s to %s", stored or "none", NEWEST)

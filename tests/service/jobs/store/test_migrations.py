@@ -1,0 +1,194 @@
+"""A database is brought to what the code has of it, from any revision; others are refused."""
+
+import asyncio
+import re
+import shutil
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from sqlalchemy import MetaData, create_engine, text
+
+from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.errors import DatabaseTooNew, DatabaseUnrecognized
+from service.jobs.store import tables
+from service.jobs.store.database import open_engine
+from service.jobs.store.job_store import JobStore
+from service.jobs.store.migrations.upgrade import head, upgrade
+from service.jobs.store.schema import NEWEST, bring_up_to_date, stored_revision
+from service.scenes import records
+from service.security import keys
+from tests.golden.service.stored import DUMP, load
+from tests.service.jobs.databases import make_released
+from tests.service.jobs.postgres import cluster
+
+METADATA = (tables.metadata, records.metadata, keys.metadata)
+
+
+@pytest.fixture
+def engine(tmp_path):
+    made = open_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
+    yield made
+    made.dispose()
+
+
+@pytest.fixture
+def released(tmp_path):
+    """A database as version 0.1 left it."""
+    load(DUMP.read_text(encoding="utf-8"), tmp_path / "data")
+    made = open_engine(f"sqlite:///{tmp_path / 'data' / 'wayproof.sqlite'}")
+    yield made
+    made.dispose()
+
+
+def every_table():
+    """All that the code reads and writes."""
+    all_of_them = MetaData()
+    for metadata in METADATA:
+        for table in metadata.sorted_tables:
+            table.to_metadata(all_of_them)
+    return all_of_them
+
+
+def assert_as_the_code_has_it(engine):
+    with engine.connect() as connection:
+        assert compare_metadata(MigrationContext.configure(connection), every_table()) == []
+
+
+def definitions(engine):
+    """What a SQLite database says that it was made by, with one blank between words."""
+    query = "SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL AND name != :version"
+    with engine.connect() as connection:
+        found = connection.execute(text(query), {"version": "alembic_version"})
+        return {name: re.sub(r"\s+", " ", sql.replace('"', "")) for name, sql in found}
+
+
+def test_the_newest_revision_is_the_last_file():
+    assert head() == NEWEST
+
+
+def test_an_empty_database_gets_what_the_code_has(engine, tmp_path):
+    bring_up_to_date(engine)
+    assert stored_revision(engine) == NEWEST
+    assert_as_the_code_has_it(engine)
+    direct = create_engine(f"sqlite:///{tmp_path / 'direct.sqlite'}")
+    for metadata in METADATA:
+        metadata.create_all(direct)
+    assert definitions(engine) == definitions(direct)
+    direct.dispose()
+
+
+def test_a_database_of_the_released_version_becomes_the_same(engine, released):
+    bring_up_to_date(engine)
+    assert stored_revision(released) is None
+    bring_up_to_date(released)
+    assert definitions(released) == definitions(engine)
+    with released.connect() as connection:
+        names = set(connection.execute(text("SELECT task FROM jobs")).scalars())
+    assert names == {"plan", "reverse", "grow_regions", "execute"}
+
+
+def test_the_first_revision_is_what_was_released(engine, released):
+    upgrade(engine, "0001")
+    assert definitions(engine) == definitions(released)
+
+
+def test_what_tests_take_for_the_released_version_is_it(engine, released):
+    bring_up_to_date(engine)
+    make_released(engine)
+    assert definitions(engine) == definitions(released)
+
+
+def test_a_table_that_an_older_version_lacked_is_made(released):
+    with released.begin() as connection:
+        for name in ("job_briefs", "job_owner"):
+            connection.execute(text(f"DROP TABLE {name}"))
+        connection.execute(text("DROP INDEX jobs_of_content"))
+    bring_up_to_date(released)
+    assert_as_the_code_has_it(released)
+    with released.connect() as connection:
+        counts = [
+            connection.execute(text(f"SELECT count(*) FROM {name}")).scalar_one()
+            for name in ("jobs", "job_summaries")
+        ]
+    assert counts[0] == counts[1] > 0
+
+
+def test_tables_of_another_program_are_refused_and_left_alone(engine):
+    with engine.begin() as connection:
+        connection.execute(text("CREATE TABLE jobs (id INTEGER, title TEXT)"))
+    before = definitions(engine)
+    with pytest.raises(DatabaseUnrecognized) as refused:
+        JobStore(engine).open()
+    assert refused.value.evidence["table"] == "jobs"
+    assert "serial" in refused.value.evidence["missing"]
+    assert definitions(engine) == before
+    assert stored_revision(engine) is None
+
+
+def test_a_newer_database_is_refused_and_nothing_is_written(engine, tmp_path):
+    bring_up_to_date(engine)
+    newer = f"{int(NEWEST) + 1:04}"
+    with engine.begin() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = :n"), {"n": newer})
+    with pytest.raises(DatabaseTooNew) as refused:
+        JobStore(engine).open()
+    assert refused.value.evidence == {"revision": newer, "newest": NEWEST}
+    dispatcher = Dispatcher(JobStore(engine), DispatcherLock(engine), {})
+    with pytest.raises(DatabaseTooNew):
+        asyncio.run(dispatcher.start())
+    with closing(sqlite3.connect(tmp_path / "jobs.sqlite")) as other:
+        assert other.execute("SELECT * FROM job_owner").fetchall() == []
+
+
+def test_a_database_that_is_up_to_date_costs_no_import(engine, tmp_path):
+    bring_up_to_date(engine)
+    code = "import sys; from service.jobs.store.database import open_engine; "
+    code += "from service.jobs.store.job_store import JobStore; "
+    code += "JobStore(open_engine(sys.argv[1])).open(); "
+    code += "print('alembic' in sys.modules)"
+    told = []
+    for name in ("jobs.sqlite", "new.sqlite"):
+        command = [sys.executable, "-c", code, f"sqlite:///{tmp_path / name}"]
+        told.append(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    assert [said.strip() for said in told] == ["False", "True"]
+
+
+def test_two_that_open_a_new_database_at_once_make_it_once(engine, tmp_path):
+    code = "import sys; from service.jobs.store.database import open_engine; "
+    code += "from service.jobs.store.job_store import JobStore; sys.stdin.read(); "
+    code += "JobStore(open_engine(sys.argv[1])).open()"
+    command = [sys.executable, "-c", code, f"sqlite:///{tmp_path / 'jobs.sqlite'}"]
+    both = [subprocess.Popen(command, stdin=subprocess.PIPE) for _ in range(2)]
+    for each in both:
+        each.stdin.close()
+    assert [each.wait(60) for each in both] == [0, 0]
+    assert_as_the_code_has_it(engine)
+
+
+def test_revisions_are_found_in_a_folder_of_any_name(tmp_path, engine, monkeypatch):
+    from service.jobs.store.migrations import upgrade as module
+
+    odd = tmp_path / "50% of it"
+    shutil.copytree(module._FOLDER, odd, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(module, "_FOLDER", odd)
+    upgrade(engine)
+    assert stored_revision(engine) == NEWEST
+
+
+def test_postgresql_gets_the_same():
+    with cluster() as server:
+        engine = open_engine(server.url)
+        upgrade(engine, "0001")
+        bring_up_to_date(engine)
+        assert stored_revision(engine) == NEWEST
+        assert_as_the_code_has_it(engine)
+        index = "SELECT indexdef FROM pg_indexes WHERE indexname = 'one_open_execution_of_scene'"
+        with engine.connect() as connection:
+            assert "WHERE" in connection.execute(text(index)).scalar_one()
+        engine.dispose()
