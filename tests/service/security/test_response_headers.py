@@ -38,8 +38,8 @@ def test_every_answer_has_them(client, method, path, status):
 def test_so_have_refusals_before_any_route_and_unexpected_errors(client, app, monkeypatch):
     stranger = client.get("/v1/plans", headers={"Host": "evil.example"})
     assert stranger.json()["code"] == "host_not_allowed"
-    desk = app.state.desk
-    monkeypatch.setattr(type(desk), "page", lambda *_, **__: 1 / 0)
+    jobs = app.state.jobs
+    monkeypatch.setattr(type(jobs), "page", lambda *_, **__: 1 / 0)
     quiet = TestClient(app, raise_server_exceptions=False)
     broken = quiet.get("/v1/plans")
     assert broken.status_code == 500
