@@ -29,6 +29,8 @@ def required_scope(method: str, path: str) -> Scope | None:
         method: Of the request.
         path: Its path, or the path of a route.
     """
+    # The router's expressions end with `$`, which lets a line break at the end pass.
+    path = path.removesuffix("\n")
     if path in _OPEN or path.startswith(_ASSETS):
         return None
     if path == _ADMIN:

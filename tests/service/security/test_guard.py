@@ -66,12 +66,22 @@ def test_nothing_is_answered_without_a_key(guarded, method, path):
         assert answer.headers["content-type"] == "application/problem+json"
 
 
+@pytest.mark.parametrize("method", ["HEAD", "OPTIONS", "TRACE", "PUT", "get", "X"])
+def test_nor_is_another_method(guarded, method):
+    for path in sorted({path for _, path in set(requests()) - PUBLIC}):
+        answer = guarded.request(method, path)
+        assert (answer.status_code, len(answer.headers["www-authenticate"])) == (401, 23), path
+
+
 def test_unknown_paths_are_not_told_from_others(guarded):
     assert guarded.get("/v1/nothing").status_code == 401
     assert guarded.post("/v2").status_code == 401
 
 
-@pytest.mark.parametrize("path", ["/healthz", "/readyz", "/docs", "/openapi.json"])
+ASSETS = ["/docs/swagger-ui-bundle.js", "/docs/swagger-ui.css", "/docs/favicon.png"]
+
+
+@pytest.mark.parametrize("path", ["/healthz", "/readyz", "/docs", "/openapi.json", *ASSETS])
 def test_health_and_documentation_are_open(guarded, path):
     assert guarded.get(path).status_code == 200
 
@@ -122,6 +132,28 @@ def test_a_key_does_what_its_scopes_say(guarded, keys, method, path, needed):
         assert (answer.status_code, problem["code"]) == (403, "scope_missing")
         assert problem["evidence"] == {"needed": needed, "scopes": [scope]}
         assert f'scope="{needed}"' in answer.headers["www-authenticate"]
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "scope"),
+    [
+        ("GET", "/metrics%0A", "read"),
+        ("POST", "/v1/executions%0A", "plan"),
+        ("POST", "/v1/%65xecutions", "plan"),
+        ("POST", "/v1/executions/x/cancel%0A", "plan"),
+        ("HEAD", "/metrics", "read"),
+    ],
+)
+def test_no_spelling_of_a_path_needs_less(guarded, keys, method, path, scope):
+    answer = guarded.request(method, path, headers=bearer(keys[scope]))
+    assert answer.status_code == 403
+
+
+@pytest.mark.parametrize("path", ["/docs/../v1/plans", "/docs/%2e%2e/v1/plans", "/docs/..%2fv1"])
+def test_nothing_is_behind_the_documentation(guarded, path):
+    answer = guarded.get(path)
+    assert answer.status_code in {401, 404, 422}
+    assert answer.headers["content-type"] == "application/problem+json"
 
 
 def test_nothing_of_a_body_is_read_without_a_key():

@@ -55,6 +55,26 @@ def test_a_path_that_is_not_listed_needs_a_key(method, rest):
     assert path in OPEN_PATHS or required_scope(method, path) is not None
 
 
+def taken_for(method, path):
+    """The routes that the router may take a request for."""
+    return [r for r in api_routes() if method in r.methods and r.path_regex.match(path)]
+
+
+@pytest.mark.parametrize("letter", ["\n", "\r", " ", ".", "\0", "\u2028"])
+def test_what_the_router_takes_for_a_route_needs_the_scope_of_that_route(letter):
+    """A `$` in the expressions of routes lets a line break at the end pass."""
+    num_taken = 0
+    for route in api_routes():
+        (method,), whole = route.methods, route.path_format
+        for at in range(len(whole) + 1):
+            path = whole[:at] + letter + whole[at:]
+            for taken in taken_for(method, path):
+                num_taken += 1
+                needed = required_scope(method, taken.path_format)
+                assert required_scope(method, path) == needed, path
+    assert num_taken > 0
+
+
 @pytest.mark.parametrize("path", ["/healthz/", "/docsx", "/metrics", "/v1/executionsx"])
 def test_paths_that_begin_like_others_are_not_taken_for_them(path):
     assert required_scope("POST", path) in {Scope.PLAN, Scope.ADMIN}
