@@ -1,6 +1,6 @@
 """create_app(): the service, put together."""
 
-from collections.abc import AsyncGenerator, Awaitable, Callable
+from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager, nullcontext
 from functools import partial
 
@@ -29,8 +29,7 @@ from service.security.audit import Audit
 from service.security.cross_origin import allow_origins
 from service.security.document import declare_security
 from service.security.guard import Guard
-from service.security.key_ring import KeyRing, open_key_ring
-from service.security.keys import ApiKey
+from service.security.key_ring import open_key_ring
 from service.security.start import require_guarded
 from service.settings import Settings
 from service.trajectories import routes as trajectories
@@ -60,14 +59,6 @@ PARTS = (
 
 def _nothing() -> None:
     pass
-
-
-def _find_key(app: FastAPI) -> Callable[[str], Awaitable[ApiKey | None]]:
-    def find(text: str) -> Awaitable[ApiKey | None]:
-        ring: KeyRing = app.state.keys  # of an application that runs
-        return ring.find(text)
-
-    return find
 
 
 def create_app(
@@ -117,7 +108,7 @@ def create_app(
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )
-    app.add_middleware(Guard, settings=chosen, find=_find_key(app))
+    app.add_middleware(Guard, settings=chosen, ring=lambda: app.state.keys)
     app.add_middleware(Audit)
     allow_origins(app, chosen.allowed_origins)
     app.add_middleware(HostCheck, settings=chosen)

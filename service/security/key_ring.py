@@ -40,6 +40,16 @@ class KeyRing:
         key = find_key(text, self._keys)
         return key if key is not None and key.is_valid(datetime.now(UTC)) else None
 
+    def is_good(self, key: ApiKey) -> bool:
+        """Return whether a key that was found is still valid, as far as is known; wait for nothing.
+
+        What is known is read anew meanwhile, if it is old.
+        """
+        if self._clock() - self._read_at >= _PERIOD:
+            self._begin_to_read()
+        known = self._keys.get(key.id)
+        return known is not None and known.is_valid(datetime.now(UTC))
+
     async def read(self) -> None:
         """Read all keys.
 
@@ -59,9 +69,12 @@ class KeyRing:
 
     async def _renew(self) -> None:
         """Read all keys, once for all requests that wait for it, if that takes no time."""
+        await asyncio.wait({self._begin_to_read()}, timeout=_PATIENCE)
+
+    def _begin_to_read(self) -> asyncio.Task[None]:
         if self._reading is None or self._reading.done():
             self._reading = asyncio.get_running_loop().create_task(self._try_to_read())
-        await asyncio.wait({self._reading}, timeout=_PATIENCE)
+        return self._reading
 
     async def _try_to_read(self) -> None:
         try:

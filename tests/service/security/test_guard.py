@@ -1,8 +1,12 @@
 """A server with keys: who has none learns nothing, and each key does what its scopes say."""
 
+import asyncio
 import threading
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
+from types import SimpleNamespace
 
+import anyio
 import pytest
 from sqlalchemy.exc import OperationalError
 
@@ -10,7 +14,7 @@ from service.app import create_app
 from service.jobs.store.database import open_engine
 from service.security.guard import Guard
 from service.security.key_ring import KeyRing
-from service.security.keys import KeyStore
+from service.security.keys import ApiKey, KeyStore
 from service.security.scopes import Scope
 from service.settings import Settings
 from tests.service.api_routes import api_routes
@@ -158,7 +162,6 @@ def test_nothing_is_behind_the_documentation(guarded, path):
 
 def test_nothing_of_a_body_is_read_without_a_key():
     """Nor of one that comes with a key of another scope."""
-    import asyncio
 
     def ask(key):
         sent = []
@@ -177,12 +180,11 @@ def test_nothing_of_a_body_is_read_without_a_key():
             async def send(message):
                 sent.append(message)
 
-            await Guard(None, settings, find)(scope, receive, send)
+            ring = SimpleNamespace(find=find)
+            await Guard(None, settings, lambda: ring)(scope, receive, send)
 
         asyncio.run(run())
         return sent[0]["status"]
-
-    from service.security.keys import ApiKey
 
     assert ask(None) == 401
     assert ask(ApiKey("a", "a", frozenset({Scope.READ}), "", datetime.now(UTC))) == 403
@@ -203,6 +205,88 @@ def test_an_expired_key_is_refused(guarded, store):
     key = store.create("old", [Scope.READ], past, past + timedelta(days=1)).text
     guarded.portal.call(guarded.app.state.keys.read)
     assert guarded.get("/v1/plans", headers=bearer(key)).status_code == 401
+
+
+class Following:
+    """A stream of three events as the guard lets it through, and what is done between them."""
+
+    def __init__(self, between, kind=b"text/event-stream; charset=utf-8"):
+        self.between, self.kind, self.sent, self.has_ended = between, kind, [], False
+
+    async def __call__(self, scope, receive, send):
+        headers = [(b"content-type", self.kind)]
+        try:
+            async with anyio.create_task_group():  # as what streams events has one
+                await send({"type": "http.response.start", "status": 200, "headers": headers})
+                for i in range(3):
+                    body = {"type": "http.response.body", "body": b"%d" % i, "more_body": i < 2}
+                    await send(body)
+                    if i == 0:
+                        await self.between()
+        finally:
+            self.has_ended = True
+
+    def follow(self, ring, text):
+        async def run():
+            await ring.read()
+            headers = [(b"authorization", f"Bearer {text}".encode())]
+            scope = {"type": "http", "method": "GET", "path": "/v1/plans/x/events"}
+
+            async def send(message):
+                self.sent.append(message)
+
+            await Guard(self, Settings(auth="keys"), lambda: ring)(
+                scope | {"headers": headers}, None, send
+            )
+            await ring.close()
+
+        asyncio.run(run())
+        return [(part["body"], part["more_body"]) for part in self.sent[1:]]
+
+
+@pytest.mark.parametrize("kind", [b"text/event-stream; charset=utf-8", b"application/json"])
+@pytest.mark.parametrize("end", ["revoked", "expired", "not"])
+def test_a_stream_ends_with_its_key_and_a_plain_answer_does_not(tmp_path, end, kind):
+    keys = Ring(tmp_path)
+    keys.now = 10.0
+    lifetime = timedelta(days=1 if end != "expired" else -1)
+    until = datetime.now(UTC) + timedelta(days=1)
+    new = keys.store.create("a", [Scope.READ], datetime.now(UTC), until)
+
+    async def between():
+        if end == "revoked":
+            keys.store.revoke("a", datetime.now(UTC))
+            keys.now += 1.0
+            keys.ring.is_good(new.key)  # an event that finds the keys old has them read again
+            await keys.ring._reading
+        if end == "expired":
+            known = keys.ring._keys
+            known[new.key.id] = replace(new.key, expires_at=datetime.now(UTC) + lifetime)
+
+    stream = Following(between, kind)
+    got = stream.follow(keys.ring, new.text)
+    assert stream.has_ended
+    if end == "not" or kind == b"application/json":
+        assert got == [(b"0", True), (b"1", True), (b"2", False)]
+    else:
+        assert got == [(b"0", True), (b"", False)]
+
+
+def test_a_stream_does_not_wait_for_a_database_that_hangs(tmp_path):
+    keys = Ring(tmp_path)
+    new = keys.store.create("a", [Scope.READ], datetime.now(UTC))
+    release, real = threading.Event(), keys.all
+
+    async def between():
+        keys.now += 100.0
+        keys.all = lambda: (release.wait(60), real())[1]
+
+    stream = Following(between)
+    try:
+        assert len(stream.follow(keys.ring, new.text)) == 3
+        assert not release.is_set()
+    finally:
+        release.set()
 
 
 def test_a_whole_way_with_keys(guarded, keys):
@@ -232,7 +316,6 @@ class Ring:
 
     def find(self, *texts):
         """What is found, by one loop after the other."""
-        import asyncio
 
         async def run():
             try:
