@@ -112,9 +112,9 @@ def create_app(
     app.add_middleware(Audit)
     allow_origins(app, chosen.allowed_origins)
     app.add_middleware(HostCheck, settings=chosen)
-    app.add_middleware(ResponseHeaders)
     app.state.is_stopping = False
     app.add_middleware(GracefulShutdown, is_stopping=lambda: app.state.is_stopping)
+    app.add_middleware(ResponseHeaders)
     app.add_middleware(MeasureRequests, metrics=metrics)
     app.add_middleware(RequestId)
     problems.install(app)

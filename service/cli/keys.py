@@ -91,11 +91,15 @@ def _store(data_dir: Path | None) -> Generator[KeyStore]:
         typer.Exit: With 1, after a sentence, if that cannot be done.
     """
     chosen: dict[str, Any] = {} if data_dir is None else {"data_dir": data_dir}
-    engine = open_engine(settings_of(chosen).url)
+    url = settings_of(chosen).url
     try:
-        store = KeyStore(engine)
-        store.open()
-        yield store
+        engine = open_engine(url)
+        try:
+            store = KeyStore(engine)
+            store.open()
+            yield store
+        finally:
+            engine.dispose()
     except WayproofError as fault:
         typer.echo(fault.detail, err=True)
         raise typer.Exit(1) from fault
@@ -103,8 +107,10 @@ def _store(data_dir: Path | None) -> Generator[KeyStore]:
         reason = str(getattr(fault, "orig", None) or fault).splitlines()[0]
         typer.echo(f"cannot use the database: {reason}", err=True)
         raise typer.Exit(1) from fault
-    finally:
-        engine.dispose()
+    except OSError as fault:
+        reason = f"{fault.strerror or fault}: {fault.filename}"
+        typer.echo(f"cannot use the database: {reason}", err=True)
+        raise typer.Exit(1) from fault
 
 
 def _show_new(new: NewKey) -> None:

@@ -15,6 +15,8 @@ import httpx
 
 from service.client.client import Client
 
+# The API key for a server that asks for one: a private one does not.
+KEY_VARIABLE = "WAYPROOF_API_KEY"
 _START_TIMEOUT = 60.0
 _STOP_TIMEOUT = 15.0
 _POLL_PERIOD = 0.05
@@ -54,8 +56,9 @@ def private_server(data_dir: Path | None = None) -> Generator[Client]:
 
 
 def _environment() -> dict[str, str]:
-    """Return this process's environment, without what guards a server that others reach too."""
-    return os.environ | {"WAYPROOF_AUTH": "none", "WAYPROOF_RATE_LIMIT": ""}
+    """Return this process's environment, without what guards a server that others reach."""
+    own = {"WAYPROOF_AUTH": "none", "WAYPROOF_RATE_LIMIT": ""}
+    return {name: value for name, value in os.environ.items() if name != KEY_VARIABLE} | own
 
 
 def _wait_until_ready(process: subprocess.Popen[bytes], announce: Path, log: Path) -> str:

@@ -8,13 +8,10 @@ import httpx
 import typer
 
 from service.cli.output import error_console
-from service.cli.private_server import ServerFailed, private_server
+from service.cli.private_server import KEY_VARIABLE, ServerFailed, private_server
 from service.cli.scene_source import NoSuchScene, read_scene_text
 from service.client.client import Client
 from service.client.errors import ApiError
-
-# The API key for a server that asks for one.
-KEY_VARIABLE = "WAYPROOF_API_KEY"
 
 
 @contextmanager

@@ -2,7 +2,8 @@
 
 The logger is `wayproof.audit`; a line is a JSON object: `caller` (name of the key, null without
 one), `operation` (id, else null), `method`, `path`, `resource` (the answer's `Location`, or what
-the path names), `status`, `request_id`. Nothing else of a request is written: no header, no body.
+the path names), `status` (null where nothing was answered), `request_id`. Nothing else of a request
+is written: no header, no body.
 """
 
 import json
@@ -14,6 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.middleware.request_id import request_id
 from service.security.guard import CALLER
+from service.security.redaction import redacted
 from service.security.scopes import SAFE_METHODS
 
 _log = logging.getLogger("wayproof.audit")
@@ -35,7 +37,7 @@ class Audit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        is_answered = False
+        is_answered, status = False, None
 
         async def send_noted(message: Message) -> None:
             nonlocal is_answered
@@ -47,12 +49,14 @@ class Audit:
         try:
             await self._app(scope, receive, send_noted)
         except Exception:
-            if not is_answered:  # what answers unexpected errors stands around all middleware
-                _note(scope, 500, Headers())
+            status = 500  # what answers unexpected errors stands around all middleware
             raise
+        finally:
+            if not is_answered:
+                _note(scope, status, Headers())
 
 
-def _note(scope: Scope, status: int, headers: Headers) -> None:
+def _note(scope: Scope, status: int | None, headers: Headers) -> None:
     route = scope.get("route")
     if not (isinstance(route, APIRoute) and scope["method"] in route.methods):
         route = None
@@ -65,9 +69,9 @@ def _note(scope: Scope, status: int, headers: Headers) -> None:
         "caller": scope.get(CALLER),
         "operation": None if route is None else route.operation_id,
         "method": scope["method"],
-        "path": scope["path"][:_MAX_PATH],
+        "path": redacted(scope["path"])[:_MAX_PATH],
         "resource": headers.get("location") or named[0],
         "status": status,
         "request_id": request_id(),
     }
-    _log.info("%s", json.dumps(entry, default=str))
+    _log.info("%s", redacted(json.dumps(entry, default=str)))

@@ -50,6 +50,12 @@ class KeyRing:
         known = self._keys.get(key.id)
         return known is not None and known.is_valid(datetime.now(UTC))
 
+    @property
+    def has_valid(self) -> bool:
+        """Whether there is a valid key among those that were read."""
+        now = datetime.now(UTC)
+        return any(key.is_valid(now) for key in self._keys.values())
+
     async def read(self) -> None:
         """Read all keys.
 
@@ -95,6 +101,8 @@ async def open_key_ring(url: str) -> AsyncGenerator[KeyRing]:
     try:
         await to_thread.run_sync(store.open)
         await ring.read()
+        if not ring.has_valid:
+            _log.warning("no key is valid yet, so nothing is let in: `wayproof keys create`")
         yield ring
     finally:
         await ring.close()

@@ -6,6 +6,7 @@ sha256 protects it as well as a slow hash does a password: there is nothing to g
 
 import hashlib
 import hmac
+import logging
 import re
 import secrets
 from collections.abc import Iterable
@@ -21,8 +22,11 @@ from service.jobs.store.schema import NEWEST, bring_up_to_date, refuse_newer
 from service.security.scopes import Scope
 
 _TEXT = re.compile(r"wp_([0-9a-f]{12})_([A-Za-z0-9_-]{43})")
-_NAME = re.compile(r"[A-Za-z0-9._-]{1,64}")
+# No name looks like an id: both name a key for `revoke`.
+_NAME = re.compile(r"(?![0-9a-f]{12}$)[A-Za-z0-9._-]{1,64}")
 _NO_DIGEST = "0" * 64
+
+_log = logging.getLogger(__name__)
 
 metadata = MetaData()
 api_keys = Table(
@@ -100,6 +104,7 @@ class KeyStore:
     def __init__(self, engine: Engine) -> None:
         """Keep keys in `engine`; call `open` before use."""
         self._engine = engine
+        self._told_of = set[str]()
 
     def open(self) -> None:
         """Bring the database to the newest revision; an older one only if no server works on it.
@@ -117,7 +122,8 @@ class KeyStore:
         """Return all keys, those that expired or were revoked too, oldest first."""
         query = select(api_keys).order_by(api_keys.c.created_at, api_keys.c.id)
         with self._engine.connect() as connection:
-            return [_key_of(row) for row in connection.execute(query)]
+            found = [self._key_of(row) for row in connection.execute(query)]
+        return [key for key in found if key is not None]
 
     def create(
         self,
@@ -134,7 +140,8 @@ class KeyStore:
         """
         chosen = frozenset(scopes)
         if _NAME.fullmatch(name) is None or not chosen:
-            message = f"a key has a name of 1 to 64 of A-Z a-z 0-9 . _ -, not {name[:80]!r}"
+            message = "a key has a name of 1 to 64 of A-Z a-z 0-9 . _ -, unlike an id"
+            message += f", not {name[:80]!r}"
             fault = ("name", message) if chosen else ("scopes", f"the key {name!r} needs a scope")
             raise ProblemInvalid(fault[1], {"field": fault[0]})
         if self._valid(name, now):
@@ -180,6 +187,16 @@ class KeyStore:
                 change = update(api_keys).where(api_keys.c.id == key.id)
                 connection.execute(change.values(expires_at=until.isoformat()))
         return new
+
+    def _key_of(self, row: Row[tuple[str, ...]]) -> ApiKey | None:
+        """Return the key of a row, None for one that is wrong: it hides no other, nor a change."""
+        try:
+            return _key_of(row)
+        except (TypeError, ValueError) as fault:
+            if row.id not in self._told_of:
+                self._told_of.add(row.id)
+                _log.warning("a row of api_keys is no key: %s: %s", row.id, fault)
+            return None
 
     def _insert(
         self, name: str, scopes: frozenset[Scope], now: datetime, expires_at: datetime | None

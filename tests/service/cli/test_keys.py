@@ -7,7 +7,8 @@ from typer.testing import CliRunner
 
 from service.app import create_app
 from service.cli.app import app
-from service.cli.session import KEY_VARIABLE, session
+from service.cli.private_server import KEY_VARIABLE, _environment
+from service.cli.session import session
 from service.settings import Settings
 from tests.service.conftest import TestClient
 
@@ -75,6 +76,31 @@ def test_mistakes_end_with_a_sentence(keys, arguments, code, word):
 def test_a_database_that_is_none_ends_with_a_sentence(keys, tmp_path):
     (tmp_path / "wayproof.sqlite").write_bytes(b"no database" * 100)
     assert "cannot use the database" in keys("list", code=1).stderr
+
+
+@pytest.mark.parametrize("url", ["nothing", "sqlite:///{file}/below.sqlite", "x://y"])
+def test_so_does_an_address_that_leads_nowhere(keys, url, monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("WAYPROOF_DATABASE_URL", url.format(file=tmp_path / "file"))
+    assert "cannot use the database" in keys("list", code=1).stderr
+
+
+def test_a_server_says_that_there_are_no_keys_yet(keys, tmp_path, caplog):
+    settings = Settings(engine="inline", data_dir=tmp_path, auth="keys")
+    with TestClient(create_app(settings)):
+        assert "wayproof keys create" in caplog.text
+    keys("create", "ci", "--scope", "read")
+    caplog.clear()
+    with TestClient(create_app(settings)):
+        assert "wayproof keys create" not in caplog.text
+
+
+def test_a_private_server_asks_for_no_key_and_gets_none(monkeypatch):
+    for name, value in (("AUTH", "keys"), ("RATE_LIMIT", "1/day"), ("API_KEY", "wp_secret")):
+        monkeypatch.setenv(f"WAYPROOF_{name}", value)
+    chosen = _environment()
+    assert (chosen["WAYPROOF_AUTH"], chosen["WAYPROOF_RATE_LIMIT"]) == ("none", "")
+    assert KEY_VARIABLE not in chosen
 
 
 def test_a_server_takes_the_keys_that_were_made(keys, tmp_path):

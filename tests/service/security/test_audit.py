@@ -1,5 +1,6 @@
 """What is changed is written down, with who did it; secrets are written nowhere."""
 
+import asyncio
 import json
 import logging
 from datetime import UTC, datetime
@@ -9,6 +10,7 @@ import pytest
 from service.app import create_app
 from service.cli.server import LOGGING
 from service.jobs.store.database import open_engine
+from service.security.audit import Audit
 from service.security.keys import KeyStore
 from service.security.scopes import Scope
 from service.settings import Settings
@@ -93,6 +95,25 @@ def test_a_path_makes_no_lines_of_its_own(client, caplog, lines):
     assert lines()[0]["resource"] == 'a\nb",'
     client.post("/" + "x" * 5000)
     assert len(lines()[0]["path"]) <= 200
+
+
+def test_a_key_in_an_address_is_not_written(guarded, key, lines):
+    guarded.post(f"/v1/plans/{key}/cancel", headers={"Authorization": f"Bearer {key}"})
+    (line,) = lines()
+    assert line["resource"] == f"{key[:16]}..."
+    assert line["path"] == f"/v1/plans/{key[:16]}.../cancel"
+
+
+@pytest.mark.parametrize("fault", [RuntimeError, asyncio.CancelledError])
+def test_what_has_no_answer_is_written_too(lines, fault):
+    async def break_off(scope, receive, send):
+        raise fault
+
+    scope = {"type": "http", "method": "POST", "path": "/v1/plans"}
+    with pytest.raises(fault):
+        asyncio.run(Audit(break_off)(scope, None, None))
+    (line,) = lines()
+    assert (line["path"], line["status"]) == ("/v1/plans", 500 if fault is RuntimeError else None)
 
 
 def test_no_secret_is_in_any_log_or_answer(guarded, key, caplog):

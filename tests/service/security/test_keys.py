@@ -8,9 +8,14 @@ from sqlalchemy import text
 
 from planning.errors import ProblemInvalid, UnknownName
 from service.errors import KeyExists
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.errors import DatabaseInUse, DatabaseTooNew
 from service.jobs.store.database import open_engine
+from service.jobs.store.migrations.upgrade import upgrade
+from service.jobs.store.schema import NEWEST, stored_revision
 from service.security.keys import KeyStore, find_key
 from service.security.scopes import Scope
+from tests.service.jobs.databases import make_released
 
 NOW = datetime(2026, 1, 1, tzinfo=UTC)
 HOUR = timedelta(hours=1)
@@ -85,6 +90,70 @@ def test_a_name_has_one_valid_key(store):
     with pytest.raises(KeyExists, match="rotate a"):
         store.create("a", [Scope.READ], NOW)
     assert store.create("a", [Scope.READ], NOW + HOUR).key.name == "a"
+
+
+def test_a_name_is_never_the_id_of_another(store):
+    key = store.create("a", [Scope.READ], NOW).key
+    with pytest.raises(ProblemInvalid, match="1 to 64"):
+        store.create(key.id, [Scope.READ], NOW)
+
+
+def test_a_row_that_is_none_is_no_key_and_hides_no_other(store, engine, caplog):
+    """What cannot be read would have the keys read before it hold without end."""
+    kept = store.create("a", [Scope.READ], NOW).key
+    for name, change in (
+        ("b", "scopes = 'read,everything'"),
+        ("c", "expires_at = 'tomorrow'"),
+        ("d", "scopes = ''"),
+    ):
+        store.create(name, [Scope.READ], NOW)
+        with engine.begin() as connection:
+            connection.execute(text(f"UPDATE api_keys SET {change} WHERE name = '{name}'"))
+    assert store.all() == store.all() == [kept]  # once a second, and told of once
+    assert caplog.text.count("is no key") == 3
+
+
+@pytest.mark.parametrize("revision", ["0001", "0003"])
+def test_an_old_database_is_changed_only_while_no_server_works_on_it(engine, store, revision):
+    make_released(engine)
+    upgrade(engine, revision)
+    lock = DispatcherLock(engine)
+    lock.take()
+    with pytest.raises(DatabaseInUse):
+        KeyStore(engine).open()
+    assert stored_revision(engine) == revision
+    lock.release()
+    KeyStore(engine).open()
+    assert stored_revision(engine) == NEWEST
+    assert store.create("a", [Scope.READ], NOW).key in store.all()
+
+
+def test_to_open_it_is_no_start_of_a_server(engine, store):
+    """A server that takes over has to know whether the one before it had ended in order."""
+    crashed = DispatcherLock(engine)
+    crashed.take()
+    crashed._unlock()
+    make_released(engine)
+    KeyStore(engine).open()
+    following = DispatcherLock(engine)
+    following.take()
+    assert (following.epoch, following.was_left) == (crashed.epoch + 1, True)
+    following.release()
+
+
+def test_a_server_at_work_is_no_hindrance(engine, store):
+    lock = DispatcherLock(engine)
+    lock.take()
+    KeyStore(engine).open()
+    assert store.create("a", [Scope.READ], NOW).key in store.all()
+    lock.release()
+
+
+def test_a_newer_database_is_refused(engine, store):
+    with engine.begin() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(DatabaseTooNew):
+        KeyStore(engine).open()
 
 
 @pytest.mark.parametrize("name", ["", "a b", "x" * 65, "ä", "a\n"])

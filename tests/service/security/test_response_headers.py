@@ -1,5 +1,7 @@
 """Every answer tells browsers what not to do with it, and which pages may read it."""
 
+import asyncio
+
 import pytest
 
 from service.app import create_app
@@ -46,6 +48,17 @@ def test_so_have_refusals_before_any_route_and_unexpected_errors(client, app, mo
     for answer in (stranger, broken):
         assert answer.headers["x-content-type-options"] == "nosniff"
         assert directives(answer)["frame-ancestors"] == ["'none'"]
+
+
+def test_so_has_what_the_end_of_the_server_cuts_off(client, app, monkeypatch):
+    async def canceled(*_, **__):
+        raise asyncio.CancelledError
+
+    monkeypatch.setattr(type(app.state.jobs), "page", canceled)
+    monkeypatch.setattr(app.state, "is_stopping", True)
+    answer = client.get("/v1/plans")
+    assert (answer.status_code, answer.json()["code"]) == (503, "server_stopping")
+    assert answer.headers["x-content-type-options"] == "nosniff"
 
 
 def test_pages_load_nothing_from_elsewhere(client, solved):
