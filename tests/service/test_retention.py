@@ -59,7 +59,7 @@ def add_scene(engine):
     def make(identifier, digest="d"):
         row = {"id": identifier, "revision": 1, "digest": digest, "name": "", "created_at": ""}
         with engine.begin() as connection:
-            connection.execute(insert(scenes).values(row | {"document": {}, "summary": {}}))
+            connection.execute(insert(scenes).values(row | {"artifact": "a", "summary": {}}))
 
     return make
 
