@@ -36,8 +36,8 @@ class IkOptions(Value):
         joint_weights: Factor on each joint's part of the distance from the start, by full name;
             1 for joints that are not named.
         pose_metric: Metric for the nearest pose to an unreachable one.
-        allowed_time: For inverse kinematics, and for the diagnosis if there is no solution [s]; None
-            for no limit.
+        allowed_time: For inverse kinematics, and for the diagnosis if there is no solution [s];
+            None for no limit.
     """
 
     max_configurations: int = 100
