@@ -75,6 +75,8 @@ def _inlined(part: Any, schemas: dict[str, Any]) -> Any:
         key: _inlined(child, schemas)
         for key, child in part.items()
         if not (child in schemas.values() and key in schemas and not _is_type(child))
+        # what goes without saying; where it is said, types in TypeScript have every name
+        and not (key == "additionalProperties" and child is True and "properties" in part)
     }
 
 

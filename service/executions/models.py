@@ -16,7 +16,14 @@ from service.api.events import (
     StartedEvent,
 )
 from service.api.failures.failure import Failure
-from service.api.models import UNRECORDED, Identifier, Real, RequestModel, ResponseModel
+from service.api.models import (
+    UNRECORDED,
+    Identifier,
+    Real,
+    RequestModel,
+    ResponseModel,
+    Timings,
+)
 
 
 class ExecutionState(StrEnum):
@@ -147,7 +154,7 @@ class Execution(ResponseModel):
     group: str = Field(description="Group that moves")
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         default={},
         description="Seconds of the stages `load` and `execute`, once it has ended; of a failure "
         "those of `failure` [s]",
