@@ -7,6 +7,7 @@ from fastapi.openapi.utils import get_openapi
 
 from planning.world.documents.scene_document import SceneDocument
 from service.api.failures.problem import Problem
+from service.api.links import declare_links
 
 _REF = "#/components/schemas/{model}"
 _TAGS = [
@@ -49,6 +50,7 @@ def _document(app: FastAPI) -> dict[str, Any]:
             schemas.setdefault(name, part)
         schemas[model.__name__] = schema
     _declare_events(document)
+    declare_links(document)
     inlined: dict[str, Any] = _inlined(document, schemas)
     return inlined
 
