@@ -7,7 +7,7 @@ import json
 import os
 import time
 
-from locust import FastHttpUser, task
+from locust import FastHttpUser, constant_pacing, task
 
 # What `loads.py` says they ask for, and for how long [s].
 _PLAN = os.environ["WAYPROOF_BENCH_PLAN"]
@@ -38,6 +38,12 @@ class Polls(Timed):
         """Ask once."""
         self.look()
         self.client.get(_PLAN, name="poll")
+
+
+class Crowd(Polls):
+    """Looks at a plan that has ended once a second."""
+
+    wait_time = constant_pacing(1.0)
 
 
 class Plans(Timed):
