@@ -38,7 +38,7 @@ SECTIONS: dict[str, Section] = {
     "rate": lambda host, options: rates(host, options.rate, options.seconds),
     "events": lambda host, options: cancels(host, options.cancels),
     "load": lambda host, options: loads(host, options.users, options.seconds),
-    "crowd": lambda host, options: crowds(host, options.clients, options.seconds),
+    "crowd": lambda host, options: crowds(host, options.clients, options.period, options.seconds),
     "jobs": lambda _, options: iter([noops(options.noops, options.slots)]),
     "boxes": lambda host, options: boxes(host, options.boxes, options.limit),
     "memory": lambda host, options: memories(host, options.plans),
@@ -47,6 +47,7 @@ _QUICK = {
     "starts": 1,
     "workers": [1],
     "clients": 3,
+    "period": 0.2,
     "plans": 2,
     "waits": 3,
     "cancels": 1,
@@ -86,6 +87,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--workers", type=int, nargs="*", default=[1, 2], help="of servers")
     made.add_argument("--rate", type=float, default=20.0, help="plans begun a second")
     made.add_argument("--clients", type=int, default=1000, help="that poll beside plans")
+    made.add_argument("--period", type=float, default=5.0, help="of each client's polls [s]")
     made.add_argument("--plans", type=int, default=1000, help="between looks at the memory")
     made.add_argument("--waits", type=int, default=100, help="plans that are waited for")
     made.add_argument("--cancels", type=int, default=10, help="events that are waited for")

@@ -16,12 +16,13 @@ _SETTLED = 2.0
 _OTHERS = 100
 
 
-def crowds(host: Host, clients: int, seconds: int) -> Iterator[Measure]:
+def crowds(host: Host, clients: int, period: float, seconds: int) -> Iterator[Measure]:
     """Make plans one after another, alone and while clients poll; yield how long both take.
 
     Args:
         host: Of the server.
-        clients: Each polls a plan that has ended once a second, on a connection of its own.
+        clients: Each polls a plan that has ended, on a connection of its own.
+        period: Of the polls of each [s].
         seconds: For so long [s].
     """
     most = {"WAYPROOF_MAX_CONNECTIONS": str(clients + _OTHERS)}
@@ -33,11 +34,12 @@ def crowds(host: Host, clients: int, seconds: int) -> Iterator[Measure]:
     while time.perf_counter() < until and not alone.faults:
         timed(alone, host, lambda: host.post("/v1/plans?wait=60", request))
     yield alone
-    beside = Measure(f"a plan, while {clients:,} clients poll once a second")
-    polls = Measure(f"a poll of {clients:,} clients, each once a second")
+    beside = Measure(f"a plan, while {clients:,} clients poll every {period:g} s")
+    polls = Measure(f"a poll of {clients:,} clients, every {period:g} s")
     with ThreadPoolExecutor(1) as one:
         whole = round(_SETTLED + seconds)
         told_to_users = for_users(plan, request, whole)
+        told_to_users["WAYPROOF_BENCH_PERIOD"] = str(period)
         crowd = one.submit(run_locust, host.url, "Crowd", clients, whole, told_to_users)
         made = list(_while(crowd, beside, host, request))
         [told] = crowd.result()

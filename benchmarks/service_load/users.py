@@ -12,6 +12,7 @@ from locust import FastHttpUser, constant_pacing, task
 # What `loads.py` says they ask for, and for how long [s].
 _PLAN = os.environ["WAYPROOF_BENCH_PLAN"]
 _REQUEST = json.loads(os.environ["WAYPROOF_BENCH_REQUEST"])
+_PERIOD = float(os.environ.get("WAYPROOF_BENCH_PERIOD", "1"))
 _SECONDS = float(os.environ["WAYPROOF_BENCH_SECONDS"])
 
 
@@ -41,9 +42,9 @@ class Polls(Timed):
 
 
 class Crowd(Polls):
-    """Looks at a plan that has ended once a second."""
+    """Looks at a plan that has ended, every few seconds."""
 
-    wait_time = constant_pacing(1.0)
+    wait_time = constant_pacing(_PERIOD)
 
 
 class Plans(Timed):
