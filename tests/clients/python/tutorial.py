@@ -5,13 +5,14 @@ in strict mode against the generated package: nothing of it is cast.
 """
 
 import json
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import httpx_sse
 import yaml
-from wayproof_client import Client
+from wayproof_client import AuthenticatedClient
 from wayproof_client.api.executions import create_execution, get_execution
 from wayproof_client.api.models import get_model, list_models
 from wayproof_client.api.plans import create_plan, get_replay, get_trajectory
@@ -42,7 +43,9 @@ from wayproof_client.models import (
 
 def main(url: str, scene_file: str) -> dict[str, object]:
     """Carry out the tutorial; every answer is of the type that the document promises."""
-    client = Client(base_url=url)
+    # A server that asks for no keys does not look at it.
+    key = os.environ.get("WAYPROOF_API_KEY", "none")
+    client = AuthenticatedClient(base_url=url, token=key)
     scene = load(client, Path(scene_file).read_text())
     arm = scene.groups[0]
 
@@ -89,14 +92,14 @@ def main(url: str, scene_file: str) -> dict[str, object]:
     }
 
 
-def load(client: Client, text: str) -> Scene:
+def load(client: AuthenticatedClient, text: str) -> Scene:
     """Post a scene that is written in YAML; the generated client sends JSON."""
     scene = create_scene.sync(client=client, body=SceneDocument.from_dict(yaml.safe_load(text)))
     assert isinstance(scene, Scene), scene
     return scene
 
 
-def models(client: Client) -> dict[str, list[str]]:
+def models(client: AuthenticatedClient) -> dict[str, list[str]]:
     """Return the joints of every robot that scenes may name."""
     listed = list_models.sync(client=client)
     assert isinstance(listed, ModelList), listed
@@ -108,7 +111,7 @@ def models(client: Client) -> dict[str, list[str]]:
     return found
 
 
-def execute(client: Client, plan: Plan) -> Execution:
+def execute(client: AuthenticatedClient, plan: Plan) -> Execution:
     """Carry a plan out, watch it until it ends, and return how it ended."""
     request = ExecutionRequest(plan=plan.id, driver="simulated", speed=10.0, title="to the can")
     begun = create_execution.sync(client=client, body=request)
@@ -121,7 +124,7 @@ def execute(client: Client, plan: Plan) -> Execution:
     return ended
 
 
-def refusals(client: Client, request: PlanRequest) -> list[str]:
+def refusals(client: AuthenticatedClient, request: PlanRequest) -> list[str]:
     """Return what is said of a name that is wrong, and of a scene that is not there."""
     request.group = "amr"
     misspelt = create_plan.sync(client=client, body=request)
@@ -134,7 +137,7 @@ def refusals(client: Client, request: PlanRequest) -> list[str]:
     return [misspelt.detail, missing.detail]
 
 
-def events(client: Client, path: str) -> Iterator[httpx_sse.ServerSentEvent]:
+def events(client: AuthenticatedClient, path: str) -> Iterator[httpx_sse.ServerSentEvent]:
     """Yield the events of a stream: the generated client has their types, and httpx-sse reads."""
     with httpx_sse.connect_sse(client.get_httpx_client(), "GET", path) as source:
         yield from source.iter_sse()
