@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, Json
 
 from service.api.failures.failure import Failure
-from service.api.models import ResponseModel
+from service.api.models import ResponseModel, Timings
 from service.api.open_enums import Stage
 
 type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
@@ -38,7 +38,7 @@ class ProgressData(EventData):
 class StageData(ProgressData):
     """Which stage begins."""
 
-    timings: dict[str, float] = Field(description="Seconds of the stages before it")
+    timings: Timings = Field(description="Seconds of the stages before it")
 
 
 class BestPathData(EventData):

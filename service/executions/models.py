@@ -24,6 +24,7 @@ from service.api.models import (
     Real,
     RequestModel,
     ResponseModel,
+    Timings,
 )
 
 
@@ -157,7 +158,7 @@ class Execution(ResponseModel):
     group: str = Field(description="Group that moves")
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         default={},
         description="Seconds of the stages `load` and `execute`, once it has ended; of a failure "
         "those of `failure` [s]",

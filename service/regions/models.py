@@ -19,6 +19,8 @@ from service.api.models import (
     Real,
     RequestModel,
     ResponseModel,
+    Timings,
+    Versions,
 )
 from service.api.open_enums import AnyStage, OneOf
 from service.jobs.states import JobState
@@ -178,11 +180,11 @@ class RegionsBrief(ResponseModel):
     revision: int = Field(description="Revision of the scene")
     request: RegionsRequest = Field(description="The request, defaults filled in")
     failure: Failure | None = Field(description="Why there is no result")
-    versions: dict[str, str] = Field(
+    versions: Versions = Field(
         description="Of everything that the numbers depend on, in the server that ran it last; "
         "empty before it runs, and for regions of versions that did not keep it"
     )
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         description="Seconds per stage, once it has ended; of a failure those of `failure` [s]"
     )
     unrecorded: list[str] = Field(description=UNRECORDED)

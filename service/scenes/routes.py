@@ -98,7 +98,11 @@ async def edit_scene(
 
 
 @router.delete(
-    "/{scene}", operation_id="deleteScene", status_code=204, responses=problems(404, 412, 422)
+    "/{scene}",
+    operation_id="deleteScene",
+    status_code=204,
+    response_class=Response,  # which has no content type
+    responses=problems(404, 412, 422),
 )
 async def delete_scene(scene: SceneId, scenes: ScenesDep, if_match: IfMatch = None) -> None:
     """Forget a scene; plans that were made in it stay."""

@@ -10,6 +10,7 @@ from pydantic_core import CoreSchema
 from planning.errors import WayproofError
 from service.api.failures.table import EVIDENCE, failure_errors
 from service.api.failures.union import NoneOf, enum_of, member, union_schema
+from service.api.models import Timings
 from service.api.open_enums import AnyStage
 
 FailureCode = enum_of(
@@ -55,7 +56,7 @@ class Failure(BaseModel):
     )
     detail: str = Field(description="What went wrong, for a person")
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         default={},
         description="Seconds per stage, of those that ended and of the one that failed; empty "
         "where nothing was timed",

@@ -5,7 +5,14 @@ from datetime import datetime
 from pydantic import Field
 
 from service.api.failures.failure import Failure
-from service.api.models import ATTEMPTS, CANCEL_REQUESTED_AT, UNRECORDED, ResponseModel
+from service.api.models import (
+    ATTEMPTS,
+    CANCEL_REQUESTED_AT,
+    UNRECORDED,
+    ResponseModel,
+    Timings,
+    Versions,
+)
 from service.api.open_enums import AnyStage
 from service.jobs.states import JobState
 from service.plans.models.request import PlanRequest
@@ -52,11 +59,11 @@ class PlanSummary(ResponseModel):
     failure: Failure | None = Field(description="Why there is no result")
     seed: int = Field(description="Of all randomness")
     digest: str | None = Field(description="sha256 over the delivered numbers")
-    versions: dict[str, str] = Field(
+    versions: Versions = Field(
         description="Of everything that the numbers depend on, in the server that ran it last; "
         "empty before it runs, and for plans of versions that did not keep it"
     )
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         description="Seconds per stage, once it has ended; of a failure those of `failure` [s]"
     )
     unrecorded: list[str] = Field(description=UNRECORDED)
