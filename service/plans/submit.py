@@ -121,7 +121,8 @@ async def _queue[W: MotionWork](
     jobs: JobService, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
 ) -> Job:
     time_limit = work.request.search.allowed_planning_time + SLACK
-    return await jobs.submit(spec_of(task, work, record, key, time_limit))
+    spec = spec_of(task, work, record, key, time_limit, work.request.priority)
+    return await jobs.submit(spec)
 
 
 def _settled(

@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field, Strict
 from planning.domain.planner import regions as domain
 from service.api.failures.failure import Failure
 from service.api.models import (
+    PRIORITY,
     UNRECORDED,
     WHOLE,
     Interval,
@@ -18,6 +19,7 @@ from service.api.models import (
     RequestModel,
     ResponseModel,
 )
+from service.jobs.job import Priority
 from service.jobs.states import JobState
 
 
@@ -70,6 +72,7 @@ class RegionsRequest(RequestModel):
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness: the same seed gives the same regions"
     )
+    priority: Priority = Field(default=Priority.NORMAL, description=PRIORITY)
 
     def to_domain(self) -> domain.RegionOptions:
         """Return the options of the growth."""

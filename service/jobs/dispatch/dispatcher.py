@@ -15,6 +15,7 @@ from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
+from service.jobs.dispatch.waiting import Place, QueueEntry
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
 from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
@@ -200,22 +201,24 @@ class Dispatcher:
         """Run a short task that needs no record, and return what it returns; see `Calls.run`."""
         return await self._calls.run(call)
 
-    def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
+    def _enqueue(self, job: Job, controls: Mapping[str, Any], place: Place | None = None) -> None:
         """Run a queued job of the table when it has a worker."""
-        self._schedule(job, controls, order).confirm(job)
+        self._schedule(job, controls, place).confirm(job)
 
-    def _schedule(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> Attempt:
+    def _schedule(
+        self, job: Job, controls: Mapping[str, Any], place: Place | None = None
+    ) -> Attempt:
         """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
-        place: list[int] = []
         attempt = Attempt(job, self._recorder, self._scheduler, controls)
         self._attempts[job.id] = attempt
+        own = place or self._scheduler.next_place(job.queue)
 
         def use(worker: Worker) -> None:
             attempt.has_begun = True
-            self._scheduler.spawn(self._run(attempt, worker, place))
+            self._scheduler.spawn(self._run(attempt, worker, own))
 
-        place.append(0 if order is None else order)
-        place[0] = self._scheduler.request_worker(job, use, order)
+        terms = (job.world_digest, job.priority, job.client)
+        self._scheduler.request(job.queue, QueueEntry(job.id, own, use, *terms))
         return attempt
 
     def _unschedule(self, attempt: Attempt) -> None:
@@ -226,7 +229,7 @@ class Dispatcher:
             self._attempts.pop(attempt.job.id, None)
             attempt.concluded.set()
 
-    async def _run(self, attempt: Attempt, worker: Worker, place: list[int]) -> None:
+    async def _run(self, attempt: Attempt, worker: Worker, place: Place) -> None:
         is_queued_again = False
         try:
             is_queued_again = await attempt.run(worker)
@@ -237,7 +240,7 @@ class Dispatcher:
             self._on_end(attempt.ended.summary)
         if is_queued_again:
             job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
-            self._enqueue(job, attempt.controls, place[0])
+            self._enqueue(job, attempt.controls, place)
 
     def _interrupt_all(self, reason: str) -> None:
         self._scheduler.pause()

@@ -45,6 +45,7 @@ jobs = Table(
     Column("created_at", String(40), nullable=False),
     Column("started_at", String(40), nullable=True),
     Column("finished_at", String(40), nullable=True),
+    Column("client", String(80), nullable=False, server_default=""),
     UniqueConstraint("queue", "key"),
     Index("jobs_by_state", "queue", "state", "sequence"),
     # One for each filter of lists: a page reads its own rows and no others.
