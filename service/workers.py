@@ -14,6 +14,7 @@ PRELOAD = (
     "service.trajectories.worker",
     "service.plans.worker",
     "service.executions.proof",
+    "service.executions.replay_worker",
     "service.queries.worker",
     "service.regions.worker",
     "service.scenes.worker",

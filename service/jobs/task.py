@@ -37,11 +37,11 @@ class TaskResult:
 
     Attributes:
         text: All of it.
-        brief: What lists show of it; empty for all.
+        summary: What lists show of it; empty for all.
     """
 
     text: str
-    brief: str = ""
+    summary: str = ""
 
 
 class Task[In: BaseModel, Out: BaseModel]:

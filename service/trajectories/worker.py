@@ -31,6 +31,7 @@ from service.plans.models.reports import CertifyReport, RetimeReport
 from service.plans.models.result import Certificate
 from service.plans.models.sampling import IN_QUESTION, require_few
 from service.plans.models.trajectory import Trajectory
+from service.scenes.tasks import RequestWork
 from service.scenes.world_cache import borrow_world
 from service.trajectories.input import Interpolation, TrajectoryInput
 from service.trajectories.models import (
@@ -45,7 +46,7 @@ from service.trajectories.models import (
     StopMotionRequest,
     StopMotionResponse,
 )
-from service.trajectories.tasks import CERTIFY, RETIME, SPLICE, STOP, MotionWork
+from service.trajectories.tasks import CERTIFY, RETIME, SPLICE, STOP
 
 
 class _Demands(TypedDict):
@@ -57,7 +58,7 @@ class _Demands(TypedDict):
 
 
 @RETIME.runs
-def retime(work: MotionWork[RetimeRequest], context: TaskContext) -> RetimeResponse:
+def retime(work: RequestWork[RetimeRequest], context: TaskContext) -> RetimeResponse:
     """Return a certified motion along the path, or why there is none.
 
     Raises:
@@ -108,7 +109,7 @@ def retime(work: MotionWork[RetimeRequest], context: TaskContext) -> RetimeRespo
 
 
 @CERTIFY.runs
-def certify(work: MotionWork[CertifyMotionRequest], context: TaskContext) -> CertifyMotionResponse:
+def certify(work: RequestWork[CertifyMotionRequest], context: TaskContext) -> CertifyMotionResponse:
     """Return the certificate of a trajectory.
 
     Raises:
@@ -143,7 +144,7 @@ def certify(work: MotionWork[CertifyMotionRequest], context: TaskContext) -> Cer
 
 
 @STOP.runs
-def stop(work: MotionWork[StopMotionRequest], context: TaskContext) -> StopMotionResponse:
+def stop(work: RequestWork[StopMotionRequest], context: TaskContext) -> StopMotionResponse:
     """Return a certified stop, or why there is none.
 
     Raises:
@@ -164,7 +165,7 @@ def stop(work: MotionWork[StopMotionRequest], context: TaskContext) -> StopMotio
 
 
 @SPLICE.runs
-def splice(work: MotionWork[SpliceMotionRequest], context: TaskContext) -> SpliceMotionResponse:
+def splice(work: RequestWork[SpliceMotionRequest], context: TaskContext) -> SpliceMotionResponse:
     """Return a certified way over into another motion and that motion's rest, or why there is none.
 
     Raises:

@@ -191,7 +191,7 @@ class Calls:
         queue = self._scheduler.queue(call.queue)
         message = f"no worker was free within {call.worker_timeout:g} s; try again later"
         evidence = {
-            "lane": queue.name,
+            "queue": queue.name,
             "waited": call.worker_timeout,
             "queued": queue.num_waiting,
             "retry_after": queue.retry_after(asyncio.get_running_loop().time()),

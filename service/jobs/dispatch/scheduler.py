@@ -107,7 +107,7 @@ class Scheduler:
         if queue.is_full:
             message = f"{queue.num_waiting} jobs wait for {name} already; try again later"
             evidence = {
-                "lane": name,
+                "queue": name,
                 "queued": queue.num_waiting,
                 "bound": queue.max_waiting,
                 "retry_after": queue.retry_after(_now()),

@@ -107,7 +107,7 @@ def test_a_worker_is_kept_for_what_is_short():
     assert names(queue.assign(0.0)) == ["large", "short"]
 
 
-def test_a_scene_that_has_to_be_loaded_first_does_not_get_the_kept_slot():
+def test_a_scene_that_has_to_be_loaded_first_does_not_get_the_kept_worker():
     (queue,) = queues_of(query=Share(2, reserved=1))
     wait(queue, "cold", "scene", kind=CallKind("check"))
     [(_, worker)] = queue.assign(0.0).pairs
@@ -132,7 +132,7 @@ def test_what_ran_long_is_long_the_next_time(took, served):
     assert names(queue.assign(0.0)) == (served or ["small"])
 
 
-def test_a_small_scene_may_be_loaded_anew_by_the_kept_slot():
+def test_a_small_scene_may_be_loaded_anew_by_the_kept_worker():
     (queue,) = queues_of(query=Share(2, reserved=1))
     queue.durations.record_load("small", SHORT / 2)
     wait(queue, "load", kind=CallKind("load", is_load=True))
