@@ -75,6 +75,8 @@ class ShownWork(DeliveredWork):
 class ReplayWork(TaskModel):
     """Motions that are replayed one after the other, each in a scene of its own."""
 
+    artifact_members = ("motions.scene.document",)
+
     motions: list[ShownWork]
 
 

@@ -46,7 +46,7 @@ class SceneCalls:
             request: Whose names are known to be there.
             size: Number of items: twice as many take longer.
         """
-        work = task.payload.about(await self.scenes.work(record), request)
+        work = task.payload.about(self.scenes.work(record), request)
         return passed_on(await self.jobs.call_text(task, work, size))
 
 

@@ -56,5 +56,5 @@ async def load_edited(
         UnknownName: An operation names what the scene does not have.
         InputError: An operation cannot be done, or what comes of it does not load.
     """
-    work = RequestWork[SceneEdit].about(await scenes.work(record), request)
+    work = RequestWork[SceneEdit].about(scenes.work(record), request)
     return await jobs.call_loading(EDIT_SCENE, work, size=len(request.operations))
