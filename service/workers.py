@@ -12,6 +12,7 @@ PRELOAD = (
     "service.executions.worker",
     "service.catalog.worker",
     "service.trajectories.worker",
+    "service.trajectories.transition_worker",
     "service.plans.worker",
     "service.executions.proof",
     "service.executions.replay_worker",
