@@ -4,6 +4,7 @@ Evidence may be megabytes, and older versions stored other codes and members: wh
 not validated again. The document says what it is, and the tests compare the two.
 """
 
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from typing import Any, Literal, cast, override
@@ -72,9 +73,9 @@ class CodedUnion(BaseModel):
     """A model that stands for all members of a union by `code`, and is the base of each."""
 
     @classmethod
+    @abstractmethod
     def union_members(cls) -> UnionMembers:
         """Return the members by code, and the one for every other code."""
-        raise NotImplementedError
 
     @classmethod
     @override
