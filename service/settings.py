@@ -20,12 +20,12 @@ def default_data_dir() -> Path:
 
 
 def default_plan_slots() -> int:
-    """Return one slot less than there are processors, at least one, at most eight."""
+    """Return one less than there are processors, at least one, at most eight."""
     return min(8, max(1, (os.cpu_count() or 1) - 1))
 
 
 def default_query_slots() -> int:
-    """Return one slot for every two processors, at least one, at most four."""
+    """Return one for every two processors, at least one, at most four."""
     return min(4, max(1, (os.cpu_count() or 1) // 2))
 
 
@@ -49,7 +49,12 @@ class Settings(BaseSettings):
     engine: Literal["process", "inline"] = Field(
         default="process", description="Killable worker processes, or this one (for tests)"
     )
-    plan_slots: int = Field(default_factory=default_plan_slots, ge=1, le=256)
+    plan_slots: int = Field(
+        default_factory=default_plan_slots,
+        ge=1,
+        le=256,
+        description="Plans that may run at once",
+    )
     search_processes: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         ge=1,
@@ -61,10 +66,14 @@ class Settings(BaseSettings):
         default_factory=default_query_slots,
         ge=1,
         le=64,
-        description="Questions that may run at once; one more slot is kept for short ones",
+        description="Questions that may run at once; one more worker is kept for short ones",
     )
-    regions_slots: int = Field(default=1, ge=1, le=64)
-    execution_slots: int = Field(default=2, ge=1, le=64)
+    regions_slots: int = Field(
+        default=1, ge=1, le=64, description="Growths of regions that may run at once"
+    )
+    execution_slots: int = Field(
+        default=2, ge=1, le=64, description="Executions that may run at once"
+    )
     niceness: int = Field(
         default=10,
         ge=0,

@@ -48,8 +48,8 @@ def noops(count: int, slots: int) -> Measure:
 async def _done(folder: Path, count: int, slots: int) -> Measure:
     measure = Measure(f"durable jobs that do nothing, {slots} workers")
     engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
-    lanes = {"plan": JobQueue("plan", [ProcessWorker([_HERE]) for _ in range(slots)], count + 1)}
-    dispatcher = Dispatcher(JobStore(engine, {}), DispatcherLock(engine), lanes)
+    queues = {"plan": JobQueue("plan", [ProcessWorker([_HERE]) for _ in range(slots)], count + 1)}
+    dispatcher = Dispatcher(JobStore(engine, {}), DispatcherLock(engine), queues)
     await dispatcher.start()
 
     async def one() -> None:

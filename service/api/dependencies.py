@@ -6,9 +6,14 @@ It is asynchronous: FastAPI has a thread carry out what is not, which takes long
 from typing import Annotated
 
 from fastapi import Depends, Request
+from starlette.types import Scope
 
 from service.jobs.service import JobService
 from service.settings import Settings
+
+# Member of an ASGI scope: the name of the key of a request, where keys are needed.
+CALLER = "wayproof.caller"
+MAX_CLIENT = 80
 
 
 async def _settings(request: Request) -> Settings:
@@ -18,7 +23,15 @@ async def _settings(request: Request) -> Settings:
 
 async def _jobs(request: Request) -> JobService:
     jobs: JobService = request.app.state.jobs
-    return jobs
+    return jobs.for_client(client_of(request.scope))
+
+
+def client_of(scope: Scope) -> str:
+    """Return who sends a request: the name of its key, or its address where there are no keys."""
+    name = scope.get(CALLER)
+    if name is not None:
+        return f"key {name}"
+    return f"address {(scope.get('client') or ('unknown',))[0]}"[:MAX_CLIENT]
 
 
 type SettingsDep = Annotated[Settings, Depends(_settings)]

@@ -94,6 +94,10 @@ MobileJointName = Annotated[Name, Mark("planar or floating joint")]
 PositionName = Annotated[Name, Mark("position")]
 GroupPositions = Annotated[Positions, Mark(COORDINATES)]
 
+PRIORITY = (
+    "What goes first of what waits. Clients take turns within a priority, and what has waited for "
+    "30 s goes with the next priority: `low` is delayed by others, never for good"
+)
 UNRECORDED = (
     "What has happened and the database does not hold yet, because it is full, locked or away: "
     "`cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked for "

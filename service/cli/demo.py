@@ -12,8 +12,7 @@ from service.cli.output import console, follow, show_failure
 from service.cli.plan import finished
 from service.cli.session import scene_text, session
 from service.client.client import Client
-from service.executions.models import Execution, ExecutionState
-from service.plans.models.plan import Plan
+from service.client.models import Execution, Plan
 
 _SCENE = "ur5e_pickup"
 _ARM, _GRIPPER = "arm", "arm::gripper"
@@ -142,7 +141,7 @@ def executed(client: Client, name: str, job: Plan, speed: float) -> Execution:
     execution = client.execute(job.id, speed, name)
     follow(f"execute {name}", client.execution_events(execution.id))
     execution = client.execution(execution.id)
-    if execution.state is not ExecutionState.SUCCEEDED:
+    if execution.state != "succeeded":
         show_failure(f"the execution of {name}", execution.failure)
         raise typer.Exit(1)
     return execution

@@ -5,8 +5,7 @@ from typing import Any
 import typer
 
 from service.cli.output import error_console
-from service.scenes.models.scene import Scene
-from service.scenes.models.summary import Group
+from service.client.models import Group, Scene
 
 
 def group_of(scene: Scene, name: str | None) -> Group:

@@ -7,11 +7,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from service.api.failures.failure import Failure
 from service.client.events import Event
-from service.plans.models.plan import Plan
-from service.plans.models.result import PlanResult
-from service.scenes.models.summary import Group
+from service.client.models import Failure, Group, Plan, PlanResult
 
 console = Console(highlight=False)
 error_console = Console(stderr=True, highlight=False)
@@ -74,7 +71,7 @@ def show_plans(plans: Mapping[str, Plan], unit: str = "rad or m") -> None:
 def _facts(job: Plan, unit: str) -> dict[str, str]:
     result = job.result
     if result is None:
-        return {"state": str(job.state)}
+        return {"state": job.state}
     facts = {
         f"{told}, ms": f"{1000 * job.timings[name]:.0f}"
         for name, told in _TIMES.items()

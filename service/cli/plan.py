@@ -10,7 +10,7 @@ from service.cli.options import MAX_SEED, above_zero
 from service.cli.output import console, follow, show_failure, show_plans, unit_of
 from service.cli.session import scene_text, session
 from service.client.client import Client
-from service.plans.models.plan import Plan
+from service.client.models import Plan
 
 
 def plan(  # noqa: PLR0913  (one parameter per option)

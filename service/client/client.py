@@ -8,10 +8,7 @@ import httpx
 
 from service.client.errors import raise_for_problem
 from service.client.events import Event, decode_events
-from service.executions.models import Execution
-from service.plans.models.plan import Plan
-from service.scenes.models.scene import Scene
-from service.scenes.models.summary import Model
+from service.client.models import Execution, Model, Plan, Scene
 
 _CONNECT_TIMEOUT = 5.0
 _ANSWER_TIMEOUT = 120.0

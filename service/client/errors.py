@@ -3,7 +3,7 @@
 import httpx
 from pydantic import ValidationError
 
-from service.api.failures.problem import Problem
+from service.client.models import Problem
 
 
 class ApiError(Exception):
@@ -30,7 +30,6 @@ def raise_for_problem(response: httpx.Response) -> httpx.Response:
         problem = Problem.model_validate_json(response.content)
     except ValidationError:
         problem = Problem(
-            type="about:blank",
             title=response.reason_phrase,
             status=response.status_code,
             code="http_error",

@@ -12,10 +12,9 @@ from service.api.strict_route import StrictRoute
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
 from service.executions.position import last_status
-from service.executions.tasks import ExecutionWork
+from service.executions.tasks import REPLAY_MOTIONS, ExecutionWork, ReplayWork, ShownWork
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
-from service.plans.tasks import REPLAY_MOTIONS, ReplayWork, ShownWork
 from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(

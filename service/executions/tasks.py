@@ -1,4 +1,4 @@
-"""Tasks about executions: to carry a plan out, and to prove it anew before."""
+"""Tasks about executions: to carry a plan out, to prove it anew before, to replay it after."""
 
 from pydantic import Field
 
@@ -7,6 +7,7 @@ from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
+from service.plans.tasks import DeliveredWork, Page
 from service.scenes.tasks import SceneWork
 
 
@@ -64,6 +65,21 @@ class Proof(TaskModel):
     min_clearance: float | None
 
 
+class ShownWork(DeliveredWork):
+    """A motion of a replay: what stands above it, and when it ended [s], if before its end."""
+
+    title: str
+    until: float | None
+
+
+class ReplayWork(TaskModel):
+    """Motions that are replayed one after the other, each in a scene of its own."""
+
+    artifact_members = ("motions.scene.document",)
+
+    motions: list[ShownWork]
+
+
 EXECUTE = Task(
     "execute",
     ExecutionWork,
@@ -74,3 +90,4 @@ EXECUTE = Task(
     outline=Outline(payload=("trajectory",)),
 )
 PROVE = Task("prove_execution", ProofWork, Proof)
+REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)

@@ -9,13 +9,13 @@ RETRY_AFTER = 5
 
 
 class QueueFull(WayproofError):
-    """A queue has as many waiting jobs as it may; evidence: `lane`, `bound`, `retry_after` [s]."""
+    """A queue has as many waiting jobs as it may; evidence: `queue`, `bound`, `retry_after` [s]."""
 
     code = "queue_full"
 
 
 class QueueTimeout(WayproofError):
-    """No worker was free in time; evidence: `lane`, `waited` [s], `queued`, `retry_after` [s]."""
+    """No worker was free in time; evidence: `queue`, `waited` [s], `queued`, `retry_after` [s]."""
 
     code = "queue_timeout"
 

@@ -5,6 +5,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from enum import StrEnum
 from typing import Any
 
 from service.jobs.json_text import Encoded
@@ -14,6 +15,19 @@ FINISHED = "finished"
 
 # Type and data of an event that is not recorded yet.
 type PendingEvent = tuple[str, Encoded]
+
+
+class Priority(StrEnum):
+    """What goes first of what waits."""
+
+    LOW = "low"
+    NORMAL = "normal"
+    HIGH = "high"
+
+    @property
+    def level(self) -> int:
+        """The larger the sooner; 0 is normal."""
+        return list(Priority).index(self) - 1
 
 
 @dataclass(frozen=True)
@@ -46,7 +60,7 @@ class JobSpec:
         prefix: Of the job's id.
         scene: Id of the scene it is about, for listing.
         world_digest: Workers that ran this key lately are preferred.
-        priority: Larger comes first.
+        priority: Level of a `Priority`; larger comes first.
         time_limit: Seconds after which it is told to end, and soon after killed; None without one.
         max_attempts: How often it may be run if its process dies.
         key: Idempotency key within the queue, or None.
@@ -54,6 +68,7 @@ class JobSpec:
         batch: Id of the batch that it is of, or None.
         follows: Sequence of the newest job of its queue in its scene, 0 for none, as the request
             knows it: the job is refused if there is another one by now. None if that is no matter.
+        client: Who requests it: clients take turns.
     """
 
     queue: str
@@ -69,6 +84,7 @@ class JobSpec:
     request_digest: str = ""
     batch: str | None = None
     follows: int | None = None
+    client: str = ""
 
 
 @dataclass(frozen=True)
@@ -98,6 +114,7 @@ class JobSummary:
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
+    client: str
     result: dict[str, Any] | None
     failure: dict[str, Any] | None
     made_by: dict[str, str] | None

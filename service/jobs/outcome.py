@@ -35,9 +35,9 @@ class Returned:
     summary: Encoded | None = None
 
 
-def returned(brief: str, result: str) -> Returned:
+def returned(summary: str, result: str) -> Returned:
     """Return the outcome of two texts, of which the first may be empty."""
-    return Returned(Encoded(result), Encoded(brief) if brief else None)
+    return Returned(Encoded(result), Encoded(summary) if summary else None)
 
 
 @dataclass(frozen=True)

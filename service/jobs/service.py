@@ -2,8 +2,10 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from copy import copy
+from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 from anyio import to_thread
 
@@ -28,6 +30,7 @@ class JobService(TaskCalls):
 
     Attributes:
         on_delete: Called after jobs were deleted on request.
+        client: Whom it works for: clients take turns.
     """
 
     def __init__(
@@ -54,6 +57,12 @@ class JobService(TaskCalls):
         self._queues = queues
         self.on_delete: Callable[[], None] | None = None
 
+    def for_client(self, client: str) -> Self:
+        """Return the same service for a client: what it requests is that client's."""
+        own = copy(self)
+        own.client = client
+        return own
+
     async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.
 
@@ -61,7 +70,7 @@ class JobService(TaskCalls):
             QueueFull: Its queue has as many waiting jobs as it may.
             IdempotencyConflict: Its key was used for another request.
         """
-        return await self._dispatcher.submit(spec)
+        return await self._dispatcher.submit(replace(spec, client=self.client))
 
     async def submit_all(self, specs: Sequence[JobSpec]) -> list[Job]:
         """Queue jobs of one queue, all of them or none; they are durable when this returns.
@@ -72,7 +81,8 @@ class JobService(TaskCalls):
             QueueFull: Its queue would have more waiting jobs than it may.
             IdempotencyConflict: The key was used for another request.
         """
-        return await self._dispatcher.submit_all(specs)
+        own = [replace(spec, client=self.client) for spec in specs]
+        return await self._dispatcher.submit_all(own)
 
     async def members_of(self, batch: str) -> list[BatchMember]:
         """Return the jobs of a batch in the order in which they were asked for; none if unknown."""

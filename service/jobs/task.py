@@ -27,7 +27,7 @@ class TaskModel(BaseModel):
 
     Attributes:
         artifact_members: Of what is given, the members that name artifacts which it reads, as
-            dotted names; one that is null names none.
+            dotted names, of all items where one is a list; one that is null names none.
     """
 
     artifact_members: ClassVar[tuple[str, ...]] = ()
@@ -45,11 +45,11 @@ class TaskResult:
 
     Attributes:
         text: All of it.
-        brief: What lists show of it; empty for all.
+        summary: What lists show of it; empty for all.
     """
 
     text: str
-    brief: str = ""
+    summary: str = ""
 
 
 class Task[In: BaseModel, Out: BaseModel]:
@@ -140,12 +140,14 @@ def artifacts_of(task: str, payload: Mapping[str, Any]) -> list[str]:
     """Return which artifacts a task reads that is given a payload."""
     known = _tasks.get(task)
     members: tuple[str, ...] = getattr(known and known.payload, "artifact_members", ())
-    named = (reduce(_inner, member.split("."), payload) for member in members)
-    return [digest for digest in named if isinstance(digest, str)]
+    named = [reduce(_inner, member.split("."), [payload]) for member in members]
+    return list(dict.fromkeys(text for each in named for text in each if isinstance(text, str)))
 
 
-def _inner(content: Any, name: str) -> Any:
-    return content.get(name) if isinstance(content, Mapping) else None
+def _inner(contents: list[Any], name: str) -> list[Any]:
+    """Return the members of a name of all contents; of a member that is a list, its items."""
+    found = [content.get(name) for content in contents if isinstance(content, Mapping)]
+    return [item for member in found for item in (member if isinstance(member, list) else [member])]
 
 
 def _json(content: BaseModel, **selection: Any) -> str:

@@ -3,28 +3,25 @@
 import csv
 import io
 import time
-from contextlib import ExitStack
 from dataclasses import replace
 
-from planning import Deadline, TimedTrajectory, World
+from planning import Deadline, TimedTrajectory
 from planning.api.motion_series import motion_series
 from planning.api.sample_motion import sample_plan, unproven_samples
 from planning.errors import InputError
-from planning.world.replay.replay_writer import ShownMotion, replay_html, replay_motions_html
+from planning.world.replay.replay_writer import replay_html
 from service.jobs.context import TaskContext
 from service.plans.models.sampling import IN_QUERY, require_few
 from service.plans.models.trajectory import Polynomial, Trajectory
 from service.plans.tasks import (
     PLOT,
     REPLAY,
-    REPLAY_MOTIONS,
     SAMPLE,
     SAMPLE_TABLE,
     DeliveredWork,
     Drawing,
     Page,
     PlotWork,
-    ReplayWork,
     SampleWork,
     Table,
 )
@@ -133,23 +130,3 @@ def replay(work: DeliveredWork, _: TaskContext) -> Page:
     trajectory = work.trajectory.to_domain()
     with borrow_world(work) as world:
         return Page(html=replay_html(world, world.group(work.group), trajectory))
-
-
-@REPLAY_MOTIONS.runs
-def replay_motions(work: ReplayWork, _: TaskContext) -> Page:
-    """Make the page that replays motions in 3-D, one after the other.
-
-    Raises:
-        InputError: A scene does not load any more.
-    """
-    worlds: dict[str, World] = {}
-    shown: list[ShownMotion] = []
-    with ExitStack() as borrowed:
-        for motion in work.motions:
-            digest = motion.scene.digest
-            if digest not in worlds:
-                worlds[digest] = borrowed.enter_context(borrow_world(motion))
-            world, trajectory = worlds[digest], motion.trajectory.to_domain()
-            group = world.group(motion.group)
-            shown.append(ShownMotion(motion.title, world, group, trajectory, motion.until))
-        return Page(html=replay_motions_html(shown))

@@ -136,7 +136,7 @@ def _spec[W: MotionWork](
     task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
 ) -> JobSpec:
     time_limit = work.request.search.allowed_planning_time + SLACK
-    return spec_of(task, work, record, key, time_limit)
+    return spec_of(task, work, record, key, time_limit, work.request.priority)
 
 
 def _settled(

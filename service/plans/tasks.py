@@ -154,19 +154,6 @@ class Drawing(TaskModel):
     svg: str
 
 
-class ShownWork(DeliveredWork):
-    """A motion of a replay: what stands above it, and when it ended [s], if before its end."""
-
-    title: str
-    until: float | None
-
-
-class ReplayWork(TaskModel):
-    """Motions that are replayed one after the other, each in a scene of its own."""
-
-    motions: list[ShownWork]
-
-
 class Page(TaskModel):
     """A page that needs nothing else."""
 
@@ -184,5 +171,4 @@ SAMPLE = Task("sample_plan", SampleWork, Trajectory)
 SAMPLE_TABLE = Task("sample_plan_as_table", SampleWork, Table)
 PLOT = Task("plot_plan", PlotWork, Drawing)
 REPLAY = Task("replay_plan", DeliveredWork, Page)
-REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)
 WARM_UP = Task("warm_up", NoWork, WarmedUp)

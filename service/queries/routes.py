@@ -2,15 +2,14 @@
 
 from fastapi import APIRouter, Response
 
-from service.api.dependencies import JobsDep
 from service.api.params import Revision, SceneId
-from service.api.responses import passed_on, problems
+from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.queries.models.check import CheckRequest, CheckResponse
 from service.queries.models.kinematics import FkRequest, FkResponse, IkRequest, IkResponse
 from service.queries.models.line import LineRequest, LineResponse
-from service.queries.tasks import CHECK, FK, IK, LINE, QueryWork
-from service.scenes.dependencies import ScenesDep
+from service.queries.tasks import CHECK, FK, IK, LINE
+from service.scenes.dependencies import SceneCallsDep
 from service.scenes.validation import check_request
 
 router = APIRouter(
@@ -23,59 +22,39 @@ router = APIRouter(
 
 @router.post("/check", operation_id="checkConfigurations", response_model=CheckResponse)
 async def check(
-    scene: SceneId,
-    request: CheckRequest,
-    scenes: ScenesDep,
-    jobs: JobsDep,
-    revision: Revision = None,
+    scene: SceneId, request: CheckRequest, calls: SceneCallsDep, revision: Revision = None
 ) -> Response:
     """Check configurations: limits, and every pair of bodies that collides, with its depth."""
-    record = await scenes.get(scene, revision)
+    record = await calls.scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[CheckRequest].about(scenes.work(record), request)
-    return passed_on(await jobs.call_text(CHECK, work, size=len(request.configurations)))
+    return await calls.answer(CHECK, record, request, len(request.configurations))
 
 
 @router.post("/fk", operation_id="computeForwardKinematics", response_model=FkResponse)
 async def fk(
-    scene: SceneId,
-    request: FkRequest,
-    scenes: ScenesDep,
-    jobs: JobsDep,
-    revision: Revision = None,
+    scene: SceneId, request: FkRequest, calls: SceneCallsDep, revision: Revision = None
 ) -> Response:
     """Compute where frames are in given configurations."""
-    record = await scenes.get(scene, revision)
+    record = await calls.scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[FkRequest].about(scenes.work(record), request)
-    return passed_on(await jobs.call_text(FK, work, size=len(request.configurations)))
+    return await calls.answer(FK, record, request, len(request.configurations))
 
 
 @router.post("/ik", operation_id="solveInverseKinematics", response_model=IkResponse)
 async def ik(
-    scene: SceneId,
-    request: IkRequest,
-    scenes: ScenesDep,
-    jobs: JobsDep,
-    revision: Revision = None,
+    scene: SceneId, request: IkRequest, calls: SceneCallsDep, revision: Revision = None
 ) -> Response:
     """Find all distinct configurations that reach a goal, or say why there is none."""
-    record = await scenes.get(scene, revision)
+    record = await calls.scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[IkRequest].about(scenes.work(record), request)
-    return passed_on(await jobs.call_text(IK, work))
+    return await calls.answer(IK, record, request)
 
 
 @router.post("/line", operation_id="traceLine", response_model=LineResponse)
 async def line(
-    scene: SceneId,
-    request: LineRequest,
-    scenes: ScenesDep,
-    jobs: JobsDep,
-    revision: Revision = None,
+    scene: SceneId, request: LineRequest, calls: SceneCallsDep, revision: Revision = None
 ) -> Response:
     """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
-    record = await scenes.get(scene, revision)
+    record = await calls.scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[LineRequest].about(scenes.work(record), request)
-    return passed_on(await jobs.call_text(LINE, work))
+    return await calls.answer(LINE, record, request)

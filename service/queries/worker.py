@@ -39,7 +39,8 @@ from service.queries.models.kinematics import (
     IkSolution,
 )
 from service.queries.models.line import LineRequest, LineResponse
-from service.queries.tasks import CHECK, FK, IK, LINE, QueryWork
+from service.queries.tasks import CHECK, FK, IK, LINE
+from service.scenes.tasks import RequestWork
 from service.scenes.world_cache import borrow_world
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -55,7 +56,7 @@ _NO_SOLUTION = (
 
 
 @CHECK.runs
-def check(work: QueryWork[CheckRequest], _: TaskContext) -> CheckResponse:
+def check(work: RequestWork[CheckRequest], _: TaskContext) -> CheckResponse:
     """Return a verdict per configuration.
 
     Raises:
@@ -69,7 +70,7 @@ def check(work: QueryWork[CheckRequest], _: TaskContext) -> CheckResponse:
 
 
 @FK.runs
-def fk(work: QueryWork[FkRequest], _: TaskContext) -> FkResponse:
+def fk(work: RequestWork[FkRequest], _: TaskContext) -> FkResponse:
     """Return the poses of frames per configuration.
 
     Raises:
@@ -87,7 +88,7 @@ def fk(work: QueryWork[FkRequest], _: TaskContext) -> FkResponse:
 
 
 @IK.runs
-def ik(work: QueryWork[IkRequest], context: TaskContext) -> IkResponse:
+def ik(work: RequestWork[IkRequest], context: TaskContext) -> IkResponse:
     """Return all goal configurations that were found, or why there is none.
 
     Raises:
@@ -129,7 +130,7 @@ def ik(work: QueryWork[IkRequest], context: TaskContext) -> IkResponse:
 
 
 @LINE.runs
-def line(work: QueryWork[LineRequest], context: TaskContext) -> LineResponse:
+def line(work: RequestWork[LineRequest], context: TaskContext) -> LineResponse:
     """Return how far a tool can be moved in a straight line, and what stops it.
 
     Raises:

@@ -10,6 +10,7 @@ from service.api.failures.failure import Failure
 from service.api.models import (
     ATTEMPTS,
     CANCEL_REQUESTED_AT,
+    PRIORITY,
     UNRECORDED,
     WHOLE,
     Interval,
@@ -23,6 +24,7 @@ from service.api.models import (
     Versions,
 )
 from service.api.open_enums import AnyStage, OneOf
+from service.jobs.job import Priority
 from service.jobs.states import JobState
 
 StopReason = Annotated[
@@ -84,6 +86,7 @@ class RegionsRequest(RequestModel):
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness: the same seed gives the same regions"
     )
+    priority: Priority = Field(default=Priority.NORMAL, description=PRIORITY)
 
     def to_domain(self) -> domain.RegionOptions:
         """Return the options of the growth."""

@@ -34,8 +34,7 @@ async def submit_regions(
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
     )
-    fingerprint = {"scene": record.id, **request.model_dump(mode="json")}
+    idempotency = IdempotencyKey(key, {"scene": record.id, **request.model_dump(mode="json")})
     time_limit = request.allowed_time + _SLACK
-    return await jobs.submit(
-        spec_of(GROW_REGIONS, work, record, IdempotencyKey(key, fingerprint), time_limit)
-    )
+    spec = spec_of(GROW_REGIONS, work, record, idempotency, time_limit, request.priority)
+    return await jobs.submit(spec)

@@ -1,10 +1,18 @@
-"""The scenes that endpoints are handed."""
+"""What endpoints about scenes are handed."""
 
+from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import Depends, Request
+from fastapi import Depends, Request, Response
+from pydantic import BaseModel
 
+from service.api.dependencies import JobsDep
+from service.api.responses import passed_on
+from service.jobs.service import JobService
+from service.jobs.task import Task
+from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
+from service.scenes.tasks import RequestWork
 
 
 async def _scenes(request: Request) -> SceneStore:
@@ -13,3 +21,37 @@ async def _scenes(request: Request) -> SceneStore:
 
 
 type ScenesDep = Annotated[SceneStore, Depends(_scenes)]
+
+
+@dataclass(frozen=True)
+class SceneCalls:
+    """Short tasks about scenes.
+
+    Attributes:
+        scenes: That they are about.
+        jobs: Calls them.
+    """
+
+    scenes: SceneStore
+    jobs: JobService
+
+    async def answer[In: BaseModel, Out: BaseModel](
+        self, task: Task[RequestWork[In], Out], record: SceneRecord, request: In, size: int = 0
+    ) -> Response:
+        """Return the answer of a task to a request about a scene, passed on as it is.
+
+        Args:
+            task: Of a queue of calls.
+            record: Of the scene.
+            request: Whose names are known to be there.
+            size: Number of items: twice as many take longer.
+        """
+        work = task.payload.about(self.scenes.work(record), request)
+        return passed_on(await self.jobs.call_text(task, work, size))
+
+
+async def _scene_calls(scenes: ScenesDep, jobs: JobsDep) -> SceneCalls:
+    return SceneCalls(scenes, jobs)
+
+
+type SceneCallsDep = Annotated[SceneCalls, Depends(_scene_calls)]

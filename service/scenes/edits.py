@@ -8,7 +8,7 @@ from service.scenes.etags import check_match
 from service.scenes.models.edits import SceneEdit
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
-from service.scenes.tasks import EDIT_SCENE, EditWork, LoadedScene
+from service.scenes.tasks import EDIT_SCENE, LoadedScene, RequestWork
 
 # Somebody who edits a scene faster than it can be loaded, again and again, is told so.
 _MAX_ROUNDS = 10
@@ -56,6 +56,5 @@ async def load_edited(
         UnknownName: An operation names what the scene does not have.
         InputError: An operation cannot be done, or what comes of it does not load.
     """
-    scene = scenes.work(record)
-    work = EditWork(library=scene.library, scene=scene.scene, request=request)
+    work = RequestWork[SceneEdit].about(scenes.work(record), request)
     return await jobs.call_loading(EDIT_SCENE, work, size=len(request.operations))

@@ -2,7 +2,7 @@
 
 from pydantic import BaseModel
 
-from service.jobs.job import IdempotencyKey, JobSpec
+from service.jobs.job import IdempotencyKey, JobSpec, Priority
 from service.jobs.task import Task
 from service.scenes.records import SceneBrief
 
@@ -16,6 +16,7 @@ def spec_of[In: BaseModel, Out: BaseModel](
     scene: SceneBrief,
     key: IdempotencyKey,
     time_limit: float | None = None,
+    priority: Priority = Priority.NORMAL,
 ) -> JobSpec:
     """Return the job that carries a task out in a scene.
 
@@ -25,6 +26,7 @@ def spec_of[In: BaseModel, Out: BaseModel](
         scene: That it is about.
         key: By which a repeated request finds the same job.
         time_limit: Seconds after which it is told to end; None without one.
+        priority: Of what waits.
     """
     return JobSpec(
         queue=task.queue,
@@ -33,6 +35,7 @@ def spec_of[In: BaseModel, Out: BaseModel](
         prefix=PREFIXES[task.queue],
         scene=scene.id,
         world_digest=scene.digest,
+        priority=priority.level,
         time_limit=time_limit,
         max_attempts=task.max_attempts,
         key=key.text,

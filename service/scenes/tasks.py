@@ -1,6 +1,8 @@
 """Tasks that load scenes, and what every task about a scene is given."""
 
-from typing import Literal
+from typing import Literal, Self
+
+from pydantic import BaseModel
 
 from service.jobs.json_text import Encoded
 from service.jobs.outline import Outline
@@ -49,17 +51,22 @@ class SceneWork(LibraryWork):
     scene: StoredScene
 
 
+class RequestWork[Request: BaseModel](SceneWork):
+    """A request to a scene."""
+
+    request: Request
+
+    @classmethod
+    def about(cls, scene: SceneWork, request: Request) -> Self:
+        """Return a request with what every task about a scene is given."""
+        return cls(library=scene.library, scene=scene.scene, request=request)
+
+
 class LoadWork(LibraryWork):
     """A scene as it was posted."""
 
     text: str
     media: Media
-
-
-class EditWork(SceneWork):
-    """Operations on a scene."""
-
-    request: SceneEdit
 
 
 class LoadedScene(TaskModel):
@@ -82,4 +89,4 @@ class LoadedScene(TaskModel):
 
 _TEXTS = Outline(result=("unchecked", "document"))
 LOAD_SCENE = Task("load_scene", LoadWork, LoadedScene, outline=_TEXTS)
-EDIT_SCENE = Task("edit_scene", EditWork, LoadedScene, outline=_TEXTS)
+EDIT_SCENE = Task("edit_scene", RequestWork[SceneEdit], LoadedScene, outline=_TEXTS)

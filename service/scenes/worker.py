@@ -20,14 +20,15 @@ from planning.world.files.trial_load import trial_load
 from service.api.names import located
 from service.jobs.context import TaskContext
 from service.scenes.document_text import SceneText, keep_text, kept_text, unchecked_text
+from service.scenes.models.edits import SceneEdit
 from service.scenes.models.scene import SceneSummary
 from service.scenes.parsing import decode_scene
 from service.scenes.tasks import (
     EDIT_SCENE,
     LOAD_SCENE,
-    EditWork,
     LoadedScene,
     LoadWork,
+    RequestWork,
     SceneWork,
 )
 from service.scenes.world_cache import keep, library_of, load_like, read_stored, take_world
@@ -54,7 +55,7 @@ def load_scene(work: LoadWork, _: TaskContext) -> LoadedScene:
 
 
 @EDIT_SCENE.runs
-def revise_scene(work: EditWork, _: TaskContext) -> LoadedScene:
+def revise_scene(work: RequestWork[SceneEdit], _: TaskContext) -> LoadedScene:
     """Load a scene after operations.
 
     Where its world and text are warm, only what is edited is read and written; else all of it is

@@ -13,8 +13,8 @@ from fastapi.routing import APIRoute
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.api.dependencies import CALLER
 from service.api.middleware.request_id import request_id
-from service.security.guard import CALLER
 from service.security.redaction import redacted
 from service.security.scopes import SAFE_METHODS
 

@@ -9,6 +9,7 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from planning.errors import WayproofError
+from service.api.dependencies import CALLER
 from service.api.error_responses import ProblemResponse, respond
 from service.errors import ScopeMissing, Unauthorized
 from service.security.key_ring import KeyRing
@@ -18,8 +19,6 @@ from service.security.scopes import Scope as KeyScope
 from service.security.scopes import required_scope
 from service.settings import Settings
 
-# Member of an ASGI scope: the name of the key of a request.
-CALLER = "wayproof.caller"
 # Answers that last as long as a job, which may be days: the key is looked at with each event.
 _STREAMS = {"text/event-stream", "text/event-stream; charset=utf-8"}
 _REALM = 'Bearer realm="wayproof"'

@@ -2,21 +2,15 @@
 
 from fastapi import APIRouter, Response
 
-from service.api.dependencies import JobsDep
-from service.api.models import ResponseModel
-from service.api.responses import passed_on, problems
+from service.api.responses import problems
 from service.api.strict_route import StrictRoute
-from service.jobs.service import JobService
-from service.jobs.task import Task
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
-from service.scenes.dependencies import ScenesDep
+from service.scenes.dependencies import SceneCallsDep
 from service.scenes.records import SceneRecord
-from service.scenes.store import SceneStore
 from service.scenes.validation import check_request
 from service.trajectories.models import (
     CertifyMotionRequest,
     CertifyMotionResponse,
-    MotionRequest,
     RetimeRequest,
     RetimeResponse,
     SpliceMotionRequest,
@@ -24,7 +18,7 @@ from service.trajectories.models import (
     StopMotionRequest,
     StopMotionResponse,
 )
-from service.trajectories.tasks import CERTIFY, RETIME, SPLICE, STOP, MotionWork
+from service.trajectories.tasks import CERTIFY, RETIME, SPLICE, STOP
 
 router = APIRouter(
     route_class=StrictRoute,
@@ -35,36 +29,36 @@ router = APIRouter(
 
 
 @router.post("/retime", operation_id="retimePath", response_model=RetimeResponse)
-async def retime(request: RetimeRequest, scenes: ScenesDep, jobs: JobsDep) -> Response:
+async def retime(request: RetimeRequest, calls: SceneCallsDep) -> Response:
     """Time a path of your own as quickly as the limits allow, and prove the motion."""
-    record = await scenes.get(request.scene, request.revision)
+    record = await calls.scenes.get(request.scene, request.revision)
     request.retime.check_group(check_request(record, request))
     require_one_sampling(request.retime.sample_period, request.retime.num_points)
-    return await _answer(scenes, jobs, RETIME, record, request, len(request.waypoints))
+    return await calls.answer(RETIME, record, request, len(request.waypoints))
 
 
 @router.post("/certify", operation_id="certifyTrajectory", response_model=CertifyMotionResponse)
-async def certify(request: CertifyMotionRequest, scenes: ScenesDep, jobs: JobsDep) -> Response:
+async def certify(request: CertifyMotionRequest, calls: SceneCallsDep) -> Response:
     """Hold a trajectory of your own against limits and obstacles, between its samples too."""
-    record = await scenes.get(request.scene, request.revision)
+    record = await calls.scenes.get(request.scene, request.revision)
     request.check_group(check_request(record, request))
-    return await _answer(scenes, jobs, CERTIFY, record, request, len(request.trajectory.times))
+    return await calls.answer(CERTIFY, record, request, len(request.trajectory.times))
 
 
 @router.post("/stop", operation_id="stopMotion", response_model=StopMotionResponse)
-async def stop(request: StopMotionRequest, scenes: ScenesDep, jobs: JobsDep) -> Response:
+async def stop(request: StopMotionRequest, calls: SceneCallsDep) -> Response:
     """Stop a running motion from an instant of it, as quickly as the limits allow, and prove it."""
-    record = await scenes.get(request.scene, request.revision)
+    record = await calls.scenes.get(request.scene, request.revision)
     _check_transition(record, request)
-    return await _answer(scenes, jobs, STOP, record, request, len(request.trajectory.times))
+    return await calls.answer(STOP, record, request, len(request.trajectory.times))
 
 
 @router.post("/splice", operation_id="spliceMotion", response_model=SpliceMotionResponse)
-async def splice(request: SpliceMotionRequest, scenes: ScenesDep, jobs: JobsDep) -> Response:
+async def splice(request: SpliceMotionRequest, calls: SceneCallsDep) -> Response:
     """Go over from a running motion to another one without a rest in between, and prove it."""
-    record = await scenes.get(request.scene, request.revision)
+    record = await calls.scenes.get(request.scene, request.revision)
     _check_transition(record, request)
-    return await _answer(scenes, jobs, SPLICE, record, request, len(request.trajectory.times))
+    return await calls.answer(SPLICE, record, request, len(request.trajectory.times))
 
 
 def _check_transition(
@@ -72,17 +66,3 @@ def _check_transition(
 ) -> None:
     request.check_group(check_request(record, request))
     require_one_sampling(request.sample_period, request.num_points, IN_QUESTION)
-
-
-async def _answer[Request: MotionRequest, Answer: ResponseModel](
-    scenes: SceneStore,
-    jobs: JobService,
-    task: Task[MotionWork[Request], Answer],
-    record: SceneRecord,
-    request: Request,
-    num_points: int,
-) -> Response:
-    """Return the answer of a task to a request in a scene."""
-    scene = scenes.work(record)
-    work = task.payload(library=scene.library, scene=scene.scene, request=request)
-    return passed_on(await jobs.call_text(task, work, num_points))

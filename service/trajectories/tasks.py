@@ -1,8 +1,7 @@
 """Tasks about motions of the client."""
 
-from service.api.models import RequestModel
 from service.jobs.task import Task
-from service.scenes.tasks import SceneWork
+from service.scenes.tasks import RequestWork
 from service.trajectories.models import (
     CertifyMotionRequest,
     CertifyMotionResponse,
@@ -14,14 +13,7 @@ from service.trajectories.models import (
     StopMotionResponse,
 )
 
-
-class MotionWork[Request: RequestModel](SceneWork):
-    """A request about a motion, in a scene."""
-
-    request: Request
-
-
-RETIME = Task("retime_path", MotionWork[RetimeRequest], RetimeResponse)
-CERTIFY = Task("certify_trajectory", MotionWork[CertifyMotionRequest], CertifyMotionResponse)
-STOP = Task("stop_motion", MotionWork[StopMotionRequest], StopMotionResponse)
-SPLICE = Task("splice_motion", MotionWork[SpliceMotionRequest], SpliceMotionResponse)
+RETIME = Task("retime_path", RequestWork[RetimeRequest], RetimeResponse)
+CERTIFY = Task("certify_trajectory", RequestWork[CertifyMotionRequest], CertifyMotionResponse)
+STOP = Task("stop_motion", RequestWork[StopMotionRequest], StopMotionResponse)
+SPLICE = Task("splice_motion", RequestWork[SpliceMotionRequest], SpliceMotionResponse)

@@ -8,7 +8,7 @@ import pytest
 
 import planning
 from planning.world.world import World
-from service.plans.models.goals import PoseGoal
+from service.plans.models.pose_goals import PoseGoal
 from tests.clocks import no_hurry
 from tests.conventions.guide import ROOT, values
 

@@ -3,13 +3,11 @@
 from functools import cache
 from typing import Annotated, Any, Self, override
 
-from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
+from pydantic import ConfigDict, Field
 
 from planning.errors import WayproofError
 from service.api.failures.table import EVIDENCE, failure_errors
-from service.api.failures.union import NoneOf, enum_of, member, union_schema
+from service.api.failures.union import CodedUnion, NoneOf, UnionMembers, enum_of, member
 from service.api.models import Timings
 from service.api.open_enums import AnyStage
 
@@ -20,7 +18,7 @@ FailureCode = enum_of(
 )
 
 
-class Failure(BaseModel):
+class Failure(CodedUnion):
     """Why a job has no result: its `code` says what its `evidence` has.
 
     Codes and evidence of older versions are passed on as they are.
@@ -75,14 +73,9 @@ class Failure(BaseModel):
 
     @classmethod
     @override
-    def __get_pydantic_json_schema__(
-        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Return the union by `code` for the model itself, and for a member its own schema."""
-        schema = handler.resolve_ref_schema(handler(core_schema))
-        if cls is not Failure:
-            return {key: part for key, part in schema.items() if key != "examples"}
-        return union_schema(schema, failures(), OtherFailure, handler)
+    def union_members(cls) -> UnionMembers:
+        """Return one for each code that this version knows, and one for all others."""
+        return failures(), OtherFailure
 
 
 class OtherFailure(Failure):

@@ -11,7 +11,7 @@ from service.api.failures.parts import OPEN
 class QueueFullEvidence(TypedDict):
     """How full a queue is."""
 
-    lane: str
+    queue: str
     """Which queue"""
     bound: int
     """How many may wait"""
@@ -25,7 +25,7 @@ class QueueFullEvidence(TypedDict):
 class QueueTimeoutEvidence(TypedDict):
     """How long a question waited for a worker."""
 
-    lane: str
+    queue: str
     """In which queue"""
     waited: float
     """Seconds"""

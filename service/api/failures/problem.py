@@ -3,13 +3,11 @@
 from functools import cache
 from typing import Annotated, Any, override
 
-from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema
+from pydantic import BaseModel, ConfigDict, Field
 
 from service.api.failures.parts import NoEvidence
 from service.api.failures.table import EVIDENCE, HTTP_ERROR, problem_errors
-from service.api.failures.union import NoneOf, enum_of, member, union_schema
+from service.api.failures.union import CodedUnion, NoneOf, UnionMembers, enum_of, member
 
 ProblemCode = enum_of(
     "ProblemCode",
@@ -28,7 +26,7 @@ class ProblemError(BaseModel):
     nearest: list[str] = Field(description="Names that were perhaps meant, the nearest first")
 
 
-class Problem(BaseModel):
+class Problem(CodedUnion):
     """Why a request was refused (`application/problem+json`, RFC 9457).
 
     Its `code` says what its `evidence` has.
@@ -69,14 +67,9 @@ class Problem(BaseModel):
 
     @classmethod
     @override
-    def __get_pydantic_json_schema__(
-        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Return the union by `code` for the model itself, and for a member its own schema."""
-        schema = handler.resolve_ref_schema(handler(core_schema))
-        if cls is not Problem:
-            return {key: part for key, part in schema.items() if key != "examples"}
-        return union_schema(schema, problems(), OtherProblem, handler)
+    def union_members(cls) -> UnionMembers:
+        """Return one for each code that this version knows, and one for all others."""
+        return problems(), OtherProblem
 
 
 class OtherProblem(Problem):

@@ -4,15 +4,19 @@ Evidence may be megabytes, and older versions stored other codes and members: wh
 not validated again. The document says what it is, and the tests compare the two.
 """
 
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from enum import StrEnum
-from typing import Any, Literal, cast
+from typing import Any, Literal, cast, override
 
 from pydantic import BaseModel, Field, GetJsonSchemaHandler, TypeAdapter, create_model
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from planning.errors import WayproofError
+
+# By code, and the one for every other code.
+type UnionMembers = tuple[Mapping[str, type[BaseModel]], type[BaseModel]]
 
 
 def enum_of(name: str, doc: str, codes: Iterable[str]) -> type[StrEnum]:
@@ -65,7 +69,27 @@ def meaning(error: type[WayproofError]) -> str:
     return f"{first.partition('; evidence')[0].removesuffix('.')}."
 
 
-def union_schema(
+class CodedUnion(BaseModel):
+    """A model that stands for all members of a union by `code`, and is the base of each."""
+
+    @classmethod
+    @abstractmethod
+    def union_members(cls) -> UnionMembers:
+        """Return the members by code, and the one for every other code."""
+
+    @classmethod
+    @override
+    def __get_pydantic_json_schema__(
+        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the union for the model itself, and for a member its own schema."""
+        schema = handler.resolve_ref_schema(handler(core_schema))
+        if CodedUnion not in cls.__bases__:
+            return {key: part for key, part in schema.items() if key != "examples"}
+        return _union_schema(schema, *cls.union_members(), handler)
+
+
+def _union_schema(
     whole: JsonSchemaValue,
     members: Mapping[str, type[BaseModel]],
     other: type[BaseModel],

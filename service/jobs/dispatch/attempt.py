@@ -3,34 +3,22 @@
 import asyncio
 import json
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from typing import Any
 
-from planning.errors import Canceled, WayproofError
+from planning.errors import Canceled
+from service.jobs.dispatch.attempt_end import AttemptEnd, StopRequest
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.event_buffer import EventBuffer
 from service.jobs.job import Job, JobText, PendingEvent
-from service.jobs.json_text import Encoded
-from service.jobs.outcome import (
-    Crashed,
-    Failed,
-    Outcome,
-    Raised,
-    Returned,
-    Silent,
-    Terminated,
-    error_of,
-    interrupted,
-    is_deterministic,
-    with_stage,
-)
+from service.jobs.outcome import Outcome, Raised, Terminated
 from service.jobs.states import JobState
-from service.jobs.store.transitions import Transition, ended_job
+from service.jobs.store.transitions import Transition
 from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
 
@@ -69,24 +57,22 @@ class Attempt:
         self._worker: Worker | None = None
         self._is_confirmed = asyncio.Event()
         self._is_discarded = False
-        self._is_cancel_requested = job.is_cancel_requested
+        self._stop = StopRequest(job.is_cancel_requested)
         self.cancel_requested_at = job.cancel_requested_at
-        self._interruption = ""
         self._start: Transition | None = None
         self._start_is_decided = asyncio.Event()
         self._has_ended = False
-        self._pending_events: list[PendingEvent] = []
         self._seconds = 0.0
 
     @property
     def is_cancel_requested(self) -> bool:
         """Whether its end was requested."""
-        return self._is_cancel_requested
+        return self._stop.is_cancel
 
     @property
     def is_open(self) -> bool:
         """Whether it still takes controls."""
-        return not (self._is_cancel_requested or self._has_ended)
+        return not (self._stop.is_cancel or self._has_ended)
 
     @property
     def grace(self) -> float:
@@ -115,13 +101,13 @@ class Attempt:
 
     def cancel(self) -> None:
         """End the run on request, whatever it does."""
-        self._is_cancel_requested = True
+        self._stop.is_cancel = True
         self.cancel_requested_at = self.cancel_requested_at or datetime.now(UTC)
         self._terminate()
 
     def interrupt(self, reason: str) -> None:
         """End the run because the server has to; the job is queued again if it may run again."""
-        self._interruption = self._interruption or reason
+        self._stop.interruption = self._stop.interruption or reason
         self._terminate()
 
     def control(self, controls: Mapping[str, Any]) -> None:
@@ -137,8 +123,7 @@ class Attempt:
 
     def snapshot(self) -> Job:
         """Return the job as memory has it."""
-        at = self.cancel_requested_at
-        is_requested = self._is_cancel_requested
+        at, is_requested = self.cancel_requested_at, self._stop.is_cancel
         job = replace(self.job, is_cancel_requested=is_requested, cancel_requested_at=at)
         if self._start is None:
             return job
@@ -170,8 +155,13 @@ class Attempt:
         if self._start is None:  # canceled while it was queued
             return False
         self._has_ended = True
-        self._pending_events = await self._events.close()
-        return await self._conclude(outcome, self._start.attempts)
+        pending, stage = await self._events.close(), self.latest("stage") or {}
+        found = (self._start.attempts, self._seconds, stage, pending)
+        end = AttemptEnd(self.job, self._recorder, self._stop, *found)
+        is_queued_again = await end.write(outcome)
+        # Nothing was awaited since it was published: who is told of the end finds it here.
+        self.ended = end.ended
+        return is_queued_again
 
     async def _bring_artifacts(self, worker: Worker) -> bool:
         """Return whether the worker has what the task reads; else it was given back."""
@@ -210,7 +200,7 @@ class Attempt:
 
     @property
     def _may_begin(self) -> bool:
-        if self._is_cancel_requested or self._interruption:
+        if self._stop.is_cancel or self._stop.interruption:
             return False
         if not self._start_is_decided.is_set():
             return True
@@ -239,90 +229,3 @@ class Attempt:
             self._seconds = loop.time() - began
             self._scheduler.release(job.queue, worker, self._seconds)
         return outcome
-
-    async def _conclude(self, outcome: Outcome, attempts: int) -> bool:
-        """Write the end into the table, however long that takes."""
-        identifier = self.job.id
-        write = partial(self._write_end, outcome, attempts)
-        try:
-            return await self._recorder.write_until_done(identifier, "end", write)
-        except DatabaseTaken:
-            return False
-        except Exception as fault:
-            if self._pending_events:
-                _log.exception("%d events of %s were lost", len(self._pending_events), identifier)
-                self._pending_events = []
-                return await self._conclude(outcome, attempts)
-            # The database is well: it is what the task gave that it does not take.
-            if isinstance(outcome, Raised) and isinstance(outcome.error, InternalError):
-                raise
-            _log.exception("the end of %s could not be written", identifier)
-            reason = f"the result could not be recorded: {type(fault).__name__}"
-            return await self._conclude(Raised(InternalError(reason)), attempts)
-
-    async def _write_end(self, outcome: Outcome, attempts: int) -> bool:
-        """Write the end, and return whether the job is queued again instead."""
-        store, identifier = self._recorder.store, self.job.id
-        if isinstance(outcome, Returned):
-            result = outcome.result
-            summary = json.loads((outcome.summary or result).text)
-            succeed = partial(store.succeed, identifier, result, outcome.summary)
-            end = await self._apply(succeed, is_durable=self._must_be_durable(summary))
-            self._keep_end(end, result, summary)
-            return False
-        requeue = self._requeue(outcome, attempts)
-        if requeue is not None:
-            queued = await self._apply(requeue)
-            if queued is None or not (queued.is_cancel_requested or self._is_cancel_requested):
-                return queued is not None
-            outcome = Terminated()
-        error = self._error(outcome, attempts)
-        is_canceled = isinstance(error, Canceled)
-        cancel = partial(store.cancel, identifier, error) if is_canceled else None
-        self._keep_end(await self._apply(cancel or partial(store.fail, identifier, error)))
-        return False
-
-    def _must_be_durable(self, summary: Any) -> bool:
-        """Return whether a power cut must not take a result back, which would be made again."""
-        is_last = self.job.max_attempts == 1 or self._recorder.store.may_crash_alone
-        return is_last or not is_deterministic(summary)
-
-    def _keep_end(
-        self, end: Transition | None, result: Encoded | None = None, summary: Any = None
-    ) -> None:
-        """Keep the job as it would be read, for those who wait for it."""
-        if end is not None:
-            made_by = self._recorder.store.versions
-            self.ended = ended_job(end, self.job.payload, made_by, result, summary)
-
-    def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Transition | None] | None:
-        """Return how to queue the job again if it is to run again, else None."""
-        requeue = partial(self._recorder.store.requeue, self.job.id)
-        if self._is_cancel_requested:
-            return None
-        if self._interruption:
-            again = partial(requeue, self._interruption, refund=1)
-            return again if self.job.max_attempts > 1 else None
-        if isinstance(outcome, Crashed | Silent) and attempts < self.job.max_attempts:
-            return partial(requeue, error_of(outcome, attempts).detail)
-        return None
-
-    def _error(self, outcome: Failed, attempts: int) -> WayproofError:
-        """Return what the job shows for an end without a result."""
-        may_repeat = self.job.max_attempts > 1
-        if self._is_cancel_requested and may_repeat and isinstance(outcome, Crashed | Silent):
-            outcome = Terminated()
-        stage_event = self.latest("stage") or {}
-        error = with_stage(error_of(outcome, attempts), stage_event, self._seconds)
-        if not self._interruption or self._is_cancel_requested:
-            return error
-        return interrupted(outcome, error, self._interruption, attempts)
-
-    async def _apply(
-        self, change: Callable[[], Transition | None], *, is_durable: bool = True
-    ) -> Transition | None:
-        """Write a transition of the job, with its last events."""
-        apply = partial(self._recorder.apply, self.job.id, change, events=self._pending_events)
-        transition = await apply(is_durable=is_durable, is_owed=True)
-        self._pending_events = []
-        return transition

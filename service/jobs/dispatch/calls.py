@@ -6,8 +6,9 @@ from functools import partial
 from typing import Any
 
 from planning.errors import DeadlineExceeded
-from service.jobs.dispatch.queue import CallKind
+from service.jobs.dispatch.durations import CallKind
 from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.waiting import QueueEntry
 from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode
@@ -34,6 +35,7 @@ class Call:
         digest_field: Of a task that loads a scene, the field of its result that has the digest.
         is_raw: Whether the result is wanted as the JSON that the task gave.
         is_partly_raw: Whether the members that the task encoded itself are wanted as they are.
+        client: Whom it is for: clients take turns.
     """
 
     task: str
@@ -46,6 +48,7 @@ class Call:
     digest_field: str = ""
     is_raw: bool = False
     is_partly_raw: bool = False
+    client: str = ""
 
     @property
     def kind(self) -> CallKind:
@@ -120,14 +123,20 @@ class Calls:
         """
         granted: asyncio.Future[Worker] = asyncio.get_running_loop().create_future()
         self._num_calls += 1
-        entry = f"call {self._num_calls}"
-        use = partial(self._assign, call.queue, granted)
-        self._scheduler.request_for_call(call.queue, entry, use, call.world_digest, call.kind)
+        entry = QueueEntry(
+            name=f"call {self._num_calls}",
+            place=self._scheduler.next_place(call.queue),
+            use=partial(self._assign, call.queue, granted),
+            world_digest=call.world_digest,
+            client=call.client,
+            kind=call.kind,
+        )
+        self._scheduler.request(call.queue, entry)
         try:
             async with asyncio.timeout(call.worker_timeout):
                 return await granted
         except (TimeoutError, asyncio.CancelledError) as ended:
-            self._scheduler.queue(call.queue).remove(entry)
+            self._scheduler.queue(call.queue).remove(entry.name)
             if granted.done() and not granted.cancelled():
                 self._scheduler.return_worker(call.queue, granted.result())
             if isinstance(ended, TimeoutError):
@@ -184,9 +193,9 @@ class Calls:
         queue = self._scheduler.queue(call.queue)
         message = f"no worker was free within {call.worker_timeout:g} s; try again later"
         evidence = {
-            "lane": queue.name,
+            "queue": queue.name,
             "waited": call.worker_timeout,
             "queued": queue.num_waiting,
-            "retry_after": queue.retry_after,
+            "retry_after": queue.retry_after(asyncio.get_running_loop().time()),
         }
         return QueueTimeout(message, evidence)

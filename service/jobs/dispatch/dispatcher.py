@@ -16,6 +16,7 @@ from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
 from service.jobs.dispatch.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.waiting import Place, QueueEntry
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
 from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
@@ -206,22 +207,24 @@ class Dispatcher:
         """Run a short task that needs no record, and return what it returns; see `Calls.run`."""
         return await self._calls.run(call)
 
-    def _enqueue(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> None:
+    def _enqueue(self, job: Job, controls: Mapping[str, Any], place: Place | None = None) -> None:
         """Run a queued job of the table when it has a worker."""
-        self._schedule(job, controls, order).confirm(job)
+        self._schedule(job, controls, place).confirm(job)
 
-    def _schedule(self, job: Job, controls: Mapping[str, Any], order: int | None = None) -> Attempt:
+    def _schedule(
+        self, job: Job, controls: Mapping[str, Any], place: Place | None = None
+    ) -> Attempt:
         """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
-        place: list[int] = []
         attempt = Attempt(job, self._recorder, self._scheduler, controls)
         self._attempts[job.id] = attempt
+        own = place or self._scheduler.next_place(job.queue)
 
         def use(worker: Worker) -> None:
             attempt.has_begun = True
-            self._scheduler.spawn(self._run(attempt, worker, place))
+            self._scheduler.spawn(self._run(attempt, worker, own))
 
-        place.append(0 if order is None else order)
-        place[0] = self._scheduler.request_worker(job, use, order)
+        terms = (job.world_digest, job.priority, job.client)
+        self._scheduler.request(job.queue, QueueEntry(job.id, own, use, *terms))
         return attempt
 
     def _unschedule(self, attempt: Attempt) -> None:
@@ -232,7 +235,7 @@ class Dispatcher:
             self._attempts.pop(attempt.job.id, None)
             attempt.concluded.set()
 
-    async def _run(self, attempt: Attempt, worker: Worker, place: list[int]) -> None:
+    async def _run(self, attempt: Attempt, worker: Worker, place: Place) -> None:
         is_queued_again = False
         try:
             is_queued_again = await attempt.run(worker)
@@ -247,7 +250,7 @@ class Dispatcher:
                 is_cancel_requested=attempt.is_cancel_requested,
                 cancel_requested_at=attempt.cancel_requested_at,
             )
-            self._enqueue(job, attempt.controls, place[0])
+            self._enqueue(job, attempt.controls, place)
 
     def _interrupt_all(self, reason: str) -> None:
         self._scheduler.pause()

@@ -1,117 +1,25 @@
 """JobQueue: which entry gets which worker of a pool next; has no clock and starts nothing.
 
-First come, first served within a priority. An entry prefers an idle worker that is warm for its
-world. If the workers that are warm for it are busy, it lets others go first, but only for a while:
-a load is worth a short wait, never a long one.
+Who goes first is said in `waiting`: priorities that age, and clients that take turns. An entry
+prefers an idle worker that is warm for its world. If the workers that are warm for it are busy, it
+lets others go first, but only for a while: a load is worth a short wait, never a long one.
 
 Queues that share a pool each have a number of workers that they may use at once, and the pool has
 as many as all of them together: none waits for another one, and what one has loaded is warm for
 all. A queue of calls reserves some of its own for those that are short.
 """
 
-import bisect
 import itertools
 import math
-from collections import OrderedDict
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
+from service.jobs.dispatch.durations import DurationHistory, Throughput
+from service.jobs.dispatch.waiting import Place, QueueEntry, WaitingEntries
 from service.jobs.dispatch.worker_pool import WorkerPool
 from service.jobs.worker.assignment import Worker
 
-# What takes no longer may have the worker that is reserved for what is short [s].
-SHORT = 0.5
-# Number of worlds, and of kinds of calls about them, that are remembered.
-_MAX_REMEMBERED = 4096
 _LONGEST_RETRY = 60
-
-
-@dataclass(frozen=True)
-class CallKind:
-    """What calls that take about as long have in common.
-
-    Attributes:
-        task: Their task.
-        size: How much is requested, in powers of two.
-        is_load: Whether a scene is loaded anew, even where one is loaded already.
-    """
-
-    task: str
-    size: int = 0
-    is_load: bool = False
-
-
-class DurationHistory:
-    """Remembers the last duration of calls by kind and world, and of loading a world."""
-
-    def __init__(self) -> None:
-        """Remember nothing yet."""
-        self._runs: OrderedDict[tuple[CallKind, str | None], float] = OrderedDict()
-        self._loads: OrderedDict[str | None, float] = OrderedDict()
-
-    def is_short(self, kind: CallKind, digest: str | None, *, is_warm: bool) -> bool:
-        """Return whether a call is likely to be short.
-
-        A world that was not loaded yet may take minutes; a call to a loaded one of a kind that it
-        had not yet is likely to be short.
-
-        Args:
-            kind: Of the call.
-            digest: Of its world, or None.
-            is_warm: Whether the world is loaded where the call would run.
-        """
-        load = self._loads.get(digest, math.inf)
-        known = self._runs.get((kind, digest))
-        if kind.is_load:
-            expected = load if known is None else known
-        elif is_warm or digest is None:
-            expected = known or 0.0
-        else:
-            expected = load + (known or 0.0)
-        return expected <= SHORT
-
-    def record_run(
-        self, kind: CallKind, digest: str | None, seconds: float, *, was_warm: bool
-    ) -> None:
-        """Remember how long a call took, with the load of its world if that was not warm."""
-        if kind.is_load or was_warm or digest is None:
-            _put(self._runs, (kind, digest), seconds)
-        else:
-            _put(self._loads, digest, seconds)
-
-    def record_load(self, digest: str, seconds: float) -> None:
-        """Remember how long a world took to load."""
-        _put(self._loads, digest, seconds)
-
-
-def _put[K](durations: OrderedDict[K, float], key: K, seconds: float) -> None:
-    durations[key] = seconds
-    durations.move_to_end(key)
-    if len(durations) > _MAX_REMEMBERED:
-        durations.popitem(last=False)
-
-
-@dataclass(frozen=True)
-class QueueEntry:
-    """Something that waits for a worker.
-
-    Attributes:
-        name: Of the job, for taking it back.
-        world_digest: What it is warm with, or None.
-        priority: Larger comes first.
-        since: When it began to wait [s].
-        use: Called with its worker when it has one.
-        order: Its place among equals; assigned by the queue, and kept when it comes again.
-        kind: Of a call; None for a job.
-    """
-
-    name: str
-    world_digest: str | None
-    priority: int
-    since: float
-    use: Callable[[Worker], None]
-    order: int = field(default=-1)
-    kind: CallKind | None = None
 
 
 @dataclass(frozen=True)
@@ -180,10 +88,10 @@ class JobQueue:
         self.durations = DurationHistory()
         self._max_long = self.max_running - share.reserved
         self._warm_wait = warm_wait
-        self._waiting: list[QueueEntry] = []
+        self._waiting = WaitingEntries()
         self._running: dict[int, _Run] = {}
         self._orders = itertools.count()
-        self._mean_run = 1.0
+        self._throughput = Throughput()
 
     @property
     def num_waiting(self) -> int:
@@ -194,30 +102,35 @@ class JobQueue:
         """Return whether so many more may wait."""
         return len(self._waiting) + more <= self.max_waiting
 
-    @property
-    def retry_after(self) -> int:
-        """When a place is likely to be free [s], by how long runs took lately."""
-        rounds = (len(self._waiting) + 1) / max(1, self.max_running)
-        return max(1, min(_LONGEST_RETRY, math.ceil(rounds * self._mean_run / 2)))
+    def retry_after(self, now: float) -> int:
+        """Return when half of what waits will have had its turn [s], by the throughput lately."""
+        seconds = (len(self._waiting) + 1) / 2 / self._throughput.per_second(now)
+        return max(1, min(_LONGEST_RETRY, math.ceil(seconds)))
 
-    def next_order(self) -> int:
+    def next_place(self, now: float) -> Place:
         """Return the place of an entry that comes now."""
-        return next(self._orders)
+        return Place(now, next(self._orders))
 
     def add(self, entry: QueueEntry) -> None:
-        """Let an entry wait; one with an earlier order goes before."""
-        bisect.insort(self._waiting, entry, key=lambda other: (-other.priority, other.order))
+        """Let an entry wait; one that comes again has its former place."""
+        if not self._waiting:
+            self._throughput.restart(entry.place.since)
+        self._waiting.add(entry)
 
     def remove(self, name: str) -> None:
         """Let an entry wait no longer, if it did."""
-        self._waiting = [entry for entry in self._waiting if entry.name != name]
+        self._waiting.remove(name)
 
-    def end_run(self, worker: Worker, seconds: float | None = None) -> None:
-        """Note that a run in a worker has ended, after so long; the pool may have it back."""
+    def take_back(self, worker: Worker) -> None:
+        """Note that a worker was not used; the pool may have it back."""
+        self._running.pop(id(worker), None)
+
+    def end_run(self, worker: Worker, now: float, seconds: float) -> None:
+        """Note that a run in a worker ends after so long; the pool may have it back."""
         run = self._running.pop(id(worker), None)
-        if seconds is None or run is None:
+        if run is None:
             return
-        self._mean_run += 0.2 * (seconds - self._mean_run)
+        self._throughput.record_end(now)
         if run.entry.kind is not None:
             call = (run.entry.kind, run.entry.world_digest)
             self.durations.record_run(*call, seconds, was_warm=run.was_warm)
@@ -225,22 +138,24 @@ class JobQueue:
     def assign(self, now: float) -> Assignments:
         """Take the entries that get a worker now out of the queue, and their workers."""
         pairs: list[tuple[QueueEntry, Worker]] = []
-        left: list[QueueEntry] = []
         decide_again: float | None = None
-        for i, entry in enumerate(self._waiting):
-            if not self.pool.has_idle or len(self._running) >= self.max_running:
-                left += self._waiting[i:]
-                break
-            until = entry.since + self._warm_wait
+        if not self._has_free:
+            return Assignments(pairs, decide_again)
+        for entry in self._waiting.in_order(now):
+            until = entry.place.since + self._warm_wait
             if now < until and self.pool.is_warm_elsewhere(entry.world_digest):
-                left.append(entry)
                 decide_again = until if decide_again is None else min(decide_again, until)
-            elif (is_long := self._is_long(entry)) and self._num_long >= self._max_long:
-                left.append(entry)
-            else:
+            elif not (is_long := self._is_long(entry)) or self._num_long < self._max_long:
+                self._waiting.take(entry, now)
                 pairs.append((entry, self._take_worker(entry, is_long=is_long)))
-        self._waiting = left
+                if not self._has_free:
+                    break
         return Assignments(pairs, decide_again)
+
+    @property
+    def _has_free(self) -> bool:
+        """Whether a worker is idle that may be used."""
+        return self.pool.has_idle and len(self._running) < self.max_running
 
     @property
     def _num_long(self) -> int:

@@ -41,12 +41,13 @@ class Recovery:
         self._may_still_run = lock.may_be_lost and lock.was_left
 
     async def run(self, takeover: float) -> None:
-        """Take up all jobs.
+        """Take up all jobs; none begins before the queues know all of them.
 
         Args:
             takeover: How long an owner that lost the database without ending may still run
                 something [s]; only after that it is taken up.
         """
+        self._scheduler.pause()
         for job in await asyncio.to_thread(self._store.unfinished):
             if self._may_still_run and job.state is JobState.RUNNING:
                 self._scheduler.spawn(self._recover_later(job.id, takeover))
@@ -54,6 +55,7 @@ class Recovery:
                 transition = await asyncio.to_thread(self._settle, job)
                 if transition is None or not transition.event.is_last:
                     self._enqueue(job, await asyncio.to_thread(self._controls, job.id))
+        self._scheduler.resume()
 
     async def _recover_later(self, identifier: str, seconds: float) -> None:
         await asyncio.sleep(seconds)

@@ -14,7 +14,8 @@ from service.jobs.errors import DatabaseTaken
 from service.jobs.job import Job, JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
-from service.jobs.store.transitions import Transition, draft
+from service.jobs.store.drafts import draft
+from service.jobs.store.transitions import Transition
 
 # How long an answer waits for the database [s]; what is not written by then is written later.
 _PROMPT = 0.5

@@ -2,14 +2,14 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Coroutine, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from service.jobs.dispatch.queue import CallKind, JobQueue, QueueEntry
+from service.jobs.dispatch.queue import JobQueue
+from service.jobs.dispatch.waiting import Place, QueueEntry
 from service.jobs.dispatch.worker_pool import WorkerPool
 from service.jobs.errors import QueueFull
-from service.jobs.job import Job
 from service.jobs.worker.assignment import Worker
 
 _log = logging.getLogger(__name__)
@@ -108,51 +108,34 @@ class Scheduler:
             asked = "" if more == 1 else f", and {more} more would be too many"
             message = f"{queue.num_waiting} jobs wait for {name} already{asked}; try again later"
             evidence = {
-                "lane": name,
+                "queue": name,
                 "queued": queue.num_waiting,
                 "bound": queue.max_waiting,
-                "retry_after": queue.retry_after,
+                "retry_after": queue.retry_after(_now()),
             }
             raise QueueFull(message, evidence)
 
-    def request_worker(
-        self, job: Job, use: Callable[[Worker], None], order: int | None = None
-    ) -> int:
-        """Call `use` with a worker as soon as there is one; return the place in the queue.
+    def next_place(self, name: str) -> Place:
+        """Return the place in a queue of what comes now."""
+        return self._queues[name].next_place(_now())
 
-        Args:
-            job: Waits.
-            use: Gets the worker, and must `release` it.
-            order: The place of a job that waits again.
-        """
-        queue = self._queues[job.queue]
-        place = queue.next_order() if order is None else order
-        self._add(queue, QueueEntry(job.id, job.world_digest, job.priority, _now(), use, place))
-        return place
-
-    def request_for_call(
-        self,
-        name: str,
-        call: str,
-        use: Callable[[Worker], None],
-        digest: str | None,
-        kind: CallKind,
-    ) -> None:
-        """Call `use` with a worker for a call of a kind about a scene; else as `request_worker`."""
+    def request(self, name: str, entry: QueueEntry) -> None:
+        """Have an entry wait in a queue; what uses its worker must `release` it."""
         queue = self._queues[name]
-        self._add(queue, QueueEntry(call, digest, 0, _now(), use, queue.next_order(), kind))
+        queue.add(entry)
+        self._assign(queue)
 
     def release(self, name: str, worker: Worker, seconds: float) -> None:
         """Give a worker back after a run; it is used again once it is ready."""
         queue = self._queues[name]
-        queue.end_run(worker, seconds)
+        queue.end_run(worker, _now(), seconds)
         self.spawn(self._await_ready(queue.pool, worker))
         self._assign(queue)
 
     def return_worker(self, name: str, worker: Worker) -> None:
         """Take a worker back that was not used."""
         queue = self._queues[name]
-        queue.end_run(worker)
+        queue.take_back(worker)
         self.spawn(self._await_ready(queue.pool, worker))
 
     def spawn(self, work: Coroutine[Any, Any, None]) -> None:
@@ -167,10 +150,6 @@ class Scheduler:
         self._tasks.add(task)
         task.add_done_callback(self._on_done)
 
-    def _add(self, queue: JobQueue, entry: QueueEntry) -> None:
-        queue.add(entry)
-        self._assign(queue)
-
     async def _await_ready(self, pool: WorkerPool, worker: Worker) -> None:
         await worker.ready()
         pool.give_back(worker)
@@ -182,7 +161,7 @@ class Scheduler:
         if self._is_paused:
             return
         loop = asyncio.get_running_loop()
-        decided = queue.assign(loop.time())
+        decided = queue.assign(_now())
         timer = self._timers.pop(queue.name, None)
         if timer is not None:
             timer.cancel()

@@ -21,18 +21,12 @@ from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
 from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import Prepared, set_durability, sync_log
+from service.jobs.store.drafts import Draft, draft, insert_job
+from service.jobs.store.event_log import append_events, reserve_events
 from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.store.schema import bring_up_to_date, refuse_newer
 from service.jobs.store.tables import bodies, jobs, makers, owner, summaries
-from service.jobs.store.transitions import (
-    Draft,
-    Transition,
-    append_events,
-    apply_event,
-    draft,
-    insert_job,
-    reserve_events,
-)
+from service.jobs.store.transitions import Transition, apply_event
 from service.jobs.task import outline_of
 
 _OPEN = [state.value for state in JobState if not state.is_final]

@@ -48,6 +48,7 @@ jobs = Table(
     Column("finished_at", String(40), nullable=True),
     Column("cancel_requested_at", String(40), nullable=True),
     Column("batch", String(64), nullable=True),
+    Column("client", String(80), nullable=False, server_default=""),
     UniqueConstraint("queue", "key"),
     Index("jobs_by_state", "queue", "state", "sequence"),
     # One for each filter of lists: a page reads its own rows and no others.

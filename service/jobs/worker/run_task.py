@@ -39,7 +39,7 @@ def run_task(task: str, payload: str, channel: Any) -> TaskEnd:
     """
     try:
         done = task_named(task).run(payload, channel)
-        return TaskEnd(MessageKind.RESULT, done.text, done.brief)
+        return TaskEnd(MessageKind.RESULT, done.text, done.summary)
     except WayproofError as error:
         return TaskEnd(MessageKind.FAILURE, dump_error(error))
     except MemoryError:

@@ -8,6 +8,7 @@ from planning.domain.request import options as domain
 from planning.domain.request.problem import PlanningProblem
 from service.api.arrays import vector
 from service.api.models import (
+    PRIORITY,
     WHOLE,
     Boolean,
     GroupPositions,
@@ -17,6 +18,7 @@ from service.api.models import (
     Real,
     RequestModel,
 )
+from service.jobs.job import Priority
 from service.plans.models.constraints import Constraint, constraints_to_domain
 from service.plans.models.goals import Goal
 from service.plans.models.ik import Ik
@@ -176,6 +178,7 @@ class PlanRequest(RequestModel):
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness: the same seed gives the same bytes"
     )
+    priority: Priority = Field(default=Priority.NORMAL, description=PRIORITY)
 
     @model_validator(mode="after")
     def _know_no_lines_in_roadmaps(self) -> Self:
@@ -185,7 +188,7 @@ class PlanRequest(RequestModel):
         return self
 
     def to_domain(self) -> PlanningProblem:
-        """Return the domain's problem; every field of the request is in it but for the scene."""
+        """Return the domain's problem; every field is in it but for scene and priority."""
         return PlanningProblem(
             group=self.group,
             goal=self.goal.to_domain(),

@@ -18,8 +18,9 @@ from service.api.models import (
     ResponseModel,
 )
 from service.plans.models.constraints import Constraint
-from service.plans.models.goals import PoseGoal, RegionGoal, RelativeGoal
+from service.plans.models.goals import RelativeGoal
 from service.plans.models.ik import Ik, IkFunnel
+from service.plans.models.pose_goals import PoseGoal, RegionGoal
 
 if TYPE_CHECKING:
     import numpy as np

@@ -4,9 +4,7 @@ import pytest
 
 from service.cli import output
 from service.client.events import Event
-from service.plans.models.plan import Plan
-from service.scenes.models.scene import Scene
-from service.scenes.models.summary import Joint
+from service.client.models import Joint, Plan, Scene
 
 
 @pytest.fixture

@@ -19,8 +19,8 @@ class SceneJobs:
     def __init__(self, *executions):
         self.executions = executions
 
-    async def newest(self, lane, *, scene):
-        assert (lane, scene) == ("execution", RECORD.id)
+    async def newest(self, queue, *, scene):
+        assert (queue, scene) == ("execution", RECORD.id)
         for job in self.executions:
             yield job
 

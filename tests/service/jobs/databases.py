@@ -72,7 +72,10 @@ def make_released(engine):
             "DROP TABLE webhooks",
             "DROP TABLE webhook_notices",
             "DROP INDEX jobs_of_batch",
-            *(f"ALTER TABLE jobs DROP COLUMN {name}" for name in ("cancel_requested_at", "batch")),
+            *(
+                f"ALTER TABLE jobs DROP COLUMN {name}"
+                for name in ("client", "batch", "cancel_requested_at")
+            ),
             "DROP TABLE api_keys",
             "DROP INDEX one_open_execution_of_scene",
             "DROP INDEX jobs_of_queue",

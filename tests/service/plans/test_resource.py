@@ -6,7 +6,7 @@ import pytest
 
 from service.jobs.job import JobSpec
 from service.jobs.states import JobState
-from service.jobs.store.transitions import draft
+from service.jobs.store.drafts import draft
 from service.plans.resource import plan_resource
 from service.plans.tasks import PLAN
 

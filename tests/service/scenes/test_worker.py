@@ -5,12 +5,12 @@ import json
 import pytest
 
 from service.queries.models.check import CheckRequest
-from service.queries.tasks import QueryWork
 from service.queries.worker import check
 from service.scenes import document_text as scene_text
 from service.scenes import world_cache as worlds
 from service.scenes.document_artifact import artifact_of
-from service.scenes.tasks import EditWork, LoadWork
+from service.scenes.models.edits import SceneEdit
+from service.scenes.tasks import LoadWork, RequestWork
 from service.scenes.worker import load_scene, revise_scene
 from tests.service.jobs.hosts import on_host, put
 
@@ -27,7 +27,11 @@ EDITS = [
     [{"op": "add", "object": BALL}, {"op": "remove", "object": "b3"}],
     [{"op": "move", "object": "ball", "pose": {"position": [0.3, 0.2, 0.5]}}],
 ]
-WORK = {load_scene: LoadWork, revise_scene: EditWork, check: QueryWork[CheckRequest]}
+WORK = {
+    load_scene: LoadWork,
+    revise_scene: RequestWork[SceneEdit],
+    check: RequestWork[CheckRequest],
+}
 ASKED = {"group": "arm", "configurations": [[0, -1.2, 1.9, -2.2, -1.5, 0], [1, -1, 1, 0, 0, 0]]}
 
 

@@ -4,36 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.jobs.dispatch.queue import SHORT, CallKind, JobQueue, QueueEntry, Share
-from service.jobs.dispatch.worker_pool import WorkerPool
-
-
-class Place:
-    """Stands for a worker; queues look at nothing else of one."""
-
-    generation = 0
-
-
-def queue_of(num_workers, *, warm_wait=0.1, idle=True):
-    queue = JobQueue("plan", [Place() for _ in range(num_workers)], 10, warm_wait=warm_wait)
-    if idle:
-        for worker in queue.pool.workers:
-            queue.pool.give_back(worker)
-    return queue
-
-
-def free(queue, worker, seconds=None):
-    """The run in a worker has ended, and the worker is ready again."""
-    queue.end_run(worker, seconds)
-    queue.pool.give_back(worker)
-
-
-def wait(queue, name, key=None, priority=0, since=0.0, kind=None):
-    queue.add(QueueEntry(name, key, priority, since, lambda _: None, queue.next_order(), kind))
-
-
-def names(assignments):
-    return [entry.name for entry, _ in assignments.pairs]
+from service.jobs.dispatch.durations import SHORT, CallKind
+from service.jobs.dispatch.queue import Share
+from tests.service.jobs.dispatch.queues import free, names, queue_of, queues_of, wait
 
 
 def test_first_come_first_served_within_a_priority():
@@ -99,7 +72,7 @@ def test_admission_and_the_advice_when_to_come_again():
     for i in range(10):
         assert queue.has_room()
         wait(queue, str(i))
-        advice.append(queue.retry_after)
+        advice.append(queue.retry_after(0.0))
     assert not queue.has_room()
     assert advice == sorted(advice)
     assert all(1 <= seconds <= 60 for seconds in advice)
@@ -107,16 +80,8 @@ def test_admission_and_the_advice_when_to_come_again():
     assert queue.has_room()
 
 
-def lanes_of(**shares):
-    """Lanes of one pool that has just as many workers as they may use, all idle."""
-    pool = WorkerPool([Place() for _ in range(sum(share.max_running for share in shares.values()))])
-    for worker in pool.workers:
-        pool.give_back(worker)
-    return [JobQueue(name, pool, 10, share=share) for name, share in shares.items()]
-
-
 def test_a_queue_leaves_to_another_one_what_that_may_use():
-    plans, questions = lanes_of(plan=Share(1), query=Share(2))
+    plans, questions = queues_of(plan=Share(1), query=Share(2))
     for i in range(3):
         wait(plans, f"p{i}")
         wait(questions, f"q{i}", kind=CallKind("echo"))
@@ -125,7 +90,7 @@ def test_a_queue_leaves_to_another_one_what_that_may_use():
 
 
 def test_what_a_question_has_loaded_is_warm_for_the_first_plan():
-    plans, questions = lanes_of(plan=Share(1), query=Share(2))
+    plans, questions = queues_of(plan=Share(1), query=Share(2))
     wait(questions, "post", kind=CallKind("load", is_load=True))
     [(_, worker)] = questions.assign(0.0).pairs
     plans.pool.warm(worker, "scene")
@@ -135,15 +100,15 @@ def test_what_a_question_has_loaded_is_warm_for_the_first_plan():
 
 
 def test_a_worker_is_kept_for_what_is_short():
-    (queue,) = lanes_of(query=Share(2, reserved=1))
+    (queue,) = queues_of(query=Share(2, reserved=1))
     for name in ("large", "larger"):
         wait(queue, name, kind=CallKind("load", is_load=True))
     wait(queue, "short", kind=CallKind("echo"))
     assert names(queue.assign(0.0)) == ["large", "short"]
 
 
-def test_a_scene_that_has_to_be_loaded_first_does_not_get_the_kept_slot():
-    (queue,) = lanes_of(query=Share(2, reserved=1))
+def test_a_scene_that_has_to_be_loaded_first_does_not_get_the_kept_worker():
+    (queue,) = queues_of(query=Share(2, reserved=1))
     wait(queue, "cold", "scene", kind=CallKind("check"))
     [(_, worker)] = queue.assign(0.0).pairs
     wait(queue, "too", "scene", since=0.0, kind=CallKind("check"))
@@ -154,7 +119,7 @@ def test_a_scene_that_has_to_be_loaded_first_does_not_get_the_kept_slot():
 
 @pytest.mark.parametrize(("took", "served"), [(SHORT / 2, ["b"]), (2 * SHORT, [])])
 def test_what_ran_long_is_long_the_next_time(took, served):
-    (queue,) = lanes_of(query=Share(2, reserved=1))
+    (queue,) = queues_of(query=Share(2, reserved=1))
     for worker in queue.pool.workers:
         queue.pool.warm(worker, "scene")
     wait(queue, "first", "scene", kind=CallKind("check", 14))
@@ -167,8 +132,8 @@ def test_what_ran_long_is_long_the_next_time(took, served):
     assert names(queue.assign(0.0)) == (served or ["small"])
 
 
-def test_a_small_scene_may_be_loaded_anew_by_the_kept_slot():
-    (queue,) = lanes_of(query=Share(2, reserved=1))
+def test_a_small_scene_may_be_loaded_anew_by_the_kept_worker():
+    (queue,) = queues_of(query=Share(2, reserved=1))
     queue.durations.record_load("small", SHORT / 2)
     wait(queue, "load", kind=CallKind("load", is_load=True))
     queue.assign(0.0)
@@ -182,7 +147,7 @@ def test_a_small_scene_may_be_loaded_anew_by_the_kept_slot():
         max_size=60,
     )
 )
-def test_everybody_is_served_once_and_workers_are_never_shared(steps):
+def test_each_is_served_once_and_workers_are_never_shared(steps):
     queue = queue_of(2)
     now, came, served, busy = 0.0, [], [], []
 
@@ -195,7 +160,7 @@ def test_everybody_is_served_once_and_workers_are_never_shared(steps):
     for i, (what, key, priority) in enumerate(steps):
         if what == "come":
             came.append(str(i))
-            wait(queue, str(i), f"k{key}", priority, now)
+            wait(queue, str(i), f"k{key}", now, priority=priority)
         elif what == "tick":
             now += 0.06
         elif busy:
@@ -203,7 +168,7 @@ def test_everybody_is_served_once_and_workers_are_never_shared(steps):
         look()
     now += 1.0
     look()
-    for _ in range(len(came) - len(served)):  # each frees a worker, and somebody gets it
+    for _ in range(len(came) - len(served)):  # each frees a worker, and the next one gets it
         num_served = len(served)
         free(queue, busy.pop(0))
         look()
