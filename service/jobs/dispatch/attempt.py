@@ -19,6 +19,7 @@ from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,
     Failed,
+    Lost,
     Outcome,
     Raised,
     Returned,
@@ -35,6 +36,8 @@ from service.jobs.worker.assignment import Assignment, Worker
 
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
+# A job under which so many machines were lost is run no more.
+_MAX_LOST_HOSTS = 3
 CONTROLS = "controls"
 _log = logging.getLogger(__name__)
 
@@ -50,6 +53,7 @@ class Attempt:
         has_begun: Whether it was given a worker.
         concluded: Set once its end is in the table, or another server has the job.
         ended: The job as the table has it, once it has ended in this attempt.
+        num_lost_hosts: How many machines were lost under the job since this server took it up.
     """
 
     def __init__(
@@ -61,6 +65,7 @@ class Attempt:
         self.has_begun = False
         self.concluded = asyncio.Event()
         self.ended: JobText | None = None
+        self.num_lost_hosts = 0
         self._recorder = recorder
         self._scheduler = scheduler
         self._events = EventBuffer(self._write_events)
@@ -162,6 +167,7 @@ class Attempt:
         if self._start is None:  # canceled while it was queued
             return False
         self._has_ended = True
+        self.num_lost_hosts += isinstance(outcome, Lost) and outcome.has_begun
         self._pending_events = await self._events.close()
         return await self._conclude(outcome, self._start.attempts)
 
@@ -284,14 +290,32 @@ class Attempt:
         if self._interruption:
             again = partial(requeue, self._interruption, refund=1)
             return again if self.job.max_attempts > 1 else None
+        if isinstance(outcome, Lost):
+            return self._requeue_elsewhere(outcome, attempts)
         if isinstance(outcome, Crashed | Silent) and attempts < self.job.max_attempts:
             return partial(requeue, error_of(outcome, attempts).detail)
         return None
 
+    def _requeue_elsewhere(
+        self, outcome: Lost, attempts: int
+    ) -> Callable[[], Transition | None] | None:
+        """Return how to queue a job again whose machine was lost, which is no attempt of its own.
+
+        One that had not begun there may always run elsewhere; one that takes machine after machine
+        with it may not.
+        """
+        may_repeat = self.job.max_attempts > 1 and self.num_lost_hosts < _MAX_LOST_HOSTS
+        if outcome.has_begun and not may_repeat:
+            return None
+        reason = error_of(outcome, attempts).detail
+        return partial(self._recorder.store.requeue, self.job.id, reason, refund=1)
+
     def _error(self, outcome: Failed, attempts: int) -> WayproofError:
         """Return what the job shows for an end without a result."""
         may_repeat = self.job.max_attempts > 1
-        if self._is_cancel_requested and may_repeat and isinstance(outcome, Crashed | Silent):
+        is_gone = isinstance(outcome, Crashed | Silent | Lost)
+        has_begun = not isinstance(outcome, Lost) or outcome.has_begun
+        if self._is_cancel_requested and is_gone and (may_repeat or not has_begun):
             outcome = Terminated()
         stage_event = self.latest("stage") or {}
         error = with_stage(error_of(outcome, attempts), stage_event, self._seconds)

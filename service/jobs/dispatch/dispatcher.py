@@ -238,6 +238,7 @@ class Dispatcher:
         if is_queued_again:
             job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
             self._enqueue(job, attempt.controls, place[0])
+            self._attempts[job.id].num_lost_hosts = attempt.num_lost_hosts
 
     def _interrupt_all(self, reason: str) -> None:
         self._scheduler.pause()

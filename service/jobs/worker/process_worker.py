@@ -56,7 +56,7 @@ class ProcessWorker:
     @property
     def fault(self) -> str | None:
         """Why no run would begin at once, or would not end well."""
-        return self._warm_up_fault if self._is_ready.is_set() else "no process is ready"
+        return self._warm_up_fault if self._is_ready.is_set() else "no process is there"
 
     async def open(self, warm_up: str | None) -> None:
         """Begin to get ready."""

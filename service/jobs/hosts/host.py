@@ -1,0 +1,167 @@
+"""WorkerHost: the workers of a machine, in the process that owns them; knows no transport.
+
+Each is the `ProcessWorker` that runs on the dispatcher's own machine. It enforces deadlines,
+silence, memory and the grace of a cancel itself, so that a dispatcher that is lost prolongs
+nothing. A host that is not asked for news any more ends what it runs.
+"""
+
+import asyncio
+import json
+import logging
+from collections.abc import Callable
+
+from service.jobs.errors import InternalError
+from service.jobs.hosts.messages import HostMessage, HostMessageKind, unpack
+from service.jobs.hosts.outbox import Outbox, OutboxSink
+from service.jobs.hosts.outcome_text import dump_outcome
+from service.jobs.hosts.plan import HostPlan
+from service.jobs.json_text import encode
+from service.jobs.outcome import Outcome, Raised, Terminated
+from service.jobs.worker.assignment import Assignment, Worker
+from service.jobs.worker.process_worker import ProcessWorker
+
+_log = logging.getLogger(__name__)
+
+
+class WorkerHost:
+    """Runs what it is told in its workers, and says how that goes; belongs to one event loop."""
+
+    def __init__(
+        self,
+        plan: HostPlan,
+        *,
+        on_abandoned: Callable[[], None] = lambda: None,
+        workers: list[Worker] | None = None,
+    ) -> None:
+        """Prepare; `open` starts the workers.
+
+        Args:
+            plan: How many, on what terms.
+            on_abandoned: Called once what ran has ended because nothing asked for news.
+            workers: Instead of processes.
+        """
+        self._plan = plan
+        self._on_abandoned = on_abandoned
+        self._outbox = Outbox()
+        made = workers or [ProcessWorker(plan.preload, terms) for terms in plan.workers]
+        self._hosted = [HostedWorker(i, one, self._outbox) for i, one in enumerate(made)]
+        self._watch: asyncio.TimerHandle | None = None
+        self._closing: asyncio.Task[None] | None = None
+
+    async def open(self) -> None:
+        """Begin to get the workers ready; each says when it is."""
+        for one in self._hosted:
+            await one.open(self._plan.warm_up)
+        self._wait_for_dispatcher()
+
+    def deliver(self, batch: bytes) -> None:
+        """Take messages of the dispatcher.
+
+        Raises:
+            ValueError: They are none.
+        """
+        for message in unpack(batch):
+            self._hosted[message.worker].take(message)
+
+    async def collect(self) -> bytes:
+        """Return what there is to say; nothing, if that is so for a while."""
+        if self._watch is not None:
+            self._watch.cancel()
+        try:
+            return await self._outbox.collect(self._plan.timeouts.patience)
+        finally:
+            self._wait_for_dispatcher()
+
+    async def close(self) -> None:
+        """End the workers and what runs in them."""
+        if self._watch is not None:
+            self._watch.cancel()
+        await asyncio.gather(*(one.close() for one in self._hosted))
+
+    def _wait_for_dispatcher(self) -> None:
+        if self._watch is not None:
+            self._watch.cancel()
+        loop = asyncio.get_running_loop()
+        self._watch = loop.call_later(self._plan.timeouts.abandoned, self._abandon)
+
+    def _abandon(self) -> None:
+        _log.error("nothing asked for news any more: what runs is ended")
+        self._closing = asyncio.get_running_loop().create_task(self.close())
+        self._closing.add_done_callback(lambda _: self._on_abandoned())
+
+
+class HostedWorker:
+    """One worker of a host, which is told what to do by messages."""
+
+    def __init__(self, number: int, worker: Worker, outbox: Outbox) -> None:
+        """Say how it goes in `outbox`."""
+        self._number = number
+        self._worker = worker
+        self._outbox = outbox
+        self._run = 0
+        self._sink = OutboxSink(outbox, number, 0)
+        self._is_canceled = False
+        self._task: asyncio.Task[None] | None = None
+
+    async def open(self, warm_up: str | None) -> None:
+        """Begin to get ready, and say so then."""
+        await self._worker.open(warm_up)
+        self._task = asyncio.get_running_loop().create_task(self._announce())
+
+    async def close(self) -> None:
+        """End what runs, and the worker."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+        await self._worker.close()
+
+    def take(self, message: HostMessage) -> None:
+        """Do what a message says; what is about an earlier run is stale."""
+        match message.kind:
+            case HostMessageKind.RUN:
+                self._begin(message)
+            case _ if message.run != self._run:
+                pass
+            case HostMessageKind.CANCEL:
+                self._is_canceled = True
+                self._worker.cancel(float(message.body))
+            case HostMessageKind.CONTROLS:
+                self._worker.control(json.loads(message.body))
+            case HostMessageKind.RECEIVED:
+                self._sink.note_received(int(message.body))
+            case _:
+                _log.error("a message out of turn: %s", message.kind.name)
+
+    def _begin(self, message: HostMessage) -> None:
+        self._run = message.run
+        self._is_canceled = False
+        self._sink = OutboxSink(self._outbox, self._number, message.run)
+        if self._task is not None:
+            self._task.cancel()
+        self._task = asyncio.get_running_loop().create_task(self._carry_out(message))
+
+    async def _carry_out(self, message: HostMessage) -> None:
+        """Run a task, say how it ended, and when the next one may begin."""
+        try:
+            outcome = await self._outcome(message)
+        except Exception as fault:  # noqa: BLE001  (no run may stay without an end)
+            _log.exception("a worker failed")
+            outcome = Raised(InternalError(f"the worker failed: {type(fault).__name__}"))
+        self._say(HostMessageKind.OUTCOME, dump_outcome(outcome))
+        await self._announce()
+
+    async def _outcome(self, message: HostMessage) -> Outcome:
+        head, payload = message.parts
+        terms = json.loads(head)
+        limit, controls = terms["time_limit"], terms["controls"]
+        run = Assignment(terms["task"], json.loads(payload), self._sink, limit, controls)
+        # A cancel may have come with the run, before there was anything to cancel.
+        return Terminated() if self._is_canceled else await self._worker.run(run)
+
+    async def _announce(self) -> None:
+        await self._worker.ready()
+        state = {"generation": self._worker.generation, "fault": self._worker.fault}
+        self._say(HostMessageKind.READY, encode(state).encode())
+
+    def _say(self, kind: HostMessageKind, body: bytes) -> None:
+        self._outbox.put(HostMessage(kind, self._number, self._run, body))

@@ -1,0 +1,143 @@
+"""Machines for hosts of workers: some in this process, some in a Ray cluster of this machine."""
+
+import asyncio
+import os
+import secrets
+from contextlib import asynccontextmanager
+
+from service.jobs.hosts.host import WorkerHost
+from service.jobs.hosts.plan import HostPlan, HostTimeouts, own_version
+from service.jobs.hosts.remote_host import ConnectionLost, RemoteHost
+from service.jobs.worker.main import Terms
+from service.jobs.worker.process_worker import ProcessWorker
+
+# `make ray` says "ray"; without its extra there is no cluster.
+KINDS = tuple(os.environ.get("WAYPROOF_TEST_HOSTS", "local,hosted").split(","))
+REMOTE = tuple(kind for kind in KINDS if kind != "local")
+
+
+class Machines:
+    """Machines of which each is a host in this process; messages cross as bytes."""
+
+    def __init__(self, count=1):
+        self.names = [f"machine-{i}" for i in range(count)]
+        self.lost = {}
+        self.hosts = {}
+
+    @asynccontextmanager
+    async def host(self, plan):
+        while not (free := [name for name in self.names if name not in self.hosts]):
+            await asyncio.sleep(0.01)
+        name = free[0]
+        told = HostPlan.loaded(plan.dumped())
+        host = self.hosts[name] = WorkerHost(told)
+        self.lost[name] = asyncio.Event()
+        await host.open()
+        try:
+            yield Line(name, host, self.lost[name])
+        finally:
+            await host.close()
+            self.hosts.pop(name, None)
+
+    async def lose(self, name):
+        """Have a machine go, and with it what runs there."""
+        self.names.remove(name)
+        self.lost[name].set()
+
+
+class Line:
+    """A connection within this process."""
+
+    def __init__(self, name, host, lost):
+        self.name = name
+        self._host = host
+        self._lost = lost
+
+    async def deliver(self, batch):
+        if self._lost.is_set():
+            raise ConnectionLost(self.name)
+        self._host.deliver(batch)
+
+    async def collect(self):
+        news = asyncio.ensure_future(self._host.collect())
+        gone = asyncio.ensure_future(self._lost.wait())
+        await asyncio.wait([news, gone], return_when=asyncio.FIRST_COMPLETED)
+        gone.cancel()
+        if self._lost.is_set():
+            news.cancel()
+            raise ConnectionLost(self.name)
+        return await news
+
+
+class Cluster:
+    """A Ray cluster of this machine: a head that runs nothing, and nodes that do."""
+
+    def __init__(self):
+        os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
+        os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_DEDUP_LOGS": "0"}
+        from ray.cluster_utils import Cluster as RayCluster
+
+        self._options = {"object_store_memory": 200_000_000}
+        head = {"num_cpus": 0, "include_dashboard": False, **self._options}
+        self._cluster = RayCluster(initialize_head=True, head_node_args=head)
+        self.address = self._cluster.address
+        self._nodes = {}
+
+    def add(self, count):
+        """Have so many nodes that may run hosts, at least."""
+        for _ in range(count - len(self._nodes)):
+            node = self._cluster.add_node(
+                num_cpus=1, resources={"wayproof": 1}, wait=False, **self._options
+            )
+            self._nodes[node.node_id] = node
+        self._cluster.wait_for_nodes()
+
+    def lose(self, identifier):
+        """End a node without a word."""
+        self._cluster.remove_node(self._nodes.pop(identifier), allow_graceful=False)
+
+    def close(self):
+        import ray
+
+        ray.shutdown()
+        self._cluster.shutdown()
+
+
+_clusters = []
+
+
+def cluster(count=1):
+    """The cluster of this process, which lasts as long as it."""
+    if not _clusters:
+        _clusters.append(Cluster())
+    _clusters[0].add(count)
+    return _clusters[0]
+
+
+def end_clusters():
+    while _clusters:
+        _clusters.pop().close()
+
+
+def machines(kind, count=1):
+    """Where hosts run."""
+    if kind == "hosted":
+        return Machines(count)
+    from service.jobs.hosts.ray_hosts import RayHosts
+
+    return RayHosts(cluster(count).address)
+
+
+def workers(kind, preload, terms, hosts=1, made=None):
+    """Workers of a kind, so many as there are terms on each host; `made` gets what hosts run on."""
+    if kind == "local":
+        return [ProcessWorker(preload, each) for _ in range(hosts) for each in terms]
+    found = machines(kind, hosts)
+    if made is not None:
+        made.append(found)
+    plan = HostPlan(tuple(preload), None, tuple(terms), own_version(), HostTimeouts())
+    return [one for _ in range(hosts) for one in RemoteHost(found, plan).workers]
+
+
+def plain_terms(count):
+    return [Terms() for _ in range(count)]
