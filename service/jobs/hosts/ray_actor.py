@@ -41,6 +41,11 @@ class HostActor:
         """Return what the workers have to say."""
         return b"" if self._host is None else await self._host.collect()
 
+    async def end(self) -> None:
+        """End the workers and what runs in them."""
+        if self._host is not None:
+            await self._host.close()
+
 
 def _make_main_light() -> None:
     """Have workers not import Ray's own program, which multiprocessing would take for theirs.

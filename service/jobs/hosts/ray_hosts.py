@@ -23,6 +23,8 @@ RESOURCE = "wayproof"
 _PERIOD = 1.0
 # Within which an actor's process is there, with what it imports [s].
 _START_WITHIN = 120.0
+# Within which the workers of an actor have ended [s].
+_END_WITHIN = 3.0
 _ENVIRONMENT = {
     # Nothing is told to anyone.
     "RAY_USAGE_STATS_ENABLED": "0",
@@ -67,8 +69,7 @@ class RayHosts:
         finally:
             self._taken.discard(identifier)
             if actor is not None:
-                with contextlib.suppress(Exception):  # it is gone, or the cluster is
-                    ray.kill(actor)
+                await _end(ray, actor)
 
     async def _join(self) -> Any:
         async with self._joining:
@@ -145,6 +146,15 @@ async def _begin(actor: Any, plan: HostPlan, name: str) -> None:
     if found != plan.version:
         message = f"{name} has version {found} of wayproof, not {plan.version}"
         raise ConnectionLost(message)
+
+
+async def _end(ray: Any, actor: Any) -> None:
+    """End an actor, after what runs in its workers."""
+    with contextlib.suppress(Exception):  # it is gone, or the cluster is
+        async with asyncio.timeout(_END_WITHIN):
+            await actor.end.remote()
+    with contextlib.suppress(Exception):
+        ray.kill(actor)
 
 
 async def _answer(reference: Awaitable[Any], name: str) -> Any:

@@ -26,7 +26,7 @@ class Machines:
 
     @asynccontextmanager
     async def host(self, plan):
-        while not (free := [name for name in self.names if name not in self.hosts]):
+        while not (free := [name for name in self.names if name not in self.hosts]):  # noqa: ASYNC110
             await asyncio.sleep(0.01)
         name = free[0]
         told = HostPlan.loaded(plan.dumped())

@@ -19,7 +19,6 @@ from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
 from tests.service.jobs.hosts.machines import KINDS, workers
-from tests.service.servers import until
 
 
 class Sink:
