@@ -57,7 +57,8 @@ class RayHosts:
         """
         ray = await self._join()
         node = await self._free_node(ray)
-        name, identifier = node["NodeManagerAddress"], node["NodeID"]
+        identifier: str = node["NodeID"]
+        name = f"{node['NodeManagerAddress']}/{identifier[:8]}"
         self._taken.add(identifier)
         # The machine that failed least often comes first.
         self._failures[identifier] = self._failures.get(identifier, 0) + 1

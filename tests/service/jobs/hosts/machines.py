@@ -4,6 +4,7 @@ import asyncio
 import os
 import secrets
 from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
 
 from service.jobs.hosts.host import WorkerHost
 from service.jobs.hosts.plan import HostPlan, HostTimeouts, own_version
@@ -14,6 +15,30 @@ from service.jobs.worker.process_worker import ProcessWorker
 # `make ray` says "ray"; without its extra there is no cluster.
 KINDS = tuple(os.environ.get("WAYPROOF_TEST_HOSTS", "local,hosted").split(","))
 REMOTE = tuple(kind for kind in KINDS if kind != "local")
+
+
+@dataclass
+class Site:
+    """Where a dispatcher is.
+
+    Attributes:
+        kind: Of its workers.
+        url: Of its database; None for SQLite in the folder of the test.
+        hosts: How many hosts its workers are on.
+        machines: Gets what they run on.
+    """
+
+    kind: str = "local"
+    url: str | None = None
+    hosts: int = 1
+    machines: list = field(default_factory=list)
+
+    async def lose(self, name):
+        """Have a machine go without a word."""
+        if self.kind == "hosted":
+            await self.machines[0].lose(name)
+        else:
+            await asyncio.to_thread(cluster().lose, name.partition("/")[2])
 
 
 class Machines:
@@ -74,7 +99,7 @@ class Cluster:
 
     def __init__(self):
         os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
-        os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_DEDUP_LOGS": "0"}
+        os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_worker_niceness": "0"}
         from ray.cluster_utils import Cluster as RayCluster
 
         self._options = {"object_store_memory": 200_000_000}
@@ -94,7 +119,8 @@ class Cluster:
 
     def lose(self, identifier):
         """End a node without a word."""
-        self._cluster.remove_node(self._nodes.pop(identifier), allow_graceful=False)
+        (whole,) = [known for known in self._nodes if known.startswith(identifier)]
+        self._cluster.remove_node(self._nodes.pop(whole), allow_graceful=False)
 
     def close(self):
         import ray
