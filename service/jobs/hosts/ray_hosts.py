@@ -151,11 +151,14 @@ async def _begin(actor: Any, plan: HostPlan, name: str) -> None:
 
 async def _end(ray: Any, actor: Any) -> None:
     """End an actor, after what runs in its workers."""
-    with contextlib.suppress(Exception):  # it is gone, or the cluster is
-        async with asyncio.timeout(_END_WITHIN):
-            await actor.end.remote()
-    with contextlib.suppress(Exception):
-        ray.kill(actor)
+    # It may be gone, or the cluster may be.
+    try:
+        with contextlib.suppress(Exception):
+            async with asyncio.timeout(_END_WITHIN):
+                await actor.end.remote()
+    finally:
+        with contextlib.suppress(Exception):
+            ray.kill(actor)
 
 
 async def _answer(reference: Awaitable[Any], name: str) -> Any:

@@ -6,7 +6,7 @@ are not ready, and what ran there has ended as `Lost`.
 
 import asyncio
 import logging
-from contextlib import AbstractAsyncContextManager, suppress
+from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from typing import Protocol
 
@@ -127,8 +127,7 @@ class RemoteHost:
             self._lose(f"{connection.name} was lost")
             for task in tasks:
                 task.cancel()
-            with suppress(asyncio.CancelledError):
-                await asyncio.gather(*tasks, return_exceptions=True)
+            await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _deliver(self, connection: Connection, lost: float) -> None:
         """Deliver what there is, a batch at a time: the next one waits until the host has it."""
