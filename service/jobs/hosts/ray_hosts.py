@@ -7,7 +7,7 @@ are not Ray's. Machines are the nodes that have the custom resource `wayproof`. 
 
 import asyncio
 import contextlib
-import logging
+import importlib
 import os
 from collections.abc import AsyncGenerator, Awaitable
 from contextlib import asynccontextmanager
@@ -31,7 +31,6 @@ _ENVIRONMENT = {
     # A server that `uv run` started has its packages on each machine already.
     "RAY_ENABLE_UV_RUN_RUNTIME_ENV": "0",
 }
-_log = logging.getLogger(__name__)
 
 
 class RayHosts:
@@ -116,8 +115,7 @@ def _joined(address: str) -> Any:
     """
     for name, text in _ENVIRONMENT.items():
         os.environ.setdefault(name, text)
-    import ray  # noqa: PLC0415  (an extra, and takes seconds)
-
+    ray = _module("ray")
     if not ray.is_initialized():
         try:
             ray.init(address=address, configure_logging=False, log_to_driver=False)
@@ -129,11 +127,8 @@ def _joined(address: str) -> Any:
 
 def _start(ray: Any, node: str) -> Any:
     """Return an actor on a node, which starts; it ends with this process."""
-    from ray.util.scheduling_strategies import (  # noqa: PLC0415
-        NodeAffinitySchedulingStrategy,
-    )
-
-    there = NodeAffinitySchedulingStrategy(node, soft=False)
+    strategies = _module("ray.util.scheduling_strategies")
+    there = strategies.NodeAffinitySchedulingStrategy(node, soft=False)
     return ray.remote(HostActor).options(num_cpus=0, scheduling_strategy=there).remote()
 
 
@@ -162,10 +157,13 @@ async def _end(ray: Any, actor: Any) -> None:
 
 
 async def _answer(reference: Awaitable[Any], name: str) -> Any:
-    from ray.exceptions import RayError  # noqa: PLC0415
-
     try:
         return await reference
-    except RayError as fault:
+    except _module("ray.exceptions").RayError as fault:
         message = f"{name} was lost: {str(fault).splitlines()[0]}"
         raise ConnectionLost(message) from fault
+
+
+def _module(name: str) -> Any:
+    """Return a module of Ray, which is an extra, and takes seconds to import."""
+    return importlib.import_module(name)

@@ -108,6 +108,16 @@ class Cluster:
         self.address = self._cluster.address
         self._nodes = {}
 
+    @property
+    def nodes(self):
+        """The ids of those that may run hosts."""
+        return list(self._nodes)
+
+    @property
+    def ip(self):
+        """The address that all nodes have."""
+        return self.address.partition(":")[0]
+
     def add(self, count):
         """Have so many nodes that may run hosts, at least."""
         for _ in range(count - len(self._nodes)):
