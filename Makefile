@@ -100,7 +100,7 @@ drake-only: setup
 
 # Workers on the machines of a Ray cluster, which is started here: 76 MB more to fetch, 200 MB installed.
 ray: $(RAY)
-	@WAYPROOF_TEST_HOSTS=ray $(PYTHON) -m pytest --durations=5 tests/service/jobs/hosts tests/service/test_ray_server.py \
+	@WAYPROOF_TEST_HOSTS=ray $(PYTHON) -m pytest --durations=5 tests/service/jobs/remote tests/service/test_ray_server.py \
 	  tests/service/jobs/worker/test_process_worker.py
 
 $(RAY): $(STAMP) requirements-ray.lock

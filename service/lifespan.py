@@ -10,6 +10,7 @@ from anyio import to_thread
 
 from service.api.middleware.client_disconnect import call_for_client
 from service.executions.settlement import settled
+from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.queue import JobQueue, Share
@@ -60,12 +61,12 @@ async def open_services(
     engine = open_engine(settings.url)
     keep_off_loops(engine)
     store = JobStore(engine, versions())
-    queues = _queues(settings)
+    queues = _queues(settings, ArtifactCopies(settings.folder, store.artifacts))
     lock = DispatcherLock(engine)
     dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, on_end=on_end)
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
-    scenes = SceneStore(engine, settings.data_dir / "scenes", _library(settings))
+    scenes = SceneStore(engine, settings.folder, _library(settings))
     try:
         await dispatcher.start(None if settings.engine == "inline" else WARM_UP)
         try:
@@ -102,7 +103,6 @@ def _library(settings: Settings) -> Library:
     return Library(
         model_roots=[str(root.resolve()) for root in settings.model_roots],
         allow_paths=settings.may_load_paths,
-        copies=str(settings.folder / "files"),
     )
 
 
@@ -110,7 +110,7 @@ def _library(settings: Settings) -> Library:
 _CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
 
 
-def _queues(settings: Settings) -> dict[str, JobQueue]:
+def _queues(settings: Settings, copies: ArtifactCopies) -> dict[str, JobQueue]:
     """Return the queues: executions have workers of their own, all else shares a pool.
 
     A scene that was loaded for one is warm for all of them. Queues of a pool do not wait for each
@@ -127,9 +127,8 @@ def _queues(settings: Settings) -> dict[str, JobQueue]:
     planning = Terms(settings.niceness, settings.worker_memory)
     # Executions go on while something is planned; OMPL and Drake take turns.
     moving = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
-    shared, own = _workers(
-        settings, count // hosts * [planning], settings.execution_slots * [moving]
-    )
+    on_each = (count // hosts * [planning], settings.execution_slots * [moving])
+    shared, own = _workers(settings, copies, *on_each)
     pool = WorkerPool(shared)
     queues = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
     return {**queues, "execution": _queue(settings, "execution", WorkerPool(own), None)}
@@ -140,18 +139,20 @@ def _queue(settings: Settings, name: str, pool: WorkerPool, share: Share | None)
 
 
 def _workers(
-    settings: Settings, planning: list[Terms], moving: list[Terms]
+    settings: Settings, copies: ArtifactCopies, planning: list[Terms], moving: list[Terms]
 ) -> tuple[Sequence[Worker], Sequence[Worker]]:
     """Return workers that plan and workers that move robots, by their terms on each machine."""
     if settings.engine == "inline":
-        exclusive = [ThreadWorker(is_exclusive=True) for _ in planning]
-        return exclusive, [ThreadWorker(is_exclusive=False) for _ in moving]
+        exclusive = [ThreadWorker(copies, is_exclusive=True) for _ in planning]
+        return exclusive, [ThreadWorker(copies, is_exclusive=False) for _ in moving]
     if settings.engine == "process":
-        local = [ProcessWorker(PRELOAD, terms) for terms in (*planning, *moving)]
+        local = [ProcessWorker(PRELOAD, terms, copies) for terms in (*planning, *moving)]
         return local[: len(planning)], local[len(planning) :]
     machines = RayHosts(settings.ray_address or "")
-    plan = HostPlan(PRELOAD, WARM_UP, (*planning, *moving), own_version())
-    remote = [RemoteHost(machines, plan).workers for _ in range(settings.ray_hosts)]
+    terms = (*planning, *moving)
+    plan = HostPlan(PRELOAD, WARM_UP, terms, own_version(), str(copies.folder))
+    hosts = [RemoteHost(machines, plan, copies.source) for _ in range(settings.ray_hosts)]
+    remote = [host.workers for host in hosts]
     return (
         [worker for each in remote for worker in each[: len(planning)]],
         [worker for each in remote for worker in each[len(planning) :]],

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 from benchmarks.serving.processes import Process, descendants, workers
-from tests.service.jobs.hosts.machines import cluster, end_clusters
+from tests.service.jobs.remote.machines import cluster, end_clusters
 
 _NUM_HOSTS = 2
 

@@ -3,6 +3,7 @@
 import pytest
 
 from service.errors import NotReady
+from service.jobs.artifacts import ArtifactCopies
 from service.lifespan import _queues
 from service.settings import Settings
 
@@ -11,7 +12,7 @@ def test_plans_questions_and_regions_share_a_pool_and_executions_have_their_own(
     settings = Settings(
         engine="process", data_dir=tmp_path, plan_slots=3, query_slots=2, regions_slots=1
     )
-    lanes = _queues(settings)
+    lanes = _queues(settings, ArtifactCopies(tmp_path, Nothing()))
     pool = lanes["plan"].pool
     assert lanes["query"].pool is pool is lanes["regions"].pool
     assert len(pool.workers) == 3 + (2 + 1) + 1
@@ -22,11 +23,40 @@ def test_plans_questions_and_regions_share_a_pool_and_executions_have_their_own(
 
 def test_executions_go_before_what_is_planned_and_come_to_rest_before_they_are_ended(tmp_path):
     settings = Settings(engine="process", data_dir=tmp_path, niceness=7, worker_memory=2**30)
-    lanes = _queues(settings)
+    lanes = _queues(settings, ArtifactCopies(tmp_path, Nothing()))
     planning, moving = (lanes[name].pool.workers[0]._terms for name in ("plan", "execution"))
     assert (planning.niceness, moving.niceness) == (7, 0)
     assert planning.memory == moving.memory == 2**30
     assert (planning.memory_grace, moving.memory_grace) == (0.0, 5.0)
+
+
+def test_each_machine_of_a_cluster_has_all_slots(tmp_path, monkeypatch):
+    monkeypatch.setattr("service.settings.find_spec", lambda name: name == "ray")
+    settings = Settings(
+        engine="ray",
+        ray_address="head:6379",
+        ray_hosts=3,
+        data_dir=tmp_path,
+        plan_slots=3,
+        query_slots=2,
+        regions_slots=1,
+        execution_slots=2,
+    )
+    lanes = _queues(settings, ArtifactCopies(tmp_path, Nothing()))
+    assert [lanes[name].max_running for name in ("plan", "query", "regions")] == [9, 9, 3]
+    assert len(lanes["plan"].pool.workers) == 3 * (3 + (2 + 1) + 1)
+    assert len(lanes["execution"].pool.workers) == 3 * 2
+    assert {worker.fault for worker in lanes["plan"].pool.workers} == {"no machine is there"}
+
+
+class Nothing:
+    """A database without artifacts."""
+
+    async def parts(self, digests):
+        return {}
+
+    async def contents(self, digests):
+        return {}
 
 
 @pytest.fixture

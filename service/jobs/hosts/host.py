@@ -9,14 +9,17 @@ import asyncio
 import json
 import logging
 from collections.abc import Callable
+from pathlib import Path
 
+from service.jobs.artifacts import ArtifactCopies
 from service.jobs.errors import InternalError
+from service.jobs.hosts.artifacts import RemoteArtifacts
 from service.jobs.hosts.messages import HostMessage, HostMessageKind, unpack
 from service.jobs.hosts.outbox import Outbox, OutboxSink
 from service.jobs.hosts.outcome_text import dump_outcome
 from service.jobs.hosts.plan import HostPlan
 from service.jobs.json_text import encode
-from service.jobs.outcome import Outcome, Raised, Terminated
+from service.jobs.outcome import Crashed, Outcome, Raised, Terminated
 from service.jobs.worker.assignment import Assignment, Worker
 from service.jobs.worker.process_worker import ProcessWorker
 
@@ -43,7 +46,10 @@ class WorkerHost:
         self._plan = plan
         self._on_abandoned = on_abandoned
         self._outbox = Outbox()
-        made = workers or [ProcessWorker(plan.preload, terms) for terms in plan.workers]
+        self._artifacts = RemoteArtifacts(self._outbox)
+        folder = None if plan.folder is None else Path(plan.folder)
+        copies = None if folder is None else ArtifactCopies(folder, self._artifacts)
+        made = workers or [ProcessWorker(plan.preload, terms, copies) for terms in plan.workers]
         self._hosted = [HostedWorker(i, one, self._outbox) for i, one in enumerate(made)]
         self._watch: asyncio.TimerHandle | None = None
         self._closing: asyncio.Task[None] | None = None
@@ -61,7 +67,10 @@ class WorkerHost:
             ValueError: They are none.
         """
         for message in unpack(batch):
-            self._hosted[message.worker].take(message)
+            if message.kind is HostMessageKind.REPLY:
+                self._artifacts.take(message)
+            else:
+                self._hosted[message.worker].take(message)
 
     async def collect(self) -> bytes:
         """Return what there is to say; nothing, if that is so for a while."""
@@ -100,7 +109,7 @@ class HostedWorker:
         self._outbox = outbox
         self._run = 0
         self._sink = OutboxSink(outbox, number, 0)
-        self._is_canceled = False
+        self._canceled = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
 
     async def open(self, warm_up: str | None) -> None:
@@ -123,7 +132,7 @@ class HostedWorker:
             case _ if message.run != self._run:
                 pass
             case HostMessageKind.CANCEL:
-                self._is_canceled = True
+                self._canceled.set()
                 self._worker.cancel(float(message.body))
             case HostMessageKind.CONTROLS:
                 self._worker.control(json.loads(message.body))
@@ -134,7 +143,7 @@ class HostedWorker:
 
     def _begin(self, message: HostMessage) -> None:
         self._run = message.run
-        self._is_canceled = False
+        self._canceled = asyncio.Event()
         self._sink = OutboxSink(self._outbox, self._number, message.run)
         if self._task is not None:
             self._task.cancel()
@@ -155,8 +164,27 @@ class HostedWorker:
         terms = json.loads(head)
         limit, controls = terms["time_limit"], terms["controls"]
         run = Assignment(terms["task"], json.loads(payload), self._sink, limit, controls)
-        # A cancel may have come with the run, before there was anything to cancel.
-        return Terminated() if self._is_canceled else await self._worker.run(run)
+        try:
+            await self._bring(terms["artifacts"])
+        except OSError as fault:  # this machine's disk is full: another one may have room
+            return Crashed(None, f"what it reads could not be copied: {fault.strerror}")
+        # A cancel may have come before there was anything to cancel.
+        return Terminated() if self._canceled.is_set() else await self._worker.run(run)
+
+    async def _bring(self, artifacts: list[str]) -> None:
+        """Copy what this host lacks of artifacts, or as much of it as there is until a cancel."""
+        if not artifacts:
+            return
+        loop = asyncio.get_running_loop()
+        bring = loop.create_task(self._worker.bring(artifacts))
+        canceled = loop.create_task(self._canceled.wait())
+        try:
+            await asyncio.wait([bring, canceled], return_when=asyncio.FIRST_COMPLETED)
+            if bring.done():
+                bring.result()
+        finally:
+            bring.cancel()
+            canceled.cancel()
 
     async def _announce(self) -> None:
         await self._worker.ready()

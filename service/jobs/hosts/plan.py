@@ -32,6 +32,8 @@ class HostPlan:
         warm_up: A task that every process runs first.
         workers: The terms of each worker.
         version: Of the program; a host that has another one is not used.
+        folder: That the workers of the host share, for copies of artifacts and what is made of
+            them, unless the host has one of its own; None if their tasks read none.
         timeouts: How long the ends wait for each other.
     """
 
@@ -39,6 +41,7 @@ class HostPlan:
     warm_up: str | None
     workers: tuple[Terms, ...]
     version: str
+    folder: str | None = None
     timeouts: HostTimeouts = field(default_factory=HostTimeouts)
 
     def dumped(self) -> bytes:
@@ -60,6 +63,7 @@ class HostPlan:
             warm_up=fields["warm_up"],
             workers=tuple(Terms(**terms) for terms in fields["workers"]),
             version=fields["version"],
+            folder=fields["folder"],
             timeouts=HostTimeouts(**fields["timeouts"]),
         )
 

@@ -5,6 +5,7 @@ Ray starts it, carries bytes to it and from it, and ends it; it does nothing els
 
 import os
 import sys
+from dataclasses import replace
 from typing import Any
 
 from service.jobs.hosts.host import WorkerHost
@@ -28,7 +29,9 @@ class HostActor:
             _make_main_light()
             for name in _SECRETS:
                 os.environ.pop(name, None)
-            self._host = WorkerHost(told, on_abandoned=_exit)
+            # A machine may have a folder of its own, as its operator told Ray when it was started.
+            folder = os.environ.get("WAYPROOF_DATA_DIR", told.folder)
+            self._host = WorkerHost(replace(told, folder=folder), on_abandoned=_exit)
             await self._host.open()
         return own_version().encode()
 

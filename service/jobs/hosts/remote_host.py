@@ -10,7 +10,9 @@ from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from typing import Protocol
 
-from service.jobs.hosts.messages import HostMessage, batch_of, pack, unpack
+from service.jobs.artifacts import ArtifactSource
+from service.jobs.hosts.artifacts import ArtifactAnswers
+from service.jobs.hosts.messages import HostMessage, HostMessageKind, batch_of, pack, unpack
 from service.jobs.hosts.plan import HostPlan
 from service.jobs.hosts.remote_worker import RemoteWorker
 
@@ -63,18 +65,22 @@ class Hosts(Protocol):
 class RemoteHost:
     """Has a host, always, as far as there are machines."""
 
-    def __init__(self, hosts: Hosts, plan: HostPlan) -> None:
+    def __init__(self, hosts: Hosts, plan: HostPlan, source: ArtifactSource | None = None) -> None:
         """Prepare; the first worker that is opened begins to look for a machine.
 
         Args:
             hosts: Where to look.
             plan: What the host is told; its warm-up is that with which workers are opened.
+            source: Of the artifacts that its tasks read; None if they read none.
         """
         self.workers = [RemoteWorker(number, self) for number in range(len(plan.workers))]
         self._hosts = hosts
         self._plan = plan
         self._supervisor: asyncio.Task[None] | None = None
+        self._answers = ArtifactAnswers(source)
         self._waiting: list[HostMessage] = []
+        # What may take long to send, and is sent when nothing else waits.
+        self._in_bulk: list[HostMessage] = []
         self._has_some = asyncio.Event()
 
     async def open(self, warm_up: str | None) -> None:
@@ -108,6 +114,7 @@ class RemoteHost:
     async def _work_with(self, connection: Connection, lost: float) -> None:
         """Pass messages on until the host is lost."""
         self._waiting.clear()
+        self._in_bulk.clear()
         for worker in self.workers:
             worker.attach(connection.name, self._send)
         ways = [self._deliver(connection, lost), self._collect(connection, lost)]
@@ -133,8 +140,8 @@ class RemoteHost:
         """Deliver what there is, a batch at a time: the next one waits until the host has it."""
         while True:
             await self._has_some.wait()
-            batch = batch_of(self._waiting)
-            if not self._waiting:
+            batch = batch_of(self._waiting or self._in_bulk)
+            if not (self._waiting or self._in_bulk):
                 self._has_some.clear()
             if batch:
                 async with asyncio.timeout(lost):
@@ -148,12 +155,17 @@ class RemoteHost:
                 self._take(message)
 
     def _take(self, message: HostMessage) -> None:
-        self.workers[message.worker].take(message)
+        if message.kind is HostMessageKind.ASK:
+            self._answers.take(message, self._send)
+        else:
+            self.workers[message.worker].take(message)
 
     def _send(self, message: HostMessage) -> None:
-        self._waiting.append(message)
+        is_bulk = message.kind is HostMessageKind.REPLY
+        (self._in_bulk if is_bulk else self._waiting).append(message)
         self._has_some.set()
 
     def _lose(self, why: str) -> None:
+        self._answers.forget()
         for worker in self.workers:
             worker.lose(why)

@@ -2,7 +2,7 @@
 
 import asyncio
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from service.jobs.hosts.messages import HostMessage, HostMessageKind
@@ -44,6 +44,7 @@ class RemoteWorker:
         self._remote_generation = 0
         self._assignment: Assignment | None = None
         self._ended: asyncio.Future[Outcome] | None = None
+        self._artifacts: tuple[str, ...] = ()
         self._is_canceled = False
         self._acknowledging: set[asyncio.Task[None]] = set()
 
@@ -56,6 +57,11 @@ class RemoteWorker:
         is_awaited = self.generation == 0 or (self._ended is None and not self._is_ready.is_set())
         return "no process is there" if is_awaited else self._fault
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether there is no machine."""
+        return self._send is None
+
     async def open(self, warm_up: str | None) -> None:
         """Begin to look for a machine."""
         await self._host.open(warm_up)
@@ -63,6 +69,10 @@ class RemoteWorker:
     async def ready(self) -> None:
         """Wait until the host has a warm process."""
         await self._is_ready.wait()
+
+    async def bring(self, artifacts: Sequence[str]) -> None:
+        """Have the next run begin once its host has some artifacts."""
+        self._artifacts = tuple(artifacts)
 
     async def run(self, run: Assignment) -> Outcome:
         """Have the host run a task to its end; a host that is lost ends it for the dispatcher."""
@@ -137,7 +147,12 @@ class RemoteWorker:
         self._is_ready.clear()
         self._run += 1
         self._ended = asyncio.get_running_loop().create_future()
-        terms = {"task": run.task, "time_limit": run.time_limit, "controls": dict(run.controls)}
+        terms = {
+            "task": run.task,
+            "time_limit": run.time_limit,
+            "controls": dict(run.controls),
+            "artifacts": self._artifacts,
+        }
         body = f"{encode(terms)}\n{json.dumps(run.payload)}"
         self._say(HostMessageKind.RUN, body.encode())
         try:

@@ -1,6 +1,6 @@
 """Assignment: one run of a task; Worker: where tasks run, one at a time."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -25,7 +25,7 @@ class Assignment:
     """One run of a task.
 
     Attributes:
-        task: `module:function`.
+        task: Its name.
         payload: What it is called with.
         sink: Gets each of its events, in the event loop's thread.
         time_limit: Seconds after which it is told to end, and a little later killed; or None. A
@@ -53,12 +53,26 @@ class Worker(Protocol):
         """Why no run would begin at once, or would not end well; None if all is well."""
         ...
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether its machine is lost, so that it gets nothing to do until it is ready again."""
+        ...
+
     async def open(self, warm_up: str | None) -> None:
         """Begin to get ready; every process of the worker runs the task `warm_up` first."""
         ...
 
     async def ready(self) -> None:
         """Wait until a run would begin at once."""
+        ...
+
+    async def bring(self, artifacts: Sequence[str]) -> None:
+        """Copy what the host lacks of artifacts that the next run reads.
+
+        Raises:
+            DBAPIError: The database does not answer.
+            OSError: The host's folder cannot be written.
+        """
         ...
 
     async def run(self, run: Assignment) -> Outcome:

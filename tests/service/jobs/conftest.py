@@ -16,8 +16,8 @@ from service.jobs.store.job_store import JobStore
 from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs import fake_tasks
 from tests.service.jobs.databases import FullDisk
-from tests.service.jobs.hosts.machines import Site, end_clusters, plain_terms
-from tests.service.jobs.hosts.machines import workers as workers_on
+from tests.service.jobs.remote.machines import Site, end_clusters, plain_terms
+from tests.service.jobs.remote.machines import workers as workers_on
 
 TASKS = fake_tasks.__name__
 WARM_UP = "fake.warm"

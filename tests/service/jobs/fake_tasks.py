@@ -14,6 +14,7 @@ from pydantic import JsonValue, RootModel
 
 from planning.errors import Canceled, GoalUnreachable
 from service.jobs.context import TaskContext
+from service.jobs.host_folder import artifact_path, host_folder
 from service.jobs.task import Task
 
 
@@ -221,6 +222,14 @@ def spin_until_told(payload: dict[str, Any], channel: TaskContext) -> dict[str, 
         time.monotonic()
     Path(payload["ended"]).touch()
     raise Canceled("noticed")
+
+
+@fake
+def read(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
+    """Tell the sizes of artifacts that are here, and in which folder."""
+    paths = [artifact_path(host_folder(), digest) for digest in payload["digests"]]
+    sizes = [path.stat().st_size if path.exists() else None for path in paths]
+    return {"sizes": sizes, "folder": str(host_folder())}
 
 
 @fake

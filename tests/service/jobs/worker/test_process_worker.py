@@ -18,7 +18,7 @@ from service.jobs.outcome import Crashed, MemoryExceeded, Raised, Returned, Term
 from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
-from tests.service.jobs.hosts.machines import KINDS, workers
+from tests.service.jobs.remote.machines import KINDS, workers
 
 
 class Sink:

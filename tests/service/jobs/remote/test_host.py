@@ -14,12 +14,12 @@ from service.jobs.json_text import Encoded
 from service.jobs.outcome import Lost, Returned
 from service.jobs.worker.main import Terms
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
-from tests.service.jobs.hosts.machines import Machines
+from tests.service.jobs.remote.machines import Machines
 from tests.service.jobs.worker.test_process_worker import Sink, is_alive, run_of
 
 
 def plan(**timeouts):
-    return HostPlan((TASKS,), WARM_UP, (Terms(),), own_version(), HostTimeouts(**timeouts))
+    return HostPlan((TASKS,), WARM_UP, (Terms(),), own_version(), timeouts=HostTimeouts(**timeouts))
 
 
 async def said(host, kind):
@@ -39,7 +39,7 @@ def test_a_host_that_nothing_asks_ends_what_it_runs():
         host = WorkerHost(plan(abandoned=0.5), on_abandoned=abandoned.set)
         await host.open()
         await said(host, HostMessageKind.READY)
-        run = b'{"task":"fake.hang","time_limit":null,"controls":{}}\n{}'
+        run = b'{"task":"fake.hang","time_limit":null,"controls":{},"artifacts":[]}\n{}'
         host.deliver(pack([HostMessage(HostMessageKind.RUN, 0, 1, run)]))
         event = await said(host, HostMessageKind.EVENT)
         pid = int(event.body.decode().split('"pid":')[1].split(",")[0])

@@ -21,8 +21,8 @@ from service.jobs.store.database import open_engine
 from tests.profiles import pairs
 from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.jobs.dispatch.test_dispatcher import until_running
-from tests.service.jobs.hosts.machines import KINDS, REMOTE, Site
 from tests.service.jobs.postgres import cluster as database_cluster
+from tests.service.jobs.remote.machines import KINDS, REMOTE, Site
 from tests.service.jobs.test_stopping import eventually, moving
 from tests.service.jobs.worker.test_process_worker import is_alive
 

@@ -3,11 +3,13 @@
 import asyncio
 import os
 import secrets
+import shutil
+import tempfile
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
 from service.jobs.hosts.host import WorkerHost
-from service.jobs.hosts.plan import HostPlan, HostTimeouts, own_version
+from service.jobs.hosts.plan import HostPlan, own_version
 from service.jobs.hosts.remote_host import ConnectionLost, RemoteHost
 from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker
@@ -107,6 +109,7 @@ class Cluster:
         self._cluster = RayCluster(initialize_head=True, head_node_args=head)
         self.address = self._cluster.address
         self._nodes = {}
+        self._folders = []
 
     @property
     def nodes(self):
@@ -121,8 +124,15 @@ class Cluster:
     def add(self, count):
         """Have so many nodes that may run hosts, at least."""
         for _ in range(count - len(self._nodes)):
+            # No machine sees the disk of another one.
+            folder = tempfile.mkdtemp(prefix="wp-host-")
+            self._folders.append(folder)
             node = self._cluster.add_node(
-                num_cpus=1, resources={"wayproof": 1}, wait=False, **self._options
+                num_cpus=1,
+                resources={"wayproof": 1},
+                env_vars={"WAYPROOF_DATA_DIR": folder},
+                wait=False,
+                **self._options,
             )
             self._nodes[node.node_id] = node
         self._cluster.wait_for_nodes()
@@ -137,6 +147,8 @@ class Cluster:
 
         ray.shutdown()
         self._cluster.shutdown()
+        for folder in self._folders:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 _clusters = []
@@ -171,7 +183,7 @@ def workers(kind, preload, terms, hosts=1, made=None):
     found = machines(kind, hosts)
     if made is not None:
         made.append(found)
-    plan = HostPlan(tuple(preload), None, tuple(terms), own_version(), HostTimeouts())
+    plan = HostPlan(tuple(preload), None, tuple(terms), own_version())
     return [one for _ in range(hosts) for one in RemoteHost(found, plan).workers]
 
 

@@ -119,7 +119,7 @@ class StrangeToHosts(WayproofError):
 
 def test_a_plan_crosses_as_it_is():
     terms = (Terms(), Terms(7, 2**30, 5.0))
-    plan = HostPlan(("a.b", "c"), "warm_up", terms, "0.1", HostTimeouts(lost=3.0))
+    plan = HostPlan(("a.b", "c"), "warm_up", terms, "0.1", "/data", HostTimeouts(lost=3.0))
     assert HostPlan.loaded(plan.dumped()) == plan
     with pytest.raises(TypeError):
         HostPlan.loaded(plan.dumped().replace(b'"niceness"', b'"nicer"'))
