@@ -12,7 +12,7 @@ def test_plans_questions_and_regions_share_a_pool_and_executions_have_their_own(
     settings = Settings(
         engine="process", data_dir=tmp_path, plan_slots=3, query_slots=2, regions_slots=1
     )
-    lanes = _queues(settings, ArtifactCopies(tmp_path, Nothing()))
+    lanes = _queues(settings, None)
     pool = lanes["plan"].pool
     assert lanes["query"].pool is pool is lanes["regions"].pool
     assert len(pool.workers) == 3 + (2 + 1) + 1
@@ -23,7 +23,7 @@ def test_plans_questions_and_regions_share_a_pool_and_executions_have_their_own(
 
 def test_executions_go_before_what_is_planned_and_come_to_rest_before_they_are_ended(tmp_path):
     settings = Settings(engine="process", data_dir=tmp_path, niceness=7, worker_memory=2**30)
-    lanes = _queues(settings, ArtifactCopies(tmp_path, Nothing()))
+    lanes = _queues(settings, None)
     planning, moving = (lanes[name].pool.workers[0]._terms for name in ("plan", "execution"))
     assert (planning.niceness, moving.niceness) == (7, 0)
     assert planning.memory == moving.memory == 2**30
@@ -42,21 +42,11 @@ def test_each_machine_of_a_cluster_has_all_slots(tmp_path, monkeypatch):
         regions_slots=1,
         execution_slots=2,
     )
-    lanes = _queues(settings, ArtifactCopies(tmp_path, Nothing()))
+    lanes = _queues(settings, ArtifactCopies(tmp_path, None))
     assert [lanes[name].max_running for name in ("plan", "query", "regions")] == [9, 9, 3]
     assert len(lanes["plan"].pool.workers) == 3 * (3 + (2 + 1) + 1)
     assert len(lanes["execution"].pool.workers) == 3 * 2
     assert {worker.fault for worker in lanes["plan"].pool.workers} == {"no machine is there"}
-
-
-class Nothing:
-    """A database without artifacts."""
-
-    async def parts(self, digests):
-        return {}
-
-    async def contents(self, digests):
-        return {}
 
 
 @pytest.fixture
