@@ -151,7 +151,7 @@ def _workers(
     machines = RayHosts(settings.ray_address or "")
     terms = (*planning, *moving)
     plan = HostPlan(PRELOAD, WARM_UP, terms, own_version(), str(copies.folder))
-    hosts = [RemoteHost(machines, plan, copies.source) for _ in range(settings.ray_hosts)]
+    hosts = [RemoteHost(machines, plan, copies) for _ in range(settings.ray_hosts)]
     remote = [host.workers for host in hosts]
     return (
         [worker for each in remote for worker in each[: len(planning)]],

@@ -1,7 +1,7 @@
-"""Artifacts cross from the dispatcher, which has the database, to hosts that lack them.
+"""Artifacts cross between the dispatcher, which has the database, and hosts.
 
-A host asks for what it lacks before a run; the dispatcher answers in pieces, which let what is
-urgent go before.
+A host asks for what it lacks before a run; the dispatcher asks for what a run has made before it
+says that the run has ended. Answers come in pieces, which let what is urgent go before.
 """
 
 import asyncio
@@ -9,10 +9,13 @@ import itertools
 import json
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from anyio import to_thread
 
 from service.jobs.artifacts import ArtifactSource
+from service.jobs.host_folder import artifact_path
 from service.jobs.hosts.messages import HostMessage, HostMessageKind
-from service.jobs.hosts.outbox import Outbox
 from service.jobs.json_text import encode
 
 # What is sent of an answer at once [bytes].
@@ -21,13 +24,35 @@ _PIECE = 1024 * 1024
 _PAUSE = 1.0
 _log = logging.getLogger(__name__)
 
+type Send = Callable[[HostMessage], None]
+
+
+class FolderArtifacts:
+    """Artifacts that tasks have made in the folder of a host; they have no parts of their own."""
+
+    def __init__(self, folder: Path) -> None:
+        """Read them from `folder`."""
+        self._folder = folder
+
+    async def parts(self, digests: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
+        """Return that none needs another one."""
+        return dict.fromkeys(digests, ())
+
+    async def contents(self, digests: Sequence[str]) -> Mapping[str, bytes]:
+        """Return the bytes of artifacts, as far as they are there."""
+        return await to_thread.run_sync(self._contents, digests)
+
+    def _contents(self, digests: Sequence[str]) -> dict[str, bytes]:
+        paths = {digest: artifact_path(self._folder, digest) for digest in digests}
+        return {digest: path.read_bytes() for digest, path in paths.items() if path.is_file()}
+
 
 class RemoteArtifacts:
-    """What the dispatcher has of artifacts, asked for by messages of its host."""
+    """What the other end has of artifacts, asked for by messages."""
 
-    def __init__(self, outbox: Outbox) -> None:
-        """Ask by `outbox`."""
-        self._outbox = outbox
+    def __init__(self, send: Send) -> None:
+        """Ask by `send`."""
+        self._send = send
         self._numbers = itertools.count(1)
         self._pieces: dict[int, list[bytes]] = {}
         self._answers: dict[int, asyncio.Future[bytes]] = {}
@@ -64,7 +89,7 @@ class RemoteArtifacts:
         answer = self._answers[number] = asyncio.get_running_loop().create_future()
         self._pieces[number] = []
         body = encode(question).encode()
-        self._outbox.put(HostMessage(HostMessageKind.ASK, 0, number, body))
+        self._send(HostMessage(HostMessageKind.ASK, 0, number, body))
         try:
             return await answer
         finally:
@@ -72,14 +97,14 @@ class RemoteArtifacts:
 
 
 class ArtifactAnswers:
-    """Answers what hosts ask about artifacts."""
+    """Answers what the other end asks about artifacts."""
 
     def __init__(self, source: ArtifactSource | None) -> None:
         """Answer from `source`; None where nothing is stored."""
         self._source = source
         self._tasks: set[asyncio.Task[None]] = set()
 
-    def take(self, message: HostMessage, send: Callable[[HostMessage], None]) -> None:
+    def take(self, message: HostMessage, send: Send) -> None:
         """Answer a question, once the database does, by `send`."""
         task = asyncio.get_running_loop().create_task(self._answer(message, send))
         self._tasks.add(task)
@@ -90,7 +115,7 @@ class ArtifactAnswers:
         for task in self._tasks:
             task.cancel()
 
-    async def _answer(self, message: HostMessage, send: Callable[[HostMessage], None]) -> None:
+    async def _answer(self, message: HostMessage, send: Send) -> None:
         question = json.loads(message.body)
         while True:
             try:

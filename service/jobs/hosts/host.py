@@ -13,7 +13,7 @@ from pathlib import Path
 
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.errors import InternalError
-from service.jobs.hosts.artifacts import RemoteArtifacts
+from service.jobs.hosts.artifacts import ArtifactAnswers, FolderArtifacts, RemoteArtifacts
 from service.jobs.hosts.messages import HostMessage, HostMessageKind, unpack
 from service.jobs.hosts.outbox import Outbox, OutboxSink
 from service.jobs.hosts.outcome_text import dump_outcome
@@ -46,8 +46,9 @@ class WorkerHost:
         self._plan = plan
         self._on_abandoned = on_abandoned
         self._outbox = Outbox()
-        self._artifacts = RemoteArtifacts(self._outbox)
+        self._artifacts = RemoteArtifacts(self._outbox.put)
         folder = None if plan.folder is None else Path(plan.folder)
+        self._answers = ArtifactAnswers(None if folder is None else FolderArtifacts(folder))
         copies = None if folder is None else ArtifactCopies(folder, self._artifacts)
         made = workers or [ProcessWorker(plan.preload, terms, copies) for terms in plan.workers]
         self._hosted = [HostedWorker(i, one, self._outbox) for i, one in enumerate(made)]
@@ -67,10 +68,13 @@ class WorkerHost:
             ValueError: They are none.
         """
         for message in unpack(batch):
-            if message.kind is HostMessageKind.REPLY:
-                self._artifacts.take(message)
-            else:
-                self._hosted[message.worker].take(message)
+            match message.kind:
+                case HostMessageKind.REPLY:
+                    self._artifacts.take(message)
+                case HostMessageKind.ASK:
+                    self._answers.take(message, self._outbox.put)
+                case _:
+                    self._hosted[message.worker].take(message)
 
     async def collect(self) -> bytes:
         """Return what there is to say; nothing, if that is so for a while."""
@@ -85,6 +89,7 @@ class WorkerHost:
         """End the workers and what runs in them."""
         if self._watch is not None:
             self._watch.cancel()
+        self._answers.forget()
         await asyncio.gather(*(one.close() for one in self._hosted))
 
     def _wait_for_dispatcher(self) -> None:

@@ -17,23 +17,25 @@ BATCH = 4 * 1024 * 1024
 
 
 class HostMessageKind(IntEnum):
-    """What a message says; the first five go to the host, the others come from it.
+    """What a message says; the first four go to the host, the next five come from it.
 
     RUN carries the task, its terms and its payload; CANCEL the grace [s]; CONTROLS all controls of
-    the run; RECEIVED how many events were dealt with; REPLY answers an ASK. READY says that a
-    worker waits for its next run; ASK is about artifacts.
+    the run; RECEIVED how many events were dealt with. READY says that a worker waits
+    for its next run; MADE which artifacts a run has left on its host. ASK is about artifacts, and
+    either end may ask; REPLY answers it.
     """
 
     RUN = 1
     CANCEL = 2
     CONTROLS = 3
     RECEIVED = 4
-    REPLY = 5
     READY = 11
     EVENT = 12
     UPDATE = 13
     OUTCOME = 14
-    ASK = 15
+    MADE = 15
+    ASK = 21
+    REPLY = 22
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 import asyncio
 from contextlib import suppress
 
+from service.jobs.context import MADE
 from service.jobs.hosts.messages import HostMessage, HostMessageKind, batch_of, pack
 from service.jobs.json_text import Encoded
 
@@ -51,7 +52,10 @@ class OutboxSink:
         self._has_space.set()
 
     def put(self, event_type: str, data: Encoded, *, is_update: bool = False) -> None:
-        """Take an event."""
+        """Take an event; what it says of artifacts is for the dispatcher alone."""
+        if event_type == MADE:
+            self._outbox.put(HostMessage(HostMessageKind.MADE, *self._about, data.text.encode()))
+            return
         kind = HostMessageKind.UPDATE if is_update else HostMessageKind.EVENT
         name = event_type.replace("\n", " ")
         self._outbox.put(HostMessage(kind, *self._about, f"{name}\n{data.text}".encode()))

@@ -6,12 +6,13 @@ are not ready, and what ran there has ended as `Lost`.
 
 import asyncio
 import logging
+from collections.abc import Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from typing import Protocol
 
-from service.jobs.artifacts import ArtifactSource
-from service.jobs.hosts.artifacts import ArtifactAnswers
+from service.jobs.artifacts import ArtifactCopies
+from service.jobs.hosts.artifacts import ArtifactAnswers, RemoteArtifacts
 from service.jobs.hosts.messages import HostMessage, HostMessageKind, batch_of, pack, unpack
 from service.jobs.hosts.plan import HostPlan
 from service.jobs.hosts.remote_worker import RemoteWorker
@@ -65,19 +66,22 @@ class Hosts(Protocol):
 class RemoteHost:
     """Has a host, always, as far as there are machines."""
 
-    def __init__(self, hosts: Hosts, plan: HostPlan, source: ArtifactSource | None = None) -> None:
+    def __init__(self, hosts: Hosts, plan: HostPlan, copies: ArtifactCopies | None = None) -> None:
         """Prepare; the first worker that is opened begins to look for a machine.
 
         Args:
             hosts: Where to look.
             plan: What the host is told; its warm-up is that with which workers are opened.
-            source: Of the artifacts that its tasks read; None if they read none.
+            copies: On this machine, of the artifacts that its tasks read and make; None if they
+                read and make none.
         """
+        self._made = RemoteArtifacts(self._send)
+        self._copies = None if copies is None else ArtifactCopies(copies.folder, self._made)
         self.workers = [RemoteWorker(number, self) for number in range(len(plan.workers))]
         self._hosts = hosts
         self._plan = plan
         self._supervisor: asyncio.Task[None] | None = None
-        self._answers = ArtifactAnswers(source)
+        self._answers = ArtifactAnswers(None if copies is None else copies.source)
         self._waiting: list[HostMessage] = []
         # What may take long to send, and is sent when nothing else waits.
         self._in_bulk: list[HostMessage] = []
@@ -94,6 +98,11 @@ class RemoteHost:
         if self._supervisor is not None:
             self._supervisor.cancel()
             await asyncio.gather(self._supervisor, return_exceptions=True)
+
+    async def fetch(self, artifacts: Sequence[str]) -> None:
+        """Copy what this machine lacks of artifacts that a run has made on the host."""
+        if self._copies is not None:
+            await self._copies.bring(artifacts)
 
     async def _supervise(self, plan: HostPlan) -> None:
         while True:
@@ -155,10 +164,13 @@ class RemoteHost:
                 self._take(message)
 
     def _take(self, message: HostMessage) -> None:
-        if message.kind is HostMessageKind.ASK:
-            self._answers.take(message, self._send)
-        else:
-            self.workers[message.worker].take(message)
+        match message.kind:
+            case HostMessageKind.ASK:
+                self._answers.take(message, self._send)
+            case HostMessageKind.REPLY:
+                self._made.take(message)
+            case _:
+                self.workers[message.worker].take(message)
 
     def _send(self, message: HostMessage) -> None:
         is_bulk = message.kind is HostMessageKind.REPLY

@@ -15,7 +15,7 @@ type Send = Callable[[HostMessage], None]
 
 
 class Lifecycle(Protocol):
-    """What opens and closes the host of a worker."""
+    """What opens and closes the host of a worker, and copies from it what runs have made."""
 
     async def open(self, warm_up: str | None) -> None:
         """Begin to look for a machine, if that has not begun."""
@@ -23,6 +23,10 @@ class Lifecycle(Protocol):
 
     async def close(self) -> None:
         """End the host, if it has not ended."""
+        ...
+
+    async def fetch(self, artifacts: Sequence[str]) -> None:
+        """Copy what this machine lacks of artifacts that a run has made on the host."""
         ...
 
 
@@ -45,6 +49,8 @@ class RemoteWorker:
         self._assignment: Assignment | None = None
         self._ended: asyncio.Future[Outcome] | None = None
         self._artifacts: tuple[str, ...] = ()
+        self._made: list[str] = []
+        self._lost: asyncio.Future[None] | None = None
         self._is_canceled = False
         self._acknowledging: set[asyncio.Task[None]] = set()
 
@@ -124,6 +130,8 @@ class RemoteWorker:
         self._may_go_on.set()
         if self._ended is not None and not self._ended.done():
             self._ended.set_result(Lost(self._name, has_begun=True))
+        if self._lost is not None and not self._lost.done():
+            self._lost.set_result(None)
 
     def take(self, message: HostMessage) -> None:
         """Deal with what the host says of this worker.
@@ -138,6 +146,8 @@ class RemoteWorker:
             case HostMessageKind.OUTCOME if message.run == self._run and self._ended is not None:
                 if not self._ended.done():
                     self._ended.set_result(load_outcome(message.body))
+            case HostMessageKind.MADE if message.run == self._run:
+                self._made += json.loads(message.body)["artifacts"]
             case HostMessageKind.EVENT | HostMessageKind.UPDATE:
                 self._note_event(message)
             case _:
@@ -146,6 +156,7 @@ class RemoteWorker:
     async def _run_there(self, run: Assignment) -> Outcome:
         self._is_ready.clear()
         self._run += 1
+        self._made.clear()
         self._ended = asyncio.get_running_loop().create_future()
         terms = {
             "task": run.task,
@@ -156,12 +167,33 @@ class RemoteWorker:
         body = f"{encode(terms)}\n{json.dumps(run.payload)}"
         self._say(HostMessageKind.RUN, body.encode())
         try:
-            return await self._ended
+            outcome = await self._ended
+            return await self._with_what_it_made(outcome) if self._made else outcome
         except asyncio.CancelledError:
             self._say(HostMessageKind.CANCEL, b"0.0")
             raise
         finally:
             self._ended = None
+
+    async def _with_what_it_made(self, outcome: Outcome) -> Outcome:
+        """Return an outcome once this machine has what the run made; the host may be lost before.
+
+        Raises:
+            OSError: The folder of this machine cannot be written.
+        """
+        if self._send is None:
+            return Lost(self._name, has_begun=True)
+        loop = asyncio.get_running_loop()
+        self._lost = loop.create_future()
+        fetch = loop.create_task(self._host.fetch(list(self._made)))
+        try:
+            await asyncio.wait([fetch, self._lost], return_when=asyncio.FIRST_COMPLETED)
+            if not fetch.done():
+                return Lost(self._name, has_begun=True)
+            fetch.result()
+        finally:
+            fetch.cancel()
+        return outcome
 
     def _note_ready(self, message: HostMessage) -> None:
         """Be ready if the host has ended the last run; what it said before that is stale."""

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from service.jobs.artifacts import Artifact
+from service.jobs.artifacts import Artifact, ArtifactCopies
+from service.jobs.host_folder import artifact_path
 from service.jobs.hosts.plan import HostPlan, own_version
 from service.jobs.hosts.remote_host import RemoteHost
 from service.jobs.outcome import Crashed, Returned, Terminated
@@ -54,7 +55,8 @@ def kind(request):
 async def working(kind, source, folder):
     """A worker on a host that has nothing yet."""
     plan = HostPlan((TASKS,), None, (Terms(),), own_version(), str(folder))
-    (worker,) = RemoteHost(machines(kind), plan, source).workers
+    copies = ArtifactCopies(folder.parent / "dispatcher", source)
+    (worker,) = RemoteHost(machines(kind), plan, copies).workers
     await worker.open(WARM_UP)
     try:
         async with asyncio.timeout(GUARD):
@@ -84,6 +86,20 @@ def test_what_a_run_reads_is_there_with_its_parts_and_comes_but_once(kind, tmp_p
             await worker.bring([SCENE.digest])
             assert (await told(worker, ALL))["sizes"][0] == 2
             assert len(source.asked) == asked
+
+    asyncio.run(story())
+
+
+def test_what_a_run_has_made_is_with_the_dispatcher_when_it_has_ended(kind, tmp_path):
+    async def story():
+        async with working(kind, Stored(), tmp_path / "host") as worker:
+            outcome = await worker.run(run_of("make", sizes=[5_000_000, 0, 7]))
+            assert isinstance(outcome, Returned)
+            digests = json.loads(outcome.result.text)["digests"]
+            paths = [artifact_path(tmp_path / "dispatcher", digest) for digest in digests]
+            assert [path.stat().st_size for path in paths] == [5_000_000, 0, 7]
+            contents = [Artifact(path.read_bytes()).digest for path in paths]
+            assert contents == digests
 
     asyncio.run(story())
 
