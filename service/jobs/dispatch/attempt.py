@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled, WayproofError
+from service.jobs.dispatch.lost_hosts import is_mere_cancel, runs_elsewhere
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.errors import DatabaseTaken, InternalError
@@ -37,8 +38,6 @@ from service.jobs.worker.assignment import Assignment, Worker
 
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
-# A job under which so many machines were lost is run no more.
-_MAX_LOST_HOSTS = 3
 CONTROLS = "controls"
 _log = logging.getLogger(__name__)
 
@@ -305,31 +304,15 @@ class Attempt:
             again = partial(requeue, self._interruption, refund=1)
             return again if self.job.max_attempts > 1 else None
         if isinstance(outcome, Lost):
-            return self._requeue_elsewhere(outcome, attempts)
+            again = partial(requeue, error_of(outcome, attempts).detail, refund=1)
+            return again if runs_elsewhere(outcome, self.job, self.num_lost_hosts) else None
         if isinstance(outcome, Crashed | Silent) and attempts < self.job.max_attempts:
             return partial(requeue, error_of(outcome, attempts).detail)
         return None
 
-    def _requeue_elsewhere(
-        self, outcome: Lost, attempts: int
-    ) -> Callable[[], Transition | None] | None:
-        """Return how to queue a job again whose machine was lost, which is no attempt of its own.
-
-        One that had not begun there may always run elsewhere; one that takes machine after machine
-        with it may not.
-        """
-        may_repeat = self.job.max_attempts > 1 and self.num_lost_hosts < _MAX_LOST_HOSTS
-        if outcome.has_begun and not may_repeat:
-            return None
-        reason = error_of(outcome, attempts).detail
-        return partial(self._recorder.store.requeue, self.job.id, reason, refund=1)
-
     def _error(self, outcome: Failed, attempts: int) -> WayproofError:
         """Return what the job shows for an end without a result."""
-        may_repeat = self.job.max_attempts > 1
-        is_gone = isinstance(outcome, Crashed | Silent | Lost)
-        has_begun = not isinstance(outcome, Lost) or outcome.has_begun
-        if self._is_cancel_requested and is_gone and (may_repeat or not has_begun):
+        if self._is_cancel_requested and is_mere_cancel(outcome, self.job):
             outcome = Terminated()
         stage_event = self.latest("stage") or {}
         error = with_stage(error_of(outcome, attempts), stage_event, self._seconds)
