@@ -124,9 +124,9 @@ def _queues(settings: Settings, copies: ArtifactCopies) -> dict[str, JobQueue]:
         "regions": Share(settings.regions_slots * hosts),
     }
     count = sum(share.max_running or 0 for share in shares.values())
-    planning = Terms(settings.niceness, settings.worker_memory)
+    planning = Terms(settings.niceness, settings.worker_memory, is_offline=True)
     # Executions go on while something is planned; OMPL and Drake take turns.
-    moving = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
+    moving = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"], is_offline=True)
     on_each = (count // hosts * [planning], settings.execution_slots * [moving])
     shared, own = _workers(settings, copies, *on_each)
     pool = WorkerPool(shared)

@@ -9,12 +9,13 @@ from typing import Any
 
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.calls import Call, CallResult, Calls
-from service.jobs.dispatch.leader import DatabaseTimeouts, DispatcherLock, LockWatch
+from service.jobs.dispatch.leader import DispatcherLock, LockWatch
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
+from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
 from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
