@@ -3,6 +3,7 @@ SHELL := /bin/sh
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/.ready
+RAY := $(VENV)/.ray
 UV_VERSION := 0.13.8
 # Modules are compiled once and for all: the tests alone start a hundred processes that import them.
 unexport PYTHONDONTWRITEBYTECODE
@@ -28,7 +29,7 @@ CONFIGURE = $(VENV)/bin/cmake -S . -G Ninja -DSKBUILD_DATA_DIR=data \
 # Generators of clients, which only `make clients` needs.
 GENERATORS := build/generators
 
-.PHONY: demo test clients costs check format lint imports types tidy drake-only shapes golden record campaign sanitize setup lock \
+.PHONY: demo test clients costs check format lint imports types tidy drake-only ray shapes golden record campaign sanitize setup lock \
         bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
         chaos pictures serve clean
 
@@ -113,6 +114,15 @@ campaign: setup
 drake-only: setup
 	@$(PYTHON) -m pytest --no-kernel -m drake_only
 
+# Workers on the machines of a Ray cluster, which is started here: 76 MB more to fetch, 200 MB installed.
+ray: $(RAY)
+	@WAYPROOF_TEST_HOSTS=ray $(PYTHON) -m pytest --durations=5 tests/service/jobs/remote tests/service/test_ray_server.py \
+	  tests/service/jobs/worker/test_process_worker.py
+
+$(RAY): $(STAMP) requirements-ray.lock
+	@UV=$$(command -v uv || echo .uv/bin/uv); \
+	"$$UV" pip install --quiet --python $(PYTHON) --no-deps --require-hashes -r requirements-ray.lock; touch $@
+
 # The kernel's own tests with addresses and undefined behaviour checked; needs gcc or clang.
 sanitize: setup
 	@SANITIZED=$$(mktemp -d) && trap 'rm -rf "$$SANITIZED"' EXIT && \
@@ -187,7 +197,10 @@ pictures: setup
 lock:
 	@UV=$$(command -v uv || echo .uv/bin/uv); \
 	"$$UV" pip compile pyproject.toml --group dev --universal --python-version 3.12 \
-	  --generate-hashes --no-emit-index-url --no-header --quiet -o requirements.lock
+	  --generate-hashes --no-emit-index-url --no-header --quiet -o requirements.lock; \
+	$(PYTHON) -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['ray'])" | \
+	"$$UV" pip compile - -c requirements.lock --universal --python-version 3.12 --generate-hashes --no-emit-index-url \
+	  --no-header --no-annotate --quiet -o requirements-ray.lock
 
 clean:
 	rm -rf $(VENV) .uv .pytest_cache .ruff_cache .hypothesis out

@@ -23,6 +23,7 @@ if __name__ == "__main__":
 from benchmarks.chaos_rounds.rounds import Round, site
 
 _DATABASES = ("sqlite", "postgresql")
+_ENGINES = ("process", "ray")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -45,6 +46,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command's options."""
     made = argparse.ArgumentParser(description=__doc__)
     made.add_argument("--database", choices=[*_DATABASES, "both"], default="both")
+    made.add_argument("--engine", choices=_ENGINES, default="process")
     made.add_argument("--jobs", type=int, default=200, help="on each database, about")
     made.add_argument("--rounds", type=int, default=4)
     made.add_argument("--seed", type=int, default=0)
@@ -69,7 +71,7 @@ def table(rounds: Iterable[Round], seed: int) -> Table:
 
 
 def _on(database: str, options: argparse.Namespace, console: Console) -> Iterable[Round]:
-    with site(database) as made:
+    with site(database, options.engine) as made:
         if not (made.database.disk.is_real or options.json):
             what = "SQLite's files are limited instead, PostgreSQL's cannot be"
             console.print(f"no small file system may be mounted here: {what}")

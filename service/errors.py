@@ -267,6 +267,7 @@ _STATUS: dict[type[WayproofError], int] = {
     job_errors.UnknownJob: 404,
     job_errors.WorkerCrashed: 503,
     job_errors.WorkerUnresponsive: 503,
+    job_errors.HostLost: 503,
     job_errors.MemoryLimitExceeded: 503,
     job_errors.DatabaseTaken: 503,
     job_errors.DatabaseUnavailable: 503,

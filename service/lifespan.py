@@ -1,7 +1,7 @@
 """open_services(): store, dispatcher and workers, for as long as the server runs."""
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable, Coroutine
+from collections.abc import AsyncGenerator, Callable, Coroutine, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from typing import Any
@@ -15,6 +15,9 @@ from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.queue import JobQueue, Share
 from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.hosts.plan import HostPlan, own_version
+from service.jobs.hosts.ray_hosts import RayHosts
+from service.jobs.hosts.remote_host import RemoteHost
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.jobs.store.database import keep_off_loops, open_engine
@@ -71,7 +74,7 @@ async def open_services(
     delivery = WebhookDelivery(webhooks, _delivery_terms(settings))
     store.on_event = delivery.note  # what recovery ends is told as well
     try:
-        await dispatcher.start(WARM_UP if settings.engine == "process" else None)
+        await dispatcher.start(None if settings.engine == "inline" else WARM_UP)
         try:
             await scenes.open()  # behind the lock: others may not change the database meanwhile
             terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
@@ -123,18 +126,20 @@ def _queues(settings: Settings, copies: ArtifactCopies) -> dict[str, JobQueue]:
     A scene that was loaded for one is warm for all of them. Queues of a pool do not wait for each
     other: it has as many workers as they may use together.
     """
+    hosts = settings.ray_hosts if settings.engine == "ray" else 1
+    reserved = _RESERVED * hosts
     shares = {
-        "query": Share(settings.query_slots + _RESERVED, _RESERVED),
-        "plan": Share(settings.plan_slots),
-        "regions": Share(settings.regions_slots),
+        "query": Share(settings.query_slots * hosts + reserved, reserved),
+        "plan": Share(settings.plan_slots * hosts),
+        "regions": Share(settings.regions_slots * hosts),
     }
     count = sum(share.max_running or 0 for share in shares.values())
-    terms = Terms(settings.niceness, settings.worker_memory, is_offline=True)
-    pool = WorkerPool([_worker(settings, terms, copies, is_exclusive=True) for _ in range(count)])
+    planning = Terms(settings.niceness, settings.worker_memory, is_offline=True)
     # Executions go on while something is planned; OMPL and Drake take turns.
-    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"], is_offline=True)
-    slots = range(settings.execution_slots)
-    own = [_worker(settings, terms, copies, is_exclusive=False) for _ in slots]
+    moving = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"], is_offline=True)
+    on_each = (count // hosts * [planning], settings.execution_slots * [moving])
+    shared, own = _workers(settings, copies, *on_each)
+    pool = WorkerPool(shared)
     queues = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
     return {**queues, "execution": _queue(settings, "execution", WorkerPool(own), None)}
 
@@ -143,9 +148,22 @@ def _queue(settings: Settings, name: str, pool: WorkerPool, share: Share | None)
     return JobQueue(name, pool, settings.max_queued, _CANCEL_GRACE[name], share=share)
 
 
-def _worker(
-    settings: Settings, terms: Terms, copies: ArtifactCopies, *, is_exclusive: bool
-) -> Worker:
+def _workers(
+    settings: Settings, copies: ArtifactCopies, planning: list[Terms], moving: list[Terms]
+) -> tuple[Sequence[Worker], Sequence[Worker]]:
+    """Return workers that plan and workers that move robots, by their terms on each machine."""
     if settings.engine == "inline":
-        return ThreadWorker(copies, is_exclusive=is_exclusive)
-    return ProcessWorker(PRELOAD, terms, copies)
+        exclusive = [ThreadWorker(copies, is_exclusive=True) for _ in planning]
+        return exclusive, [ThreadWorker(copies, is_exclusive=False) for _ in moving]
+    if settings.engine == "process":
+        local = [ProcessWorker(PRELOAD, terms, copies) for terms in (*planning, *moving)]
+        return local[: len(planning)], local[len(planning) :]
+    machines = RayHosts(settings.ray_address or "")
+    terms = (*planning, *moving)
+    plan = HostPlan(PRELOAD, WARM_UP, terms, own_version(), str(copies.folder))
+    hosts = [RemoteHost(machines, plan, copies) for _ in range(settings.ray_hosts)]
+    remote = [host.workers for host in hosts]
+    return (
+        [worker for each in remote for worker in each[: len(planning)]],
+        [worker for each in remote for worker in each[len(planning) :]],
+    )

@@ -3,14 +3,15 @@
 import ipaddress
 import os
 from functools import cached_property
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 _GIB = 2**30
-_TEST_HOSTS = {"inline": ("testserver",), "process": ()}
+_TEST_HOSTS = {"inline": ("testserver",)}
 
 
 def default_data_dir() -> Path:
@@ -46,8 +47,21 @@ class Settings(BaseSettings):
     database_url: str | None = Field(
         default=None, description="SQLAlchemy URL; null for SQLite in the data folder"
     )
-    engine: Literal["process", "inline"] = Field(
-        default="process", description="Killable worker processes, or this one (for tests)"
+    engine: Literal["process", "ray", "inline"] = Field(
+        default="process",
+        description="Killable worker processes of this machine, or of the machines of a Ray "
+        "cluster, or this process (for tests)",
+    )
+    ray_address: str | None = Field(
+        default=None,
+        pattern=r"^[^\s/]+:\d+$",
+        description="Of the head of the Ray cluster, `host:port`, of which this machine is a node",
+    )
+    ray_hosts: int = Field(
+        default=1,
+        ge=1,
+        le=256,
+        description="Machines of the cluster that work at once, each with the slots below",
     )
     plan_slots: int = Field(
         default_factory=default_plan_slots,
@@ -149,6 +163,16 @@ class Settings(BaseSettings):
         default=5.0, gt=0, description="After which a webhook that takes nothing is disabled"
     )
 
+    @model_validator(mode="after")
+    def _has_cluster(self) -> Self:
+        if self.engine == "ray" and self.ray_address is None:
+            message = "the engine ray needs ray_address, the head of its cluster (host:port)"
+            raise ValueError(message)
+        if self.engine == "ray" and find_spec("ray") is None:
+            message = "the engine ray needs the extra `ray`: pip install 'wayproof[ray]'"
+            raise ValueError(message)
+        return self
+
     @field_validator("rate_limit")
     @classmethod
     def _parse_rate_limit(cls, text: str) -> str:
@@ -198,7 +222,7 @@ class Settings(BaseSettings):
             return ("*",)
         own = f"[{self.host}]" if ":" in self.host else self.host
         # The last is what starlette's test client says, which has no server to name.
-        return ("localhost", "127.0.0.1", "[::1]", own, *_TEST_HOSTS[self.engine])
+        return ("localhost", "127.0.0.1", "[::1]", own, *_TEST_HOSTS.get(self.engine, ()))
 
     @property
     def may_load_paths(self) -> bool:

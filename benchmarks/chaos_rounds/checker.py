@@ -13,8 +13,13 @@ from benchmarks.chaos_rounds.journal import FINAL, Asked, Event, Violation
 
 # How a job may end for what is done to its worker or its server.
 LOST = {
-    "plan": frozenset({"worker_crashed", "server_restarted", "deadline_exceeded"}),
-    "execution": frozenset({"worker_crashed", "worker_unresponsive", "server_restarted"}),
+    "plan": frozenset({"worker_crashed", "host_lost", "server_restarted", "deadline_exceeded"}),
+    "execution": frozenset({
+        "worker_crashed",
+        "worker_unresponsive",
+        "host_lost",
+        "server_restarted",
+    }),
 }
 # A plan is given up only when it was lost so often.
 _ATTEMPTS = 2

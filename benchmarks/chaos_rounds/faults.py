@@ -24,6 +24,7 @@ class FaultKind(StrEnum):
     WORKER_STOPPED = "worker stopped"
     WORKER_HUNG = "worker hung"
     FORKSERVER_KILLED = "forkserver -9"
+    HOST_KILLED = "host -9"
     SERVER_KILLED = "server -9"
     SERVER_TOLD = "server TERM"
     SERVER_HURRIED = "server TERM, -9"
@@ -38,6 +39,7 @@ _WEIGHTS = {
     FaultKind.WORKER_STOPPED: 4,
     FaultKind.WORKER_HUNG: 1,
     FaultKind.FORKSERVER_KILLED: 1,
+    FaultKind.HOST_KILLED: 3,
     FaultKind.SERVER_KILLED: 2,
     FaultKind.SERVER_TOLD: 2,
     FaultKind.SERVER_HURRIED: 1,
@@ -78,9 +80,11 @@ class Fault:
     choice: float
 
 
-def draw(rng: random.Random, count: int, database: str) -> list[Fault]:
+def draw(rng: random.Random, count: int, database: str, engine: str = "process") -> list[Fault]:
     """Return faults in the order in which they are to happen."""
     weights = dict(_WEIGHTS)
+    # Elsewhere a host is what workers are forked by, and it is lost with them.
+    del weights[FaultKind.HOST_KILLED if engine == "process" else FaultKind.FORKSERVER_KILLED]
     if database == "sqlite":
         del weights[FaultKind.AWAY]
     kinds = rng.choices(list(weights), list(weights.values()), k=count)
@@ -97,10 +101,12 @@ class Havoc:
     Attributes:
         done: How often what has happened.
         database: The name of the database's kind.
+        engine: Of the server.
     """
 
-    def __init__(self, keeper: Keeper, database: Database) -> None:
+    def __init__(self, keeper: Keeper, database: Database, engine: str = "process") -> None:
         """Do nothing yet."""
+        self.engine = engine
         self.done: Counter[FaultKind] = Counter()
         self.database = database.name
         self._keeper = keeper
@@ -128,6 +134,8 @@ class Havoc:
                 self._kill(fault.kind, self._chosen(fault))
             case FaultKind.WORKER_CRASHED:
                 self._kill(fault.kind, self._chosen(fault), signal.SIGSEGV)
+            case FaultKind.HOST_KILLED:
+                self._kill(fault.kind, _one_of(self._keeper.hosts(), fault))
             case FaultKind.FORKSERVER_KILLED:
                 self._kill(fault.kind, self._keeper.forkserver())
             case FaultKind.SERVER_KILLED | FaultKind.SERVER_TOLD | FaultKind.SERVER_HURRIED:
@@ -182,8 +190,11 @@ class Havoc:
 
     def _chosen(self, fault: Fault) -> Process | None:
         """Return one of the processes that run tasks, or that help them."""
-        found = self._keeper.workers()
-        return found[int(fault.choice * len(found))] if found else None
+        return _one_of(self._keeper.workers(), fault)
+
+
+def _one_of(found: list[Process], fault: Fault) -> Process | None:
+    return found[int(fault.choice * len(found))] if found else None
 
 
 @contextmanager

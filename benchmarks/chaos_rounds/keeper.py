@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from benchmarks.chaos_rounds.journal import Journal
-from benchmarks.serving.processes import Process, descendants, open_files, workers
+from benchmarks.chaos_rounds.machines import Machines, OwnMachine
+from benchmarks.serving.processes import Process, descendants, open_files
 from benchmarks.serving.server import NotStarted, Server, pause
 
 # Within which what a server ran is gone after it [s]: a worker sees that its server has ended.
@@ -30,7 +31,12 @@ class Keeper:
     """
 
     def __init__(
-        self, folder: Path, log: Path, environment: Mapping[str, str], journal: Journal
+        self,
+        folder: Path,
+        log: Path,
+        environment: Mapping[str, str],
+        journal: Journal,
+        machines: Machines | None = None,
     ) -> None:
         """Run on a data folder; call `start`.
 
@@ -39,6 +45,7 @@ class Keeper:
             log: What servers print.
             environment: More variables of the server.
             journal: Is told of what is left running, and of starts that fail.
+            machines: Where its workers are; None for below it.
         """
         self.losses = 0
         self.refused = 0
@@ -46,6 +53,7 @@ class Keeper:
         self._log = log
         self._environment = environment
         self._journal = journal
+        self._machines = machines or OwnMachine()
         self._server: Server | None = None
         self._left: set[Process] = set()
         self._lock = threading.Lock()
@@ -64,7 +72,11 @@ class Keeper:
 
     def workers(self) -> list[Process]:
         """Return the processes that run tasks; none while there is no server."""
-        return [] if self._server is None else workers(self._server.pid)
+        return [] if self._server is None else self._machines.workers(self._server.pid)
+
+    def hosts(self) -> list[Process]:
+        """Return the processes that own workers elsewhere; none while there is no server."""
+        return [] if self._server is None else self._machines.hosts(self._server.pid)
 
     def forkserver(self) -> Process | None:
         """Return the process that workers are forked from."""
@@ -139,6 +151,7 @@ class Keeper:
         server = self._server
         assert server is not None
         self._left |= {process for process, _ in descendants(server.pid)}
+        self._left |= {*self._machines.workers(server.pid), *self._machines.hosts(server.pid)}
         self._server = None
         return server
 

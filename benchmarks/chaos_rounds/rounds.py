@@ -20,6 +20,7 @@ from benchmarks.chaos_rounds.disk import SmallDisk
 from benchmarks.chaos_rounds.faults import FaultKind, Havoc, draw
 from benchmarks.chaos_rounds.journal import Journal, Violation
 from benchmarks.chaos_rounds.keeper import Keeper
+from benchmarks.chaos_rounds.machines import Machines, OwnMachine, RayMachines
 from benchmarks.chaos_rounds.mix import scenes
 from benchmarks.chaos_rounds.records import check_files, check_rows
 from benchmarks.chaos_rounds.survey import Survey
@@ -38,7 +39,7 @@ class Round:
     """What came of a round.
 
     Attributes:
-        name: Of the database and the round.
+        name: Of the database, of the engine if that is not the usual one, and of the round.
         jobs: How many were accepted.
         faults: How often what was done.
         refused: How often a server could not start while something was wrong.
@@ -65,10 +66,12 @@ class Site:
         database: Of the servers.
         data: Their data folder.
         log: What they printed.
+        machines: Where their workers are.
     """
 
-    def __init__(self, database: Database, data: Path, log: Path) -> None:
+    def __init__(self, database: Database, data: Path, log: Path, machines: Machines) -> None:
         """Begin without jobs."""
+        self.machines = machines
         self.database = database
         self.data = data
         self.log = log
@@ -85,10 +88,12 @@ class Site:
             seed: Of the faults, and of what is asked for.
         """
         began = time.monotonic()
-        name = f"{self.database.name} {number}"
+        engine = "" if self.machines.name == "process" else f" {self.machines.name}"
+        name = f"{self.database.name}{engine} {number}"
         journal = Journal()
         environment = {"WAYPROOF_PLAN_SLOTS": "2", **self.database.environment}
-        keeper = Keeper(self.data, self.log, environment, journal)
+        environment |= self.machines.environment
+        keeper = Keeper(self.data, self.log, environment, journal, self.machines)
         keeper.start()
         try:
             done, outcomes = self._in_server(keeper, journal, f"{seed} {name}", num_jobs)
@@ -107,7 +112,7 @@ class Site:
     def _in_server(
         self, keeper: Keeper, journal: Journal, seed: str, num_jobs: int
     ) -> tuple[Counter[FaultKind], Counter[str]]:
-        havoc, outcomes = Havoc(keeper, self.database), Counter[str]()
+        havoc, outcomes = Havoc(keeper, self.database, self.machines.name), Counter[str]()
         caller = Caller(keeper, journal)
         try:
             ids = {
@@ -147,11 +152,12 @@ class Site:
 
 
 @contextmanager
-def site(name: str) -> Iterator[Site]:
+def site(name: str, engine: str = "process") -> Iterator[Site]:
     """Have a database of a kind, on a small disk, and a data folder for a while.
 
     Args:
         name: Of the kind: "sqlite" or "postgresql".
+        engine: Of the server: "process" or "ray".
     """
     with ExitStack() as stack:
         folder = Path(tempfile.mkdtemp(prefix="wp-chaos-"))
@@ -166,7 +172,9 @@ def site(name: str) -> Iterator[Site]:
         else:
             database = Postgresql(folder / "cluster", disk)
         stack.callback(database.close)
-        yield Site(database, data, folder / "server.log")
+        machines: Machines = RayMachines() if engine == "ray" else OwnMachine()
+        stack.callback(machines.close)
+        yield Site(database, data, folder / "server.log", machines)
 
 
 def work(
@@ -182,7 +190,9 @@ def work(
         num_jobs: About as many are asked for.
         ids: Of the scenes that all plan in, by name.
     """
-    faults = draw(random.Random(seed), max(1, round(_RATE * num_jobs)), havoc.database)
+    faults = draw(
+        random.Random(seed), max(1, round(_RATE * num_jobs)), havoc.database, havoc.engine
+    )
     num_plans = max(1, num_jobs // (2 * _PLANNERS))
     # A motion is a plan and an execution.
     num_motions = max(1, num_jobs // (4 * _ROBOTS))

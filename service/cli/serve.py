@@ -26,7 +26,7 @@ def serve(  # noqa: PLR0913  (one parameter per option)
     port: Annotated[int | None, typer.Option(help="Port to listen on; 0 for a free one.")] = None,
     data_dir: Annotated[Path | None, typer.Option(help=_WHERE)] = None,
     plan_slots: Annotated[int | None, typer.Option(help="Plans that may run at once.")] = None,
-    engine: Annotated[str | None, typer.Option(help="process or inline.")] = None,
+    engine: Annotated[str | None, typer.Option(help="process, ray or inline.")] = None,
     announce: Annotated[Path | None, typer.Option(hidden=True)] = None,
     leashed: Annotated[bool, typer.Option("--leashed", hidden=True)] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help="Log every request.")] = False,

@@ -57,12 +57,13 @@ class ArtifactCopies:
 
     Attributes:
         folder: That the workers of this host share.
+        source: Where they come from.
     """
 
     def __init__(self, folder: Path, source: ArtifactSource) -> None:
         """Keep copies of what a source has in a folder."""
         self.folder = folder
-        self._source = source
+        self.source = source
         self._parts: dict[str, tuple[str, ...]] = {}
         self._marked_at: dict[str, float] = {}
 
@@ -77,12 +78,12 @@ class ArtifactCopies:
         """
         unknown = [digest for digest in digests if digest not in self._parts]
         if unknown:
-            self._parts |= await self._source.parts(unknown)
+            self._parts |= await self.source.parts(unknown)
         wanted = [each for digest in digests for each in (digest, *self._parts.get(digest, ()))]
         # To look at some files is quicker than a thread.
         missing = [each for each in wanted if not artifact_path(self.folder, each).is_file()]
         if missing:
-            contents = await self._source.contents(missing)
+            contents = await self.source.contents(missing)
             await to_thread.run_sync(self._write, contents)
         await self._mark(set(wanted) - set(missing))
 

@@ -2,6 +2,10 @@
 
 from typing import Any, Protocol
 
+# Type of an event that says which artifacts a task has made in the folder of its host, by sha256
+# (`artifacts`). Those that run elsewhere are copied from there before the run has ended.
+MADE = "made"
+
 
 class TaskContext(Protocol):
     """The task's end of its worker."""

@@ -130,6 +130,16 @@ class WorkerUnresponsive(PlanningFailure):
     stage = WORKER
 
 
+class HostLost(PlanningFailure):
+    """The machine that the job ran on was lost, and it may not run again, or it was lost too often.
+
+    Evidence: `attempts`, `host`.
+    """
+
+    code = "host_lost"
+    stage = WORKER
+
+
 class MemoryLimitExceeded(PlanningFailure):
     """The job needs more memory than a worker may use; evidence: `used`, `bound` [bytes]."""
 

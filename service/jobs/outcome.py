@@ -14,6 +14,7 @@ from planning.errors import (
 )
 from service.jobs.errors import (
     WORKER,
+    HostLost,
     MemoryLimitExceeded,
     ServerRestarted,
     WorkerCrashed,
@@ -93,6 +94,19 @@ class MemoryExceeded:
 
 
 @dataclass(frozen=True)
+class Lost:
+    """The machine of its worker was lost.
+
+    Attributes:
+        host: Which one.
+        has_begun: Whether it may have begun there.
+    """
+
+    host: str
+    has_begun: bool
+
+
+@dataclass(frozen=True)
 class Terminated:
     """It ended, or was killed, on request.
 
@@ -103,7 +117,7 @@ class Terminated:
     error: WayproofError | None = None
 
 
-type Failed = Raised | Crashed | Silent | TimedOut | MemoryExceeded | Terminated
+type Failed = Raised | Crashed | Silent | TimedOut | MemoryExceeded | Lost | Terminated
 type Outcome = Returned | Failed
 
 
@@ -128,8 +142,8 @@ def error_of(outcome: Failed, attempts: int) -> WayproofError:
         case Silent(seconds=seconds):
             message = f"the worker process said nothing for {seconds:g} s and was ended"
             return WorkerUnresponsive(message, {"silence": seconds, "attempts": attempts})
-        case MemoryExceeded() | Crashed():
-            return _lost(outcome, attempts)
+        case MemoryExceeded() | Crashed() | Lost():
+            return _without_worker(outcome, attempts)
 
 
 def failure_of(error: WayproofError) -> dict[str, Any]:
@@ -196,9 +210,13 @@ def _late(allowed: float, said: WayproofError | None) -> DeadlineExceeded:
     return late
 
 
-def _lost(outcome: MemoryExceeded | Crashed, attempts: int) -> WayproofError:
+def _without_worker(outcome: MemoryExceeded | Crashed | Lost, attempts: int) -> WayproofError:
+    """Return the error of a run whose process ended, or its machine."""
     if isinstance(outcome, Crashed):
         return _crash(outcome, attempts)
+    if isinstance(outcome, Lost):
+        message = f"the machine {outcome.host} was lost"
+        return HostLost(message, {"attempts": attempts, "host": outcome.host})
     message = f"the task needs more than the {outcome.bound / 1e6:.0f} MB that a worker may use"
     evidence = {"used": outcome.used, "bound": outcome.bound, "attempts": attempts}
     return MemoryLimitExceeded(message, evidence)

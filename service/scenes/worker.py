@@ -18,7 +18,7 @@ from planning.errors import SceneInvalid, UnknownName
 from planning.world.documents.scene_file import with_line
 from planning.world.files.trial_load import trial_load
 from service.api.names import located
-from service.jobs.context import TaskContext
+from service.jobs.context import MADE, TaskContext
 from service.scenes.document_text import SceneText, keep_text, kept_text, unchecked_text
 from service.scenes.models.edits import SceneEdit
 from service.scenes.models.scene import SceneSummary
@@ -33,9 +33,12 @@ from service.scenes.tasks import (
 )
 from service.scenes.world_cache import keep, library_of, load_like, read_stored, take_world
 
+# Events are short: so many digests in one.
+_AT_ONCE = 500
+
 
 @LOAD_SCENE.runs
-def load_scene(work: LoadWork, _: TaskContext) -> LoadedScene:
+def load_scene(work: LoadWork, context: TaskContext) -> LoadedScene:
     """Load a posted scene; its world and text stay warm here.
 
     Raises:
@@ -51,11 +54,11 @@ def load_scene(work: LoadWork, _: TaskContext) -> LoadedScene:
             raise with_line(fault, work.text) from fault
         except UnknownName as fault:
             raise located(fault, document.model_dump(mode="json")) from fault
-        return _loaded(world, library, SceneText.of(document))
+        return _told(_loaded(world, library, SceneText.of(document)), context)
 
 
 @EDIT_SCENE.runs
-def revise_scene(work: RequestWork[SceneEdit], _: TaskContext) -> LoadedScene:
+def revise_scene(work: RequestWork[SceneEdit], context: TaskContext) -> LoadedScene:
     """Load a scene after operations.
 
     Where its world and text are warm, only what is edited is read and written; else all of it is
@@ -76,7 +79,17 @@ def revise_scene(work: RequestWork[SceneEdit], _: TaskContext) -> LoadedScene:
         if after is None:
             scene_document(edited)  # says what is wrong
             raise AssertionError
-        return _loaded(load_like(trial_load(after[1], library), library), library, after[0])
+        world = load_like(trial_load(after[1], library), library)
+        return _told(_loaded(world, library, after[0]), context)
+
+
+def _told(loaded: LoadedScene, context: TaskContext) -> LoadedScene:
+    """Return a scene after saying which files it was made from: they are here, and not stored."""
+    files = loaded.summary.files or {}
+    made = sorted({sha256 for kept in files.values() for sha256 in kept.sha256.values()})
+    for i in range(0, len(made), _AT_ONCE):
+        context.emit(MADE, {"artifacts": made[i : i + _AT_ONCE]})
+    return loaded
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 import pytest
 
 from service.errors import NotReady
+from service.jobs.artifacts import ArtifactCopies
 from service.lifespan import _queues
 from service.settings import Settings
 
@@ -29,6 +30,25 @@ def test_executions_go_before_what_is_planned_and_come_to_rest_before_they_are_e
     assert (planning.memory_grace, moving.memory_grace) == (0.0, 5.0)
     assert planning.is_offline
     assert moving.is_offline
+
+
+def test_each_machine_of_a_cluster_has_all_slots(tmp_path, monkeypatch):
+    monkeypatch.setattr("service.settings.find_spec", lambda name: name == "ray")
+    settings = Settings(
+        engine="ray",
+        ray_address="head:6379",
+        ray_hosts=3,
+        data_dir=tmp_path,
+        plan_slots=3,
+        query_slots=2,
+        regions_slots=1,
+        execution_slots=2,
+    )
+    lanes = _queues(settings, ArtifactCopies(tmp_path, None))
+    assert [lanes[name].max_running for name in ("plan", "query", "regions")] == [9, 9, 3]
+    assert len(lanes["plan"].pool.workers) == 3 * (3 + (2 + 1) + 1)
+    assert len(lanes["execution"].pool.workers) == 3 * 2
+    assert {worker.fault for worker in lanes["plan"].pool.workers} == {"no machine is there"}
 
 
 @pytest.fixture

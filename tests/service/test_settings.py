@@ -64,3 +64,13 @@ def test_the_guide_and_the_help_name_every_setting(monkeypatch):
 def test_folders_of_robots_are_a_json_list(monkeypatch):
     monkeypatch.setenv("WAYPROOF_MODEL_ROOTS", '["/srv/robots"]')
     assert Settings().model_roots == (Path("/srv/robots"),)
+
+
+def test_a_cluster_needs_its_address_and_the_extra(monkeypatch):
+    with pytest.raises(ValidationError, match="needs ray_address"):
+        Settings(engine="ray")
+    with pytest.raises(ValidationError, match="ray_address"):
+        Settings(engine="ray", ray_address="http://head:6379")
+    monkeypatch.setattr("service.settings.find_spec", lambda _: None)
+    with pytest.raises(ValidationError, match="needs the extra"):
+        Settings(engine="ray", ray_address="head:6379")

@@ -154,6 +154,18 @@ class WorkerSilentEvidence(TypedDict):
 
 
 @with_config(OPEN)
+class HostLostEvidence(TypedDict):
+    """Which machine was lost."""
+
+    host: str
+    """Its address and the first digits of its id"""
+    attempts: NotRequired[int]
+    """How often the job was started"""
+    during: NotRequired[str]
+    """The stage that it told last"""
+
+
+@with_config(OPEN)
 class MemoryEvidence(TypedDict):
     """How much memory the worker used."""
 

@@ -47,6 +47,7 @@ _STAGES: dict[type[WayproofError], Any] = {
 _JOBS: dict[type[WayproofError], Any] = {
     job_errors.WorkerCrashed: jobs.WorkerCrashedEvidence,
     job_errors.WorkerUnresponsive: jobs.WorkerSilentEvidence,
+    job_errors.HostLost: jobs.HostLostEvidence,
     job_errors.MemoryLimitExceeded: jobs.MemoryEvidence,
     job_errors.ServerRestarted: jobs.RestartEvidence,
     job_errors.InternalError: jobs.InternalErrorEvidence,

@@ -16,7 +16,7 @@ from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.event_buffer import EventBuffer
 from service.jobs.job import Job, JobText, PendingEvent
-from service.jobs.outcome import Outcome, Raised, Terminated
+from service.jobs.outcome import Lost, Outcome, Raised, Terminated
 from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition
 from service.jobs.task import artifacts_of
@@ -40,6 +40,7 @@ class Attempt:
         cancel_requested_at: When its end was requested (UTC), if it was.
         concluded: Set once its end is in the table, or another server has the job.
         ended: The job as the table has it, once it has ended in this attempt.
+        num_lost_hosts: How many machines were lost under the job since this server took it up.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class Attempt:
         self.has_begun = False
         self.concluded = asyncio.Event()
         self.ended: JobText | None = None
+        self.num_lost_hosts = 0
         self._recorder = recorder
         self._scheduler = scheduler
         self._events = EventBuffer(self._write_events)
@@ -155,8 +157,9 @@ class Attempt:
         if self._start is None:  # canceled while it was queued
             return False
         self._has_ended = True
+        self.num_lost_hosts += isinstance(outcome, Lost) and outcome.has_begun
         pending, stage = await self._events.close(), self.latest("stage") or {}
-        found = (self._start.attempts, self._seconds, stage, pending)
+        found = (self._start.attempts, self.num_lost_hosts, self._seconds, stage, pending)
         end = AttemptEnd(self.job, self._recorder, self._stop, *found)
         is_queued_again = await end.write(outcome)
         # Nothing was awaited since it was published: who is told of the end finds it here.

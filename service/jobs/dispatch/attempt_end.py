@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled, WayproofError
+from service.jobs.dispatch.lost_hosts import is_mere_cancel, runs_elsewhere
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.job import Job, JobText, PendingEvent
@@ -15,6 +16,7 @@ from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,
     Failed,
+    Lost,
     Outcome,
     Raised,
     Returned,
@@ -52,6 +54,7 @@ class AttemptEnd:
         recorder: Writes it.
         stop: Why it was to end.
         attempts: How often the job was started by now.
+        num_lost_hosts: How many machines were lost under it.
         seconds: How long the task ran.
         stage: Data of its last event `stage`, recorded or not.
         pending_events: That are not recorded yet.
@@ -62,6 +65,7 @@ class AttemptEnd:
     recorder: JobRecorder
     stop: StopRequest
     attempts: int
+    num_lost_hosts: int
     seconds: float
     stage: dict[str, Any]
     pending_events: Sequence[PendingEvent]
@@ -130,14 +134,16 @@ class AttemptEnd:
         if self.stop.interruption:
             again = partial(requeue, self.stop.interruption, refund=1)
             return again if self.job.max_attempts > 1 else None
+        if isinstance(outcome, Lost):
+            again = partial(requeue, error_of(outcome, self.attempts).detail, refund=1)
+            return again if runs_elsewhere(outcome, self.job, self.num_lost_hosts) else None
         if isinstance(outcome, Crashed | Silent) and self.attempts < self.job.max_attempts:
             return partial(requeue, error_of(outcome, self.attempts).detail)
         return None
 
     def _error(self, outcome: Failed) -> WayproofError:
         """Return what the job shows for an end without a result."""
-        may_repeat = self.job.max_attempts > 1
-        if self.stop.is_cancel and may_repeat and isinstance(outcome, Crashed | Silent):
+        if self.stop.is_cancel and is_mere_cancel(outcome, self.job):
             outcome = Terminated()
         error = with_stage(error_of(outcome, self.attempts), self.stage, self.seconds)
         if not self.stop.interruption or self.stop.is_cancel:

@@ -13,7 +13,7 @@ from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode
 from service.jobs.json_text import Encoded, decode_parts
-from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
+from service.jobs.outcome import Crashed, Lost, Outcome, Returned, TimedOut, error_of
 from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
 
@@ -95,25 +95,28 @@ class Calls:
             QueueTimeout: No worker was free in time.
             DeadlineExceeded: The task took too long.
             WorkerCrashed: Its process died, twice.
+            HostLost: Its machine was lost, twice.
         """
         self._scheduler.check_room(call.queue)
         loop = asyncio.get_running_loop()
         waited = 0.0
-        for attempt in range(1, _ATTEMPTS + 1):
+        attempt = 0
+        while True:
             came = loop.time()
             worker = await self._worker_for(call)
             waited += loop.time() - came
             finished = await self._shielded_run(call, worker)
             outcome = finished.outcome
+            # Where it never began, it was not tried.
+            attempt += not isinstance(outcome, Lost) or outcome.has_begun
             if isinstance(outcome, Returned):
                 return CallResult(finished.content, waited, finished.seconds)
             if isinstance(outcome, TimedOut):
                 message = f"no answer within {call.time_limit:g} s"
                 evidence = {"allowed": call.time_limit, "during": WORKER, "waited": waited}
                 raise DeadlineExceeded(message, evidence).in_stage(WORKER)
-            if not isinstance(outcome, Crashed) or attempt == _ATTEMPTS:
+            if not isinstance(outcome, Crashed | Lost) or attempt == _ATTEMPTS:
                 raise error_of(outcome, attempt)
-        raise AssertionError
 
     async def _worker_for(self, call: Call) -> Worker:
         """Return a worker as soon as there is one.

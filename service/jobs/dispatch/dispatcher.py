@@ -251,6 +251,7 @@ class Dispatcher:
                 cancel_requested_at=attempt.cancel_requested_at,
             )
             self._enqueue(job, attempt.controls, place)
+            self._attempts[job.id].num_lost_hosts = attempt.num_lost_hosts
 
     def _interrupt_all(self, reason: str) -> None:
         self._scheduler.pause()

@@ -161,6 +161,8 @@ class Scheduler:
         if self._is_paused:
             return
         loop = asyncio.get_running_loop()
+        for worker in queue.pool.take_lost():
+            self.spawn(self._await_ready(queue.pool, worker))
         decided = queue.assign(_now())
         timer = self._timers.pop(queue.name, None)
         if timer is not None:

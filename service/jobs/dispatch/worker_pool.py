@@ -28,6 +28,12 @@ class WorkerPool:
         """Let a worker be idle."""
         self._idle.append(worker)
 
+    def take_lost(self) -> list[Worker]:
+        """Take the idle workers whose machines are lost."""
+        lost = [worker for worker in self._idle if worker.is_lost]
+        self._idle = [worker for worker in self._idle if not worker.is_lost]
+        return lost
+
     def take(self, digest: str | None) -> Worker:
         """Take an idle worker: one that is warm for a world, else the one with the fewest."""
         warm = [worker for worker in self._idle if self.is_warm(worker, digest)]

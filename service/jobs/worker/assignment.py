@@ -53,6 +53,11 @@ class Worker(Protocol):
         """Why no run would begin at once, or would not end well; None if all is well."""
         ...
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether its machine is lost, so that it gets nothing to do until it is ready again."""
+        ...
+
     async def open(self, warm_up: str | None) -> None:
         """Begin to get ready; every process of the worker runs the task `warm_up` first."""
         ...

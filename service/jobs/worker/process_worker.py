@@ -37,6 +37,8 @@ class ProcessWorker:
     The process is replaced as soon as it has ended, also while it had nothing to do.
     """
 
+    is_lost = False
+
     def __init__(
         self,
         preload: Sequence[str],
@@ -66,7 +68,7 @@ class ProcessWorker:
     @property
     def fault(self) -> str | None:
         """Why no run would begin at once, or would not end well."""
-        return self._warm_up_fault if self._is_ready.is_set() else "no process is ready"
+        return self._warm_up_fault if self._is_ready.is_set() else "no process is there"
 
     async def open(self, warm_up: str | None) -> None:
         """Begin to get ready."""

@@ -128,6 +128,9 @@ class MessagePipe:
 class RemoteFailure(PlanningFailure):
     """An error whose class the server does not know; it keeps its code, stage and timings."""
 
+    # Module and name of its class, for those it is passed on to.
+    origin: tuple[str, str] = ("", "")
+
     def __init__(self, code: str, stage: str, detail: str, evidence: dict[str, Any]) -> None:
         super().__init__(detail, evidence)
         self.code = code  # pyright: ignore[reportAttributeAccessIssue]
@@ -137,9 +140,11 @@ class RemoteFailure(PlanningFailure):
 def dump_error(error: WayproofError) -> str:
     """Return the text of an error."""
     kind = type(error)
+    own = (kind.__module__, kind.__qualname__)
+    module, name = error.origin if isinstance(error, RemoteFailure) else own
     fields = {
-        "module": kind.__module__,
-        "name": kind.__qualname__,
+        "module": module,
+        "name": name,
         "code": error.code,
         "stage": str(getattr(error, "stage", "")),
         "timings": dict(getattr(error, "timings", {})),
@@ -159,6 +164,7 @@ def load_error(text: str) -> WayproofError:
         error = kind(fields["detail"], evidence)
     else:
         error = RemoteFailure(fields["code"], fields["stage"], fields["detail"], evidence)
+        error.origin = fields["module"], fields["name"]
     if isinstance(error, StageFailure):
         error.in_stage(fields["stage"]).timings = dict(fields["timings"])
     return error

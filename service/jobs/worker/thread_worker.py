@@ -75,6 +75,8 @@ class _ThreadContext:
 class ThreadWorker:
     """A worker that is a thread."""
 
+    is_lost = False
+
     def __init__(self, copies: ArtifactCopies | None = None, *, is_exclusive: bool) -> None:
         """Prepare.
 

@@ -4,6 +4,8 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+import pytest
+
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.queue import JobQueue, Share
@@ -11,11 +13,11 @@ from service.jobs.dispatch.worker_pool import WorkerPool
 from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from service.jobs.worker.assignment import Worker
-from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs import fake_tasks
 from tests.service.jobs.databases import FullDisk
+from tests.service.jobs.remote.machines import Site, end_clusters, plain_terms
+from tests.service.jobs.remote.machines import workers as workers_on
 
 TASKS = fake_tasks.__name__
 WARM_UP = "fake.warm"
@@ -25,6 +27,13 @@ GUARD = 120.0
 
 def spec(task: str, /, **options: object) -> JobSpec:
     return JobSpec(**{"queue": "plan", "task": f"fake.{task}", "payload": {}, **options})
+
+
+@pytest.fixture(scope="session", autouse=True)
+def clusters():
+    """End the clusters of this process with it."""
+    yield
+    end_clusters()
 
 
 @asynccontextmanager
@@ -38,17 +47,20 @@ async def running(  # noqa: PLR0913  (what a test may vary)
     disks: list[FullDisk] | None = None,
     version: str = "1",
     share: Share | None = None,
+    site: Site | None = None,
 ) -> AsyncIterator[tuple[Dispatcher, JobStore]]:
-    """Run a dispatcher on the database in a folder; `disks` gets the disk that it is on."""
-    engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
+    """Run a dispatcher on the database in a folder; `disks` gets the disk that it is on.
+
+    It is on the database and the machines of `site`, if there is one, with so many workers on each.
+    """
+    at = site or Site()
+    engine = open_engine(at.url or f"sqlite:///{folder / 'jobs.sqlite'}")
     if disks is not None:
         disks.append(FullDisk(engine))
     store = JobStore(engine, {"tests": version})
-
-    def worker() -> Worker:
-        return ThreadWorker(is_exclusive=False) if inline else ProcessWorker([TASKS])
-
-    pool = WorkerPool([worker() for _ in range(workers)])
+    threads = [ThreadWorker(is_exclusive=False) for _ in range(workers)]
+    made = workers_on(at.kind, [TASKS], plain_terms(workers), at.hosts, at.machines)
+    pool = WorkerPool(threads if inline else made)
     queues = {"plan": JobQueue("plan", pool, max_waiting, cancel_grace, share=share)}
     dispatcher = Dispatcher(store, DispatcherLock(engine), queues)
     await dispatcher.start(WARM_UP)

@@ -14,7 +14,10 @@ from typing import Any
 from pydantic import JsonValue, RootModel
 
 from planning.errors import Canceled, GoalUnreachable
-from service.jobs.context import TaskContext
+from planning.parallel.atomic_files import write_atomically
+from service.jobs.artifacts import Artifact
+from service.jobs.context import MADE, TaskContext
+from service.jobs.host_folder import artifact_path, host_folder
 from service.jobs.task import Task
 
 
@@ -241,6 +244,25 @@ def spin_until_told(payload: dict[str, Any], channel: TaskContext) -> dict[str, 
         time.monotonic()
     Path(payload["ended"]).touch()
     raise Canceled("noticed")
+
+
+@fake
+def read(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
+    """Tell the sizes of artifacts that are here, and in which folder."""
+    paths = [artifact_path(host_folder(), digest) for digest in payload["digests"]]
+    sizes = [path.stat().st_size if path.exists() else None for path in paths]
+    return {"sizes": sizes, "folder": str(host_folder())}
+
+
+@fake
+def make(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
+    """Make artifacts of some sizes in the folder of this host, and say so."""
+    contents = [bytes(size) for size in payload["sizes"]]
+    digests = [Artifact(content).digest for content in contents]
+    for digest, content in zip(digests, contents, strict=True):
+        write_atomically(artifact_path(host_folder(), digest), content)
+    channel.emit(MADE, {"artifacts": digests})
+    return {"digests": digests}
 
 
 @fake

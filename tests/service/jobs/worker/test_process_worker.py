@@ -1,4 +1,7 @@
-"""A worker outlives whatever its process does, and its process never outlives what it should."""
+"""A worker outlives whatever its process does, and its process never outlives what it should.
+
+This holds wherever it runs: on this machine, or on another one of which the dispatcher gets bytes.
+"""
 
 import asyncio
 import json
@@ -14,9 +17,8 @@ from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, MemoryExceeded, Raised, Returned, Terminated, TimedOut
 from service.jobs.worker.assignment import Assignment
 from service.jobs.worker.main import Terms
-from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
-from tests.service.servers import until
+from tests.service.jobs.remote.machines import KINDS, workers
 
 
 class Sink:
@@ -34,16 +36,28 @@ class Sink:
         await asyncio.sleep(0)
 
 
-@asynccontextmanager
-async def open_slot(warm_up=WARM_UP, terms=None):
-    worker = ProcessWorker([TASKS], terms)
-    await worker.open(warm_up)
-    try:
-        async with asyncio.timeout(GUARD):
-            await worker.ready()
-            yield worker
-    finally:
-        await worker.close()
+@pytest.fixture(params=KINDS)
+def kind(request):
+    """Where the worker is."""
+    return request.param
+
+
+@pytest.fixture
+def open_slot(kind):
+    """A context with a worker that is ready."""
+
+    @asynccontextmanager
+    async def opened(warm_up=WARM_UP, terms=None):
+        (worker,) = workers(kind, [TASKS], [terms or Terms()])
+        await worker.open(warm_up)
+        try:
+            async with asyncio.timeout(GUARD):
+                await worker.ready()
+                yield worker
+        finally:
+            await worker.close()
+
+    return opened
 
 
 def run_of(task, sink=None, allowed=None, **payload):
@@ -63,7 +77,7 @@ async def pid_of(worker):
     return int(outcome.result.text.split(":")[1].strip("}"))
 
 
-def test_a_worker_looks_for_garbage_and_not_among_what_was_imported():
+def test_a_worker_looks_for_garbage_and_not_among_what_was_imported(open_slot):
     async def story():
         async with open_slot() as worker:
             outcome = await worker.run(run_of("garbage"))
@@ -88,7 +102,7 @@ CRASHES = {
 
 
 @pytest.mark.parametrize("task", CRASHES)
-def test_a_crash_is_told_and_the_next_task_runs(task):
+def test_a_crash_is_told_and_the_next_task_runs(open_slot, task):
     async def story():
         async with open_slot() as worker:
             outcome = await worker.run(run_of(task))
@@ -98,7 +112,7 @@ def test_a_crash_is_told_and_the_next_task_runs(task):
     asyncio.run(story())
 
 
-def test_a_process_that_speaks_nonsense_has_crashed_and_the_next_task_runs():
+def test_a_process_that_speaks_nonsense_has_crashed_and_the_next_task_runs(open_slot):
     async def story():
         async with open_slot() as worker:
             assert isinstance(await worker.run(run_of("babble")), Crashed)
@@ -107,7 +121,7 @@ def test_a_process_that_speaks_nonsense_has_crashed_and_the_next_task_runs():
     asyncio.run(story())
 
 
-def test_what_a_task_raises_keeps_the_process():
+def test_what_a_task_raises_keeps_the_process(open_slot):
     async def story():
         async with open_slot() as worker:
             before = await pid_of(worker)
@@ -119,7 +133,7 @@ def test_what_a_task_raises_keeps_the_process():
     asyncio.run(story())
 
 
-def test_a_process_killed_while_idle_is_replaced_at_once():
+def test_a_process_killed_while_idle_is_replaced_at_once(open_slot):
     async def story():
         async with open_slot() as worker:
             pid = await pid_of(worker)
@@ -139,7 +153,7 @@ async def _pid_or_crash(worker):
 @pytest.mark.parametrize(
     ("task", "grace", "is_kept"), [("spin", GUARD, True), ("hang", 0.1, False)]
 )
-def test_cancel_asks_first_and_then_ends(task, grace, is_kept):
+def test_cancel_asks_first_and_then_ends(open_slot, task, grace, is_kept):
     async def story():
         async with open_slot() as worker:
             pid = await pid_of(worker)
@@ -156,7 +170,7 @@ def test_cancel_asks_first_and_then_ends(task, grace, is_kept):
     asyncio.run(story())
 
 
-def test_a_cancel_at_any_moment_is_noticed():
+def test_a_cancel_at_any_moment_is_noticed(open_slot):
     async def story():
         async with open_slot() as worker:
             for steps in range(20):
@@ -172,7 +186,7 @@ def test_a_cancel_at_any_moment_is_noticed():
     asyncio.run(story())
 
 
-def test_a_cancel_while_the_process_is_replaced_is_noticed(tmp_path):
+def test_a_cancel_while_the_process_is_replaced_is_noticed(open_slot, tmp_path):
     async def story():
         async with open_slot() as worker:
             await worker.run(run_of("segfault"))
@@ -185,7 +199,7 @@ def test_a_cancel_while_the_process_is_replaced_is_noticed(tmp_path):
     asyncio.run(story())
 
 
-def test_a_stale_cancel_ends_nothing():
+def test_a_stale_cancel_ends_nothing(open_slot):
     async def story():
         async with open_slot() as worker:
             for _ in range(20):
@@ -200,7 +214,7 @@ def test_a_stale_cancel_ends_nothing():
 
 
 @pytest.mark.parametrize("task", ["spin", "hang"])
-def test_the_deadline_ends_what_does_not_end(task):
+def test_the_deadline_ends_what_does_not_end(open_slot, task):
     async def story():
         async with open_slot() as worker:
             began = asyncio.get_running_loop().time()
@@ -214,7 +228,7 @@ def test_the_deadline_ends_what_does_not_end(task):
 @pytest.mark.parametrize(
     ("terms", "allowed"), [([(0.2, GUARD)], 0.2), ([(GUARD, 0.0), (0.1, GUARD)], 0.1)]
 )
-def test_a_task_may_say_by_when_it_has_to_end(terms, allowed):
+def test_a_task_may_say_by_when_it_has_to_end(open_slot, terms, allowed):
     async def story():
         async with open_slot() as worker:
             late = run_of("reckon", allowed=GUARD, terms=terms)
@@ -224,7 +238,7 @@ def test_a_task_may_say_by_when_it_has_to_end(terms, allowed):
     asyncio.run(story())
 
 
-def test_large_events_are_cut_and_large_results_are_not():
+def test_large_events_are_cut_and_large_results_are_not(open_slot):
     async def story():
         async with open_slot() as worker:
             sink = Sink()
@@ -238,7 +252,7 @@ def test_large_events_are_cut_and_large_results_are_not():
     asyncio.run(story())
 
 
-def test_a_flood_of_events_arrives_whole_and_in_order():
+def test_a_flood_of_events_arrives_whole_and_in_order(open_slot):
     async def story():
         async with open_slot() as worker:
             sink = Sink()
@@ -249,7 +263,7 @@ def test_a_flood_of_events_arrives_whole_and_in_order():
     asyncio.run(story())
 
 
-def test_closing_ends_the_process_and_giving_up_the_wait_ends_the_task():
+def test_closing_ends_the_process_and_giving_up_the_wait_ends_the_task(open_slot):
     async def story():
         async with open_slot() as worker:
             pid = await pid_of(worker)
@@ -266,26 +280,33 @@ def test_closing_ends_the_process_and_giving_up_the_wait_ends_the_task():
     asyncio.run(story())
 
 
-def test_a_warm_up_that_fails_or_kills_its_process_is_survived(caplog):
+def test_a_warm_up_that_fails_is_told_and_runs_go_on(open_slot):
     async def story():
         async with open_slot("fake.blunder") as worker:
             assert isinstance(await worker.run(run_of("echo")), Returned)
             assert "KeyError" in worker.fault
-        worker = ProcessWorker([TASKS])
-        assert worker.fault == "no process is ready"
+
+    asyncio.run(story())
+
+
+def test_a_warm_up_that_kills_its_process_is_survived(kind):
+    async def story():
+        (worker,) = workers(kind, [TASKS], [Terms()])
+        assert worker.fault == ("no process" if kind == "local" else "no machine") + " is there"
         await worker.open("fake.segfault")
-        await asyncio.to_thread(until, lambda: "died before it was ready" in caplog.text)
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(worker.ready(), 1.0)
+        assert worker.fault is not None
         await worker.close()
 
     asyncio.run(story())
-    assert "KeyError" in caplog.text
 
 
 BOUND = 300 * 2**20
 
 
 @pytest.mark.parametrize("chunk", [2**22, 10 * BOUND])
-def test_what_takes_too_much_memory_is_ended_and_says_so(chunk):
+def test_what_takes_too_much_memory_is_ended_and_says_so(open_slot, chunk):
     """Bit by bit, which the server sees, or at once, which the kernel refuses."""
 
     async def story():
@@ -299,7 +320,7 @@ def test_what_takes_too_much_memory_is_ended_and_says_so(chunk):
     asyncio.run(story())
 
 
-def test_a_worker_that_keeps_much_is_replaced_before_the_next_task():
+def test_a_worker_that_keeps_much_is_replaced_before_the_next_task(open_slot):
     async def story():
         async with open_slot(terms=Terms(memory=BOUND)) as worker:
             pid, generation = await pid_of(worker), worker.generation
@@ -312,7 +333,7 @@ def test_a_worker_that_keeps_much_is_replaced_before_the_next_task():
     asyncio.run(story())
 
 
-def test_a_task_that_exceeds_its_memory_may_come_to_rest_first(tmp_path):
+def test_a_task_that_exceeds_its_memory_may_come_to_rest_first(open_slot, tmp_path):
     async def story():
         terms = Terms(memory=BOUND, memory_grace=GUARD)
         async with open_slot(terms=terms) as worker:
@@ -324,7 +345,7 @@ def test_a_task_that_exceeds_its_memory_may_come_to_rest_first(tmp_path):
     asyncio.run(story())
 
 
-def test_a_worker_lets_others_go_before():
+def test_a_worker_lets_others_go_before(open_slot):
     async def story():
         async with open_slot(terms=Terms(niceness=7)) as worker:
             outcome = await worker.run(run_of("niceness"))
