@@ -13,6 +13,13 @@ class QueueFull(WayproofError):
 
     code = "queue_full"
 
+    @classmethod
+    def of(cls, queue: str, waiting: int, bound: int, retry_after: float) -> "QueueFull":
+        """Build the error for a queue in which so many wait."""
+        message = f"{waiting} jobs wait for {queue} already; try again later"
+        evidence = {"lane": queue, "queued": waiting, "bound": bound, "retry_after": retry_after}
+        return cls(message, evidence)
+
 
 class QueueTimeout(WayproofError):
     """No worker was free in time; evidence: `lane`, `waited` [s], `queued`, `retry_after` [s]."""

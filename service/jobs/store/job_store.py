@@ -4,9 +4,11 @@ Every writing transaction begins with an update or insert, which locks what it c
 is decided on what another has changed meanwhile; the statements are the same on every database.
 """
 
+import secrets
 import threading
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
 
@@ -18,8 +20,10 @@ from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
 from service.jobs.store.database import Prepared, set_durability, sync_log
+from service.jobs.store.notifications import Listener, forget_changes, note_change, notify
 from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
-from service.jobs.store.schema import bring_up_to_date, refuse_newer
+from service.jobs.store.schema import bring_up_to_date, is_up_to_date, refuse_newer
+from service.jobs.store.shared import count_queued, set_controls
 from service.jobs.store.tables import bodies, jobs, makers, owner, summaries
 from service.jobs.store.transitions import (
     Draft,
@@ -53,6 +57,7 @@ class JobStore(JobQueries):
 
     Attributes:
         versions: Of what runs them, by name.
+        sender: What the notifications of its changes begin with.
     """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
@@ -64,6 +69,7 @@ class JobStore(JobQueries):
         """
         super().__init__(engine)
         self.versions = dict(versions or {})
+        self.sender = secrets.token_hex(4)
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()
@@ -85,6 +91,19 @@ class JobStore(JobQueries):
             DatabaseTooNew: A newer version has changed it.
         """
         refuse_newer(self._engine)
+
+    def listener(self, on_change: Callable[[Collection[str] | None], None]) -> Listener:
+        """Return what hears of the changes of other servers; see `Listener`."""
+        return Listener(self._engine, self.sender, on_change)
+
+    def is_up_to_date(self) -> bool:
+        """Return whether the database has this version's revision."""
+        return is_up_to_date(self._engine)
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether other servers may work on the database."""
+        return self._engine.dialect.name == "postgresql"
 
     @property
     def may_crash_alone(self) -> bool:
@@ -113,9 +132,11 @@ class JobStore(JobQueries):
             with self._engine.connect() as connection:
                 set_durability(connection, is_durable=is_durable)
                 self._open_transaction = connection
+                forget_changes(connection)
                 try:
                     yield connection
                     self._check_ownership(connection)
+                    notify(connection, self.sender)
                     connection.commit()
                 finally:
                     self._open_transaction = None
@@ -130,10 +151,20 @@ class JobStore(JobQueries):
         """
         return self.insert_draft(draft(spec))
 
-    def insert_draft(self, drafted: Draft) -> tuple[Job, bool]:
-        """Write a job that was drafted; returns and raises as `insert`."""
+    def insert_draft(
+        self, drafted: Draft, check: Callable[[int], None] | None = None
+    ) -> tuple[Job, bool]:
+        """Write a job that was drafted; returns and raises as `insert`.
+
+        Args:
+            drafted: The job.
+            check: Called with the number of jobs that wait in its queue, if servers share the
+                database; it raises if that are too many.
+        """
         with self.transaction(is_durable=True) as connection:
             while (known := find_by_idempotency_key(connection, drafted.job)) is None:
+                if check is not None and self.is_shared:
+                    check(count_queued(connection, drafted.job.queue))
                 if (job := insert_job(connection, drafted)) is not None:
                     return job, True
             return known, False
@@ -201,6 +232,7 @@ class JobStore(JobQueries):
         """
         with self.transaction(is_durable=True) as connection:
             connection.execute(_CANCEL, {"job_id": identifier})
+            note_change(connection, identifier)
             return read_job(connection, identifier)
 
     def append_events(
@@ -220,6 +252,11 @@ class JobStore(JobQueries):
         with self.transaction(is_durable=False) as connection:
             first = reserve_events(connection, identifier, new_events, may_wait=may_wait)
             return [] if first is None else append_events(connection, identifier, first, new_events)
+
+    def set_controls(self, identifier: str, changes: Mapping[str, Any]) -> list[LoggedEvent]:
+        """Set controls of a job that waits or runs; return the event, none if it has ended."""
+        with self.transaction(is_durable=False) as connection:
+            return set_controls(connection, identifier, changes)
 
     def flush(self) -> None:
         """Make durable what was committed before this.
