@@ -3,7 +3,7 @@
 from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 from anyio import to_thread
 from pydantic import BaseModel
@@ -247,6 +247,11 @@ class JobService:
         if faults:
             named = "; ".join(f"{queue}: {fault}" for queue, fault in faults.items())
             raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
+
+    @property
+    def role(self) -> Literal["leader", "follower"]:
+        """What this server is among those of the database: the leader runs the jobs."""
+        return self._dispatcher.role
 
     def loads(self) -> dict[str, QueueLoad]:
         """Return what waits and what works, by queue."""

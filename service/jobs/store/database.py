@@ -31,7 +31,7 @@ from sqlalchemy.sql.compiler import SQLCompiler
 _BUSY_TIMEOUT_MS = 5_000
 # A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
 _IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
-_LEVEL = "synchronous"
+_LEVEL, _NOTES = "synchronous", "notes"
 _OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
 
 
@@ -135,6 +135,16 @@ def set_durability(connection: Connection, *, is_durable: bool) -> None:
             connection.exec_driver_sql(f"SET LOCAL synchronous_commit = {level}")
         case _:
             pass
+
+
+def begin_notes(connection: Connection) -> None:
+    """Forget what was noted of earlier transactions of a connection."""
+    connection.info[_NOTES] = {}
+
+
+def in_transaction(connection: Connection, name: str) -> dict[str, Any]:
+    """Return the notes of a name about the transaction that a connection is in."""
+    return connection.info.setdefault(_NOTES, {}).setdefault(name, {})
 
 
 class Prepared:

@@ -19,8 +19,8 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
-from service.jobs.store.database import Prepared, set_durability, sync_log
-from service.jobs.store.notifications import Listener, forget_changes, note_change, notify
+from service.jobs.store.database import Prepared, begin_notes, set_durability, sync_log
+from service.jobs.store.notifications import Listener, note_change, notify
 from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.store.schema import bring_up_to_date, is_up_to_date, refuse_newer
 from service.jobs.store.shared import count_queued, set_controls
@@ -132,7 +132,7 @@ class JobStore(JobQueries):
             with self._engine.connect() as connection:
                 set_durability(connection, is_durable=is_durable)
                 self._open_transaction = connection
-                forget_changes(connection)
+                begin_notes(connection)
                 try:
                     yield connection
                     self._check_ownership(connection)

@@ -11,6 +11,8 @@ from itertools import batched
 
 from sqlalchemy import Connection, Engine
 
+from service.jobs.store.database import in_transaction
+
 _CHANNEL = "wayproof_jobs"
 _CHANGED = "changed_jobs"
 # A notification has less than 8,000 bytes.
@@ -29,17 +31,12 @@ _log = logging.getLogger(__name__)
 
 def note_change(connection: Connection, identifier: str) -> None:
     """Note that the transaction of a connection changes a job."""
-    connection.info.setdefault(_CHANGED, {})[identifier] = None
-
-
-def forget_changes(connection: Connection) -> None:
-    """Forget what an earlier transaction of a connection has noted."""
-    connection.info.pop(_CHANGED, None)
+    in_transaction(connection, _CHANGED)[identifier] = None
 
 
 def notify(connection: Connection, sender: str) -> None:
     """Have the commit tell which jobs were changed; only where servers share a database."""
-    changed = connection.info.pop(_CHANGED, ())
+    changed = in_transaction(connection, _CHANGED)
     if connection.dialect.name != "postgresql":
         return
     for some in batched(changed, _IDS_AT_ONCE):

@@ -8,11 +8,13 @@ from sqlalchemy import Connection, bindparam, func, select
 from service.jobs.job import CONTROLS, LoggedEvent
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
+from service.jobs.store.database import in_transaction
 from service.jobs.store.queries import read_last_event
 from service.jobs.store.tables import jobs
 from service.jobs.store.transitions import append_events, reserve_events
 
 _NOTHING = Encoded("{}")
+_QUEUED = "queued"
 # Any two numbers will do.
 _TAKE_TURN = select(func.pg_advisory_xact_lock(0x5761, 0x7970))
 _NUM_QUEUED = select(func.count()).where(
@@ -21,9 +23,17 @@ _NUM_QUEUED = select(func.count()).where(
 
 
 def count_queued(connection: Connection, queue: str) -> int:
-    """Return how many jobs of a queue wait; no other server adds one before the commit."""
-    connection.execute(_TAKE_TURN)
-    return int(connection.execute(_NUM_QUEUED, {"in_queue": queue}).scalar_one())
+    """Return how many jobs of a queue wait, before one is added to it.
+
+    No other server adds one until the commit. A transaction counts once, and what it adds itself.
+    """
+    known = in_transaction(connection, _QUEUED)
+    if queue in known:
+        known[queue] += 1
+    else:
+        connection.execute(_TAKE_TURN)
+        known[queue] = connection.execute(_NUM_QUEUED, {"in_queue": queue}).scalar_one()
+    return int(known[queue])
 
 
 def set_controls(

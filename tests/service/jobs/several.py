@@ -1,6 +1,7 @@
 """Dispatchers that work on one PostgreSQL database, as several servers do."""
 
 from contextlib import asynccontextmanager
+from functools import partial
 
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DatabaseTimeouts, DispatcherLock
@@ -9,28 +10,31 @@ from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
-from tests.service.jobs.conftest import TASKS, WARM_UP
+from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
 
 
 class Quick(DatabaseTimeouts):
-    """Takes over at once what another has left, and takes up soon what it ran."""
+    """Takes up soon what another has left running."""
 
     takeover = 0.5
 
 
-# Nothing is found by a look at the table: only what is notified of, or comes with a lock.
-DEAF = Quick(period=0.05, patience=0.2, poll=1e6)
+def quick(**options):
+    """Timeouts; nothing is found by looks at the table, but what is notified of or left behind."""
+    usual = {"period": 0.05, "patience": 0.2, "poll": 10 * GUARD, "record": GUARD}
+    return Quick(**usual | options)
 
 
 @asynccontextmanager
-async def serving(url, *, timeouts=DEAF, inline=False, max_waiting=2000, workers=1):
+async def serving(url, *, timeouts=None, inline=False, max_waiting=2000, workers=1):
     """A dispatcher and its store, whichever role it has."""
     engine = open_engine(url)
     keep_off_loops(engine)
     store = JobStore(engine)
-    made = [ThreadWorker(is_exclusive=False) if inline else ProcessWorker([TASKS]) for _ in range(workers)]
+    thread, process = partial(ThreadWorker, is_exclusive=False), partial(ProcessWorker, [TASKS])
+    made = [thread() if inline else process() for _ in range(workers)]
     queues = {"plan": JobQueue("plan", made, max_waiting)}
-    dispatcher = Dispatcher(store, DispatcherLock(engine), queues, timeouts=timeouts)
+    dispatcher = Dispatcher(store, DispatcherLock(engine), queues, timeouts=timeouts or quick())
     await dispatcher.start(WARM_UP)
     try:
         yield dispatcher, store

@@ -18,7 +18,7 @@ from service.jobs.store.database import open_engine
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.dispatch.test_recovery import ROOT
 from tests.service.jobs.postgres import cluster
-from tests.service.jobs.several import DEAF, Quick, serving, two
+from tests.service.jobs.several import quick, serving, two
 from tests.service.jobs.test_stopping import eventually, moving
 from tests.service.jobs.worker.test_process_worker import is_alive
 
@@ -198,7 +198,7 @@ def test_a_thousand_jobs_from_both_end_once_each(url):
 
 def test_a_follower_leads_at_once_when_the_leader_stops(url, tmp_path):
     async def story():
-        never = Quick(period=0.05, patience=10 * GUARD, poll=1e6)
+        never = quick(patience=10 * GUARD)
         first = serving(url, timeouts=never)
         await first.__aenter__()
         async with serving(url, timeouts=never) as (second, store):
@@ -274,7 +274,7 @@ def test_a_follower_takes_over_from_a_leader_that_was_killed(url, tmp_path):
 
 def test_a_restart_of_the_database_changes_no_role_and_is_listened_to_again(server, url):
     async def story():
-        patient = Quick(period=0.05, patience=GUARD, regain=GUARD, poll=1e6)
+        patient = quick(patience=GUARD, regain=GUARD)
         async with two(url, timeouts=patient) as (leader, follower):
             await asyncio.to_thread(server.stop)
             await asyncio.to_thread(server.start)
@@ -300,7 +300,7 @@ def test_what_no_notification_told_is_found_by_a_look(url):
     """One that another program put there, for example, or whose notification was lost."""
 
     async def story():
-        looking = Quick(period=0.05, patience=GUARD, poll=0.2)
+        looking = quick(patience=GUARD, poll=0.2)
         async with serving(url, timeouts=looking) as (leader, store):
             row, _ = await asyncio.to_thread(silently, store, spec("echo"))
             assert (await leader.wait(row.id, GUARD)).state is JobState.SUCCEEDED
@@ -325,8 +325,8 @@ def test_a_database_that_is_not_of_this_revision_has_no_followers(url):
     """A server of an older version works on it; it would not be brought up to date beneath it."""
 
     async def story():
-        hasty = Quick(period=0.05, patience=GUARD, poll=1e6, tables=0.3)
-        async with serving(url, timeouts=DEAF) as (_, store):
+        hasty = quick(patience=GUARD, tables=0.3)
+        async with serving(url) as (_, store):
             await asyncio.to_thread(revise, store, "0002")
             with pytest.raises(DatabaseInUse, match="another version"):
                 async with serving(url, timeouts=hasty):
