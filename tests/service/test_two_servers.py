@@ -7,6 +7,7 @@ import pytest
 
 from service.app import create_app
 from service.settings import Settings
+from tests.profiles import PROFILE
 from tests.service.conftest import TestClient
 from tests.service.jobs.postgres import cluster
 from tests.service.servers import ARM, endless, request_of, server, until
@@ -158,6 +159,7 @@ def test_a_key_at_both_servers_is_one_plan(servers, scene):
     assert {answer["state"] for answer in answers} == {"succeeded"}
 
 
+@pytest.mark.campaign
 def test_when_the_leader_is_killed_the_other_runs_what_it_ran(database, tmp_path):
     """And what it could not begin; both are processes, as users start them."""
     name = database.replace("/postgres?", "/template1?")  # another database of the same cluster
@@ -171,9 +173,14 @@ def test_when_the_leader_is_killed_the_other_runs_what_it_ran(database, tmp_path
         short = second.client.submit_plan(request_of(scene))
         first.kill()
         until(lambda: second.ask("GET", "/readyz")["role"] == "leader")
-        until(lambda: second.client.plan(long.id).state == "running")
-        second.client.cancel_plan(long.id)
         until(lambda: second.client.plan(short.id).state == "succeeded")
-        events = [event.type for event in second.client.plan_events(long.id)]
-        assert events.count("requeued") == events.count("finished") == 1
+        if PROFILE.is_campaign:  # only once the first one, had it lost its network, must rest
+            until(lambda: any(kind == "requeued" for kind in kinds(second, long)))
+        second.client.cancel_plan(long.id)
+        assert list(kinds(second, long)).count("finished") == 1
         assert second.client.plan(long.id).state == "canceled"
+
+
+def kinds(running, plan):
+    """The types of the events of a plan, as they come."""
+    return (event.type for event in running.client.plan_events(plan.id))

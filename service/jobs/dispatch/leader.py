@@ -219,7 +219,7 @@ class DatabaseTimeouts:
     regain: float = 5.0
     rest: float = 6.0
     record: float = 5.0
-    patience: float = 3.0
+    patience: float = 5.0
     poll: float = 5.0
     tables: float = 10.0
 
