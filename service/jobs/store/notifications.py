@@ -8,6 +8,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Collection
 from itertools import batched
+from typing import Any
 
 from sqlalchemy import Connection, Engine
 
@@ -75,8 +76,9 @@ class Listener:
     async def _listen(self) -> None:
         from psycopg import AsyncConnection  # noqa: PLC0415  (an extra)
 
-        _, options = self._engine.dialect.create_connect_args(self._engine.url)
-        opened = await AsyncConnection.connect(**{**_IN_TIME, **options}, autocommit=True)
+        _, of_url = self._engine.dialect.create_connect_args(self._engine.url)
+        options: dict[str, Any] = {**_IN_TIME, **of_url, "autocommit": True}
+        opened = await AsyncConnection.connect(**options)
         async with opened as connection:
             await connection.execute(f"LISTEN {_CHANNEL}")
             self._on_change(None)  # what was told before was not heard
