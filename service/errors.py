@@ -184,6 +184,12 @@ class DiskFull(Refusal):
     status = 503
 
 
+class BackupImpossible(WayproofError):
+    """The records cannot be backed up, or restored, by this program; evidence: `database`."""
+
+    code = "backup_impossible"
+
+
 class BackupInvalid(WayproofError):
     """A file is no backup, or is damaged; evidence: `file`, and `member` if one is wrong."""
 

@@ -21,12 +21,17 @@ def database():
 
 @pytest.fixture(scope="module")
 def servers(database, tmp_path_factory):
-    """The leader and a follower, which share a data folder."""
-    folder = tmp_path_factory.mktemp("state")
-    chosen = {"engine": "inline", "data_dir": folder, "query_timeout": 300}
-    settings = Settings(**chosen, database_url=database)
+    """The leader and a follower, each with a data folder of its own."""
     with ExitStack() as stack:
-        yield [stack.enter_context(TestClient(create_app(settings))) for _ in range(2)]
+        yield [
+            stack.enter_context(TestClient(create_app(settings_of(database, tmp_path_factory))))
+            for _ in range(2)
+        ]
+
+
+def settings_of(database, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("state")
+    return Settings(engine="inline", data_dir=folder, query_timeout=300, database_url=database)
 
 
 @pytest.fixture
@@ -164,7 +169,10 @@ def test_when_the_leader_is_killed_the_other_runs_what_it_ran(database, tmp_path
     """And what it could not begin; both are processes, as users start them."""
     name = database.replace("/postgres?", "/template1?")  # another database of the same cluster
     chosen = {"WAYPROOF_DATABASE_URL": name, "WAYPROOF_QUERY_SLOTS": "1"}
-    with server(tmp_path, **chosen) as first, server(tmp_path, **chosen) as second:
+    folders = [tmp_path / name for name in ("first", "second")]
+    for folder in folders:
+        folder.mkdir()
+    with server(folders[0], **chosen) as first, server(folders[1], **chosen) as second:
         roles = [each.ask("GET", "/readyz")["role"] for each in (first, second)]
         assert roles == ["leader", "follower"]
         long = second.client.submit_plan(endless(second.client))

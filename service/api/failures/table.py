@@ -82,6 +82,7 @@ _REFUSALS: dict[type[WayproofError], Any] = {
     service_errors.RequestInvalid: inputs.FaultsEvidence,
     service_errors.DiskFull: jobs.StorageEvidence,
     service_errors.ServerStopping: NoEvidence,
+    service_errors.BackupImpossible: jobs.DatabaseEvidence,
     service_errors.BackupInvalid: jobs.BackupEvidence,
     service_errors.RecordsExist: jobs.DatabaseEvidence,
 }
@@ -97,6 +98,7 @@ _NEVER_PROBLEMS = {
     job_errors.DatabaseTooNew,
     job_errors.DatabaseUnrecognized,
     service_errors.ClientLeft,
+    service_errors.BackupImpossible,
     service_errors.BackupInvalid,
     service_errors.RecordsExist,
 }

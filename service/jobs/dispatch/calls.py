@@ -13,6 +13,7 @@ from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode
 from service.jobs.json_text import Encoded, decode_parts
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
+from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
 
 _ATTEMPTS = 2
@@ -23,7 +24,7 @@ class Call:
     """A short task to run.
 
     Attributes:
-        task: `module:function`.
+        task: Its name.
         payload: What it is called with.
         queue: Which workers may run it.
         time_limit: For the work [s]; what it waits for a worker does not count.
@@ -149,6 +150,7 @@ class Calls:
         run = Assignment(call.task, call.payload, NullSink(), call.time_limit)
         content: Any = None
         try:
+            await worker.bring(artifacts_of(call.task, call.payload))
             outcome = await worker.run(run)
             if isinstance(outcome, Returned):
                 content = await self._content(call, outcome.result)

@@ -19,6 +19,7 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
+from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import Prepared, begin_notes, set_durability, sync_log
 from service.jobs.store.notifications import Listener, note_change, notify
 from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
@@ -57,6 +58,7 @@ class JobStore(JobQueries):
 
     Attributes:
         versions: Of what runs them, by name.
+        artifacts: That jobs read.
         sender: What the notifications of its changes begin with.
     """
 
@@ -70,6 +72,7 @@ class JobStore(JobQueries):
         super().__init__(engine)
         self.versions = dict(versions or {})
         self.sender = secrets.token_hex(4)
+        self.artifacts = ArtifactStore(engine)
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()

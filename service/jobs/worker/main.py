@@ -5,7 +5,9 @@ import os
 import socket
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from pathlib import Path
 
+from service.jobs.host_folder import set_host_folder
 from service.jobs.worker.context import PipeContext, WarmUpContext
 from service.jobs.worker.memory import limit_own
 from service.jobs.worker.parent_watch import exit_with_parent
@@ -30,12 +32,15 @@ class Terms:
     memory_grace: float = 0.0
 
 
-def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Terms) -> None:
+def serve(
+    end: socket.socket, parent: Connection, folder: Path | None, warm_up: str | None, terms: Terms
+) -> None:
     """Run tasks one after the other until the other end is gone.
 
     Args:
         end: To the worker.
         parent: When its other end closes, this process ends at once.
+        folder: That the workers of this host share; None if its tasks read no artifacts.
         warm_up: A task to run first, with an empty payload.
         terms: Of the work.
     """
@@ -45,6 +50,8 @@ def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Te
     os.nice(terms.niceness)
     if terms.memory is not None:
         limit_own(terms.memory)
+    if folder is not None:
+        set_host_folder(folder)
     pipe = MessagePipe(end)
     fault = b""
     if warm_up is not None:

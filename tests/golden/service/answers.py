@@ -135,8 +135,7 @@ def _events(answer: Any, masks: Masks, is_moving: bool) -> Any:
     kept = lasting_events(events)
     for event in kept:
         event["data"] = masks.document(json.loads(event["data"]))
-        if len(kept) < len(events):
-            event["id"] = "<number>"
+        event["id"] = "<number>"  # those that are left out are counted, and come as time passes
     return kept
 
 
