@@ -10,6 +10,7 @@ from sqlalchemy.exc import DBAPIError
 
 from service.jobs.dispatch.leader import DatabaseTimeouts, DispatcherLock, Vacancy
 from service.jobs.errors import DatabaseInUse, DatabaseTaken
+from service.jobs.store.database import ask
 
 _log = logging.getLogger(__name__)
 
@@ -114,17 +115,13 @@ class Standby:
 
     async def _vacancy(self) -> Vacancy:
         try:
-            return await asyncio.to_thread(self._lock.vacancy)
+            return await ask(self._lock.vacancy)
         except DBAPIError:  # it is away from the leader as well
             return Vacancy.HELD
 
     async def _has_taken(self) -> bool:
-        work = asyncio.ensure_future(asyncio.to_thread(self._lock.take))
         try:
-            await asyncio.shield(work)
-        except asyncio.CancelledError:  # what the thread takes all the same is then given back
-            await asyncio.wait({work})
-            raise
+            await ask(self._lock.take)  # canceled, what is taken all the same is given back
         except (DatabaseInUse, DBAPIError):
             return False
         return True

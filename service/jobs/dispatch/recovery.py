@@ -12,6 +12,7 @@ from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.errors import InternalError, ServerRestarted
 from service.jobs.job import CONTROLS, Job
 from service.jobs.states import JobState
+from service.jobs.store.database import ask
 from service.jobs.store.transitions import Transition
 
 
@@ -63,7 +64,7 @@ class Recovery:
         if transition is None or not transition.event.is_last:
             # A job of which nothing but that it is queued has been recorded has none.
             has_controls = job.num_events > 1
-            controls = await asyncio.to_thread(self._controls, job.id) if has_controls else {}
+            controls = await ask(self._controls, job.id) if has_controls else {}
             self._enqueue(job, controls)
 
     async def _recover_later(self, identifier: str, seconds: float) -> None:
@@ -78,7 +79,7 @@ class Recovery:
         if transition is not None:
             self._recorder.publish(identifier, [transition.event])
             if not transition.event.is_last:
-                self._enqueue(job, await asyncio.to_thread(self._controls, identifier))
+                self._enqueue(job, await ask(self._controls, identifier))
 
     def _is_at_its_end(self, job: Job) -> bool:
         return job.is_cancel_requested or job.queue not in self._scheduler

@@ -18,6 +18,7 @@ from service.jobs.errors import DatabaseTaken, DatabaseUnavailable
 from service.jobs.event_bus import EventBus
 from service.jobs.job import CONTROLS, FINISHED, LoggedEvent
 from service.jobs.states import JobState
+from service.jobs.store.database import ask
 from service.jobs.store.queries import JobMark
 
 # Jobs that are read at once: each may be megabytes.
@@ -103,13 +104,13 @@ class Uptake:
             has_lost_news, self._has_lost_news = self._has_lost_news, False
             self._may_all_have_changed = False
             known = list(self._attempts)
-            marks = await asyncio.to_thread(self._store.marks)
+            marks = await ask(self._store.marks)
             # What waits here and not in the table has ended elsewhere, or is not written yet.
             changed = list({*changed, *known} - {mark.id for mark in marks})
             await self._settle(marks, with_controls=has_lost_news)
         for i in range(0, len(changed), _AT_ONCE):
             some = changed[i : i + _AT_ONCE]
-            await self._settle(await asyncio.to_thread(self._store.marks, some))
+            await self._settle(await ask(self._store.marks, some))
 
     async def _settle(self, marks: list[JobMark], *, with_controls: bool = True) -> None:
         fresh: list[str] = []
@@ -119,14 +120,14 @@ class Uptake:
             elif mark.state is JobState.QUEUED:
                 fresh.append(mark.id)
         for i in range(0, len(fresh), _AT_ONCE):
-            for job in await asyncio.to_thread(self._store.queued, fresh[i : i + _AT_ONCE]):
+            for job in await ask(self._store.queued, fresh[i : i + _AT_ONCE]):
                 if job.id not in self._attempts:
                     await self._recovery.take_up(job)
 
     async def _update(self, mark: JobMark, *, with_controls: bool) -> None:
         """Have a job that waits or runs here do what the table says of it."""
         if mark.state.is_final:
-            event = await asyncio.to_thread(self._store.last_event, mark.id, FINISHED)
+            event = await ask(self._store.last_event, mark.id, FINISHED)
             if event is not None:
                 self._recorder.publish(mark.id, [event])
             attempt = self._attempts.get(mark.id)
@@ -134,7 +135,7 @@ class Uptake:
                 self._attempts.drop(attempt)
             return
         if with_controls:  # that is a look through all events of a job without any
-            event = await asyncio.to_thread(self._store.last_event, mark.id, CONTROLS)
+            event = await ask(self._store.last_event, mark.id, CONTROLS)
             if event is not None:
                 self._control.adopt(mark.id, event.data)
         attempt = self._attempts.get(mark.id)

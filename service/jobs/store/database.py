@@ -2,7 +2,7 @@
 
 import asyncio
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,6 +96,16 @@ def is_in_loop() -> bool:
     except RuntimeError:
         return False
     return True
+
+
+async def ask[**P, T](question: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    """Ask a database in a thread; canceled, wait for its end: it has a connection until then."""
+    work = asyncio.ensure_future(asyncio.to_thread(question, *args, **kwargs))
+    try:
+        return await asyncio.shield(work)
+    except asyncio.CancelledError:
+        await asyncio.wait({work})
+        raise
 
 
 def sync_log(engine: Engine) -> None:

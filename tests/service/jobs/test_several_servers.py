@@ -226,7 +226,7 @@ from tests.service.jobs.several import serving
 
 async def main(url, folder):
     async with serving(url) as (dispatcher, store):
-        gate = {"file": str(folder / "gate"), "begun": str(folder / "begun")}
+        gate = {"file": str(folder / "gate")}
         running = await dispatcher.submit(spec("wait_for_file", payload=gate))
         waits = [await dispatcher.submit(spec("touch", payload={"file": str(folder / f"{i}")}))
                  for i in range(10)]
@@ -248,7 +248,9 @@ def test_a_follower_takes_over_from_a_leader_that_was_killed(url, tmp_path):
         running, *waiting = line.split()
         async with serving(url) as (follower, store):
             assert follower.role == "follower"
-            await eventually((tmp_path / "begun").exists)
+            async for event in follower.subscribe(running):
+                if event.type == "started":
+                    break
             ends = [asyncio.create_task(follower.wait(each, GUARD)) for each in (running, *waiting)]
             await asyncio.sleep(0)
             process.send_signal(signal.SIGKILL)
