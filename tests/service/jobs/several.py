@@ -21,7 +21,7 @@ class Quick(DatabaseTimeouts):
 
 def quick(**options):
     """Timeouts; nothing is found by looks at the table, but what is notified of or left behind."""
-    usual = {"period": 0.05, "patience": 0.2, "poll": 10 * GUARD, "record": GUARD}
+    usual = {"period": 0.05, "patience": 0.2, "poll": 10 * GUARD, "record": GUARD, "answer": GUARD}
     return Quick(**usual | options)
 
 
