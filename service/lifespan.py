@@ -127,10 +127,10 @@ def _queues(settings: Settings, copies: ArtifactCopies) -> dict[str, JobQueue]:
         "regions": Share(settings.regions_slots),
     }
     count = sum(share.max_running or 0 for share in shares.values())
-    terms = Terms(settings.niceness, settings.worker_memory)
+    terms = Terms(settings.niceness, settings.worker_memory, is_offline=True)
     pool = WorkerPool([_worker(settings, terms, copies, is_exclusive=True) for _ in range(count)])
     # Executions go on while something is planned; OMPL and Drake take turns.
-    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
+    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"], is_offline=True)
     slots = range(settings.execution_slots)
     own = [_worker(settings, terms, copies, is_exclusive=False) for _ in slots]
     queues = {name: _queue(settings, name, pool, share) for name, share in shares.items()}

@@ -17,6 +17,7 @@ from planning.errors import WayproofError
 from service.api.middleware.request_id import RequestIdFilter
 from service.app import create_app
 from service.cli.connections import Connections, bounded_protocol, most_connections
+from service.security.redaction import KeyFilter
 from service.settings import Settings
 
 _HANDLERS = uvicorn.config.LOGGING_CONFIG["handlers"]
@@ -24,7 +25,7 @@ _FORMATS = uvicorn.config.LOGGING_CONFIG["formatters"]
 # Uvicorn's, and the service's warnings beside them; records say to which request they belong.
 LOGGING: dict[str, Any] = {
     **uvicorn.config.LOGGING_CONFIG,
-    "filters": {"request": {"()": RequestIdFilter}},
+    "filters": {"request": {"()": RequestIdFilter}, "keys": {"()": KeyFilter}},
     "formatters": {
         name: {
             **kind,
@@ -32,9 +33,12 @@ LOGGING: dict[str, Any] = {
         }
         for name, kind in _FORMATS.items()
     },
-    "handlers": {name: {**kind, "filters": ["request"]} for name, kind in _HANDLERS.items()},
+    "handlers": {
+        name: {**kind, "filters": ["request", "keys"]} for name, kind in _HANDLERS.items()
+    },
     "loggers": {
         **uvicorn.config.LOGGING_CONFIG["loggers"],
+        "wayproof.audit": {"handlers": ["default"], "level": "INFO"},
         "service": {"handlers": ["default"], "level": "WARNING"},
     },
 }

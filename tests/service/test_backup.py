@@ -6,6 +6,7 @@ import random
 import sqlite3
 import threading
 from contextlib import closing
+from datetime import UTC, datetime
 
 import pytest
 from typer.testing import CliRunner
@@ -19,6 +20,8 @@ from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.schema import NEWEST, stored_revision
+from service.security.keys import KeyStore, find_key
+from service.security.scopes import Scope
 from service.settings import Settings
 from tests.golden.service.__main__ import changes
 from tests.golden.service.answers import ask, client
@@ -77,6 +80,21 @@ def test_a_server_on_what_was_restored_elsewhere_answers_as_before(settings, els
         page = ask(service, get("", "/v1/plans/{done}/replay.html"), given)
         assert page.status_code == 200, page.text
     assert not settings.data_dir.exists()
+
+
+def test_keys_are_restored_as_they_were_and_no_secret_is_in_the_file(settings, elsewhere, file):
+    store_at(settings)
+    keys, now = KeyStore(open_engine(settings.url)), datetime.now(UTC)
+    good, gone = (keys.create(name, [Scope.PLAN], now) for name in ("good", "gone"))
+    keys.revoke("gone", now)
+    backup(settings, file)
+    keys.revoke("good", now)
+    restore(elsewhere, file)
+    found = {key.id: key for key in KeyStore(open_engine(elsewhere.url)).all()}
+    assert find_key(good.text, found) == good.key
+    assert good.key.is_valid(now)
+    assert not found[gone.key.id].is_valid(now)
+    assert good.text[16:].encode() not in gzip.decompress(file.read_bytes())
 
 
 def test_it_is_whole_while_jobs_are_written(settings, tmp_path, file):

@@ -27,6 +27,8 @@ def test_executions_go_before_what_is_planned_and_come_to_rest_before_they_are_e
     assert (planning.niceness, moving.niceness) == (7, 0)
     assert planning.memory == moving.memory == 2**30
     assert (planning.memory_grace, moving.memory_grace) == (0.0, 5.0)
+    assert planning.is_offline
+    assert moving.is_offline
 
 
 @pytest.fixture

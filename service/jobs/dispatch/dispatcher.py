@@ -9,13 +9,14 @@ from typing import Any, Literal
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.calls import Call, CallResult, Calls
-from service.jobs.dispatch.leader import DatabaseTimeouts, DispatcherLock
+from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.lock_watch import LockWatch, Standby
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
+from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.uptake import Uptake
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
 from service.jobs.errors import DatabaseInUse

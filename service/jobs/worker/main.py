@@ -10,6 +10,7 @@ from pathlib import Path
 from service.jobs.host_folder import set_host_folder
 from service.jobs.worker.context import PipeContext, WarmUpContext
 from service.jobs.worker.memory import limit_own
+from service.jobs.worker.network import leave_network
 from service.jobs.worker.parent_watch import exit_with_parent
 from service.jobs.worker.protocol import Message, MessageKind, MessagePipe, two_parts
 from service.jobs.worker.run_task import TaskEnd, run_task
@@ -25,11 +26,13 @@ class Terms:
         niceness: How far it lets others go before (nice(2)), 0 to 19.
         memory: What it may use [bytes]; None for all that there is.
         memory_grace: How long a task may take to end by itself once it uses more [s].
+        is_offline: Whether it is to reach no network, if the kernel has a way.
     """
 
     niceness: int = 0
     memory: int | None = None
     memory_grace: float = 0.0
+    is_offline: bool = False
 
 
 def serve(
@@ -45,6 +48,7 @@ def serve(
         terms: Of the work.
     """
     exit_with_parent(parent)
+    network = leave_network() if terms.is_offline else None
     gc.freeze()
     gc.enable()
     os.nice(terms.niceness)
@@ -53,12 +57,12 @@ def serve(
     if folder is not None:
         set_host_folder(folder)
     pipe = MessagePipe(end)
-    fault = b""
+    fault = ""
     if warm_up is not None:
         warm_up_end = run_task(warm_up, "{}", WarmUpContext())
         if warm_up_end.kind is not MessageKind.RESULT:
-            fault = warm_up_end.text.encode()
-    pipe.send(Message(MessageKind.READY, 0, fault))
+            fault = warm_up_end.text
+    pipe.send(Message(MessageKind.READY, 0, two_parts(network or "", fault)))
     while (message := pipe.receive()) is not None:
         if message.kind is MessageKind.TASK:
             task, payload = message.parts

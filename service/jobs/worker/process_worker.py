@@ -4,6 +4,7 @@ import asyncio
 import json
 import logging
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 from service.jobs.artifacts import ArtifactCopies
@@ -212,10 +213,19 @@ class ProcessWorker:
             code = await process.end()
             _log.error("a worker process died before it was ready, with exit code %s", code)
             return None
-        self._warm_up_fault = message.body.decode()[:2000] or None
+        network, fault = message.parts
+        if network:
+            _tell_of_network(network)
+        self._warm_up_fault = fault[:2000] or None
         if self._warm_up_fault is not None:
             _log.warning("the warm-up %s failed: %s", warm_up, self._warm_up_fault)
         return process
+
+
+@cache
+def _tell_of_network(reason: str) -> None:
+    """Say once why workers are not kept from the network, though they should be."""
+    _log.warning("workers can reach the network (%s): see docs/explanation/security.md", reason)
 
 
 async def _apply(message: Message, sink: EventSink, termination: Termination) -> None:

@@ -69,6 +69,7 @@ def make_released(engine):
     ]
     with engine.begin() as connection:
         for statement in (
+            "DROP TABLE api_keys",
             "DROP INDEX one_open_execution_of_scene",
             "DROP INDEX jobs_of_queue",
             *renamed,

@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from alembic import op
 
 revision = "0008"
-down_revision = "0003"
+down_revision = "0004"
 
 # A path of version 0.1 in the payload of a job: its file was named by the content of the scene.
 _PATH = re.compile(r'("document": ?")[^"]*?([0-9a-f]{64})\.json(")')
