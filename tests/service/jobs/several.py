@@ -36,11 +36,13 @@ async def serving(url, *, timeouts=None, inline=False, max_waiting=2000, workers
     made = [thread() if inline else process() for _ in range(workers)]
     queues = {"plan": JobQueue("plan", made, max_waiting)}
     dispatcher = Dispatcher(store, DispatcherLock(engine), queues, timeouts=timeouts or quick())
-    await dispatcher.start(WARM_UP)
     try:
-        yield dispatcher, store
+        await dispatcher.start(WARM_UP)
+        try:
+            yield dispatcher, store
+        finally:
+            await dispatcher.stop()
     finally:
-        await dispatcher.stop()
         engine.dispose()
 
 
