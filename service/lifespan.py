@@ -1,7 +1,7 @@
 """open_services(): store, dispatcher and workers, for as long as the server runs."""
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable, Coroutine, Sequence
+from collections.abc import AsyncGenerator, Awaitable, Callable, Coroutine, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from typing import Any
@@ -50,7 +50,9 @@ async def open_services(
     on_taken: Callable[[], None],
     on_end: Callable[[JobSummary], None] | None = None,
 ) -> AsyncGenerator[tuple[JobService, SceneStore, WebhookStore]]:
-    """Run jobs from here on; what an earlier server left is taken up again.
+    """Run jobs from here on, or have the server run them that leads those of the database.
+
+    What an earlier leader left is taken up again.
 
     Args:
         settings: How the service runs.
@@ -58,7 +60,7 @@ async def open_services(
         on_end: Called with each job that ended here.
 
     Raises:
-        DatabaseInUse: Another server works on this database.
+        DatabaseInUse: Another server works on this database, which cannot be shared.
     """
     await to_thread.run_sync(partial(settings.data_dir.mkdir, parents=True, exist_ok=True))
     engine = open_engine(settings.url)
@@ -76,7 +78,7 @@ async def open_services(
     try:
         await dispatcher.start(None if settings.engine == "inline" else WARM_UP)
         try:
-            await scenes.open()  # behind the lock: others may not change the database meanwhile
+            await scenes.open()  # the leader has brought the database up to date
             terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
             scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
@@ -84,12 +86,19 @@ async def open_services(
             sweeper.ask()
             scenes.on_delete = jobs.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
-            async with _meanwhile(sweeper.run(), retention.run(), delivery.run()):
+            retain = _once_leading(dispatcher, retention.run)
+            async with _meanwhile(sweeper.run(), retain, delivery.run()):
                 yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()
     finally:
         await to_thread.run_sync(engine.dispose)
+
+
+async def _once_leading(dispatcher: Dispatcher, work: Callable[[], Awaitable[None]]) -> None:
+    """Do work that one server of a database does for all."""
+    await dispatcher.leads.wait()
+    await work()
 
 
 @asynccontextmanager

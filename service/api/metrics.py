@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from fastapi.routing import APIRoute
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
@@ -44,6 +44,10 @@ class Metrics:
             "wayproof_job_failures", "Jobs that ended here without a result.", ("queue", "code"),
             registry=every,
         )  # fmt: skip
+        self._leads = Gauge(
+            "wayproof_is_leader", "1 if this server runs the jobs of its database, else 0.",
+            registry=every,
+        )  # fmt: skip
         self._jobs = Gauge("wayproof_jobs", "Jobs.", ("queue", "state"), registry=every)
         self._lengths = Gauge(
             "wayproof_queue_length", "Jobs and questions that wait.", ("queue",), registry=every
@@ -70,6 +74,10 @@ class Metrics:
         for stage, seconds in (timings or {}).items():
             if isinstance(seconds, int | float):
                 self._stages.labels(job.queue, stage).observe(seconds)
+
+    def note_role(self, role: Literal["leader", "follower"]) -> None:
+        """Note what this server is among those of its database."""
+        self._leads.set(role == "leader")
 
     def exposition(
         self, counts: Mapping[str, Mapping[str, int]], loads: Mapping[str, QueueLoad]

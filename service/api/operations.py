@@ -38,6 +38,10 @@ class Readiness(ResponseModel):
     """Whether the server takes jobs."""
 
     status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")
+    role: Literal["leader", "follower"] = Field(
+        description="What it is among the servers of its database: the leader runs the jobs of "
+        "all; one server alone is the leader"
+    )
     queued: dict[str, int] = Field(description="Jobs that wait, by queue")
     running: dict[str, int] = Field(description="Jobs that run, by queue")
 
@@ -73,7 +77,9 @@ async def get_readiness(jobs: JobsDep) -> Readiness:
     """Say whether jobs begin at once: the database answers, and workers have planned a motion."""
     jobs.check_ready()
     counts = await jobs.counts()
-    return Readiness(status="ready", queued=counts["queued"], running=counts["running"])
+    return Readiness(
+        status="ready", role=jobs.role, queued=counts["queued"], running=counts["running"]
+    )
 
 
 @router.get(
@@ -85,6 +91,7 @@ async def get_readiness(jobs: JobsDep) -> Readiness:
 async def get_metrics(request: Request, jobs: JobsDep) -> PlainTextResponse:
     """Count jobs, requests, stages, what waits, workers and failures, as Prometheus reads it."""
     metrics: Metrics = request.app.state.metrics
+    metrics.note_role(jobs.role)
     text = metrics.exposition(await jobs.counts(), jobs.loads())
     return PlainTextResponse(text, media_type=MEDIA_TYPE)
 

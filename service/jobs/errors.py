@@ -13,6 +13,16 @@ class QueueFull(WayproofError):
 
     code = "queue_full"
 
+    @classmethod
+    def of(
+        cls, queue: str, waiting: int, bound: int, retry_after: float, more: int = 1
+    ) -> "QueueFull":
+        """Build the error for a queue in which so many wait, and some more would like to."""
+        asked = "" if more == 1 else f", and {more} more would be too many"
+        message = f"{waiting} jobs wait for {queue} already{asked}; try again later"
+        evidence = {"queue": queue, "queued": waiting, "bound": bound, "retry_after": retry_after}
+        return cls(message, evidence)
+
 
 class QueueTimeout(WayproofError):
     """No worker was free in time; evidence: `queue`, `waited` [s], `queued`, `retry_after` [s]."""

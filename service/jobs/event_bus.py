@@ -55,6 +55,10 @@ class _Tail[E: Numbered]:
         return bool(self.events) and self.events[-1].is_last
 
     def add(self, events: Sequence[E]) -> None:
+        if self.is_over:
+            return
+        if self.events and events[0].number != self.events[-1].number + 1:
+            self.events.clear()  # another server has recorded those between
         self.events.extend(events)
         self.wake()
 
@@ -90,6 +94,19 @@ class EventBus[E: Numbered]:
         tail = self._tails.setdefault(stream, _Tail())
         tail.add(events)
         self._forget(stream, tail)
+
+    def wake(self, stream: str) -> None:
+        """Have followers of a stream look at the log: another server has recorded more."""
+        tail = self._tails.get(stream)
+        if tail is not None and not tail.is_over:
+            tail.events.clear()
+            tail.wake()
+            self._forget(stream, tail)
+
+    def wake_all(self) -> None:
+        """Have all followers look at the log."""
+        for stream in list(self._tails):
+            self.wake(stream)
 
     async def follow(self, stream: str, after: int = 0) -> AsyncGenerator[E]:
         """Yield what follows a number, recorded or to come, until the stream or the bus ends."""

@@ -12,6 +12,7 @@ from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 
 FINISHED = "finished"
+CONTROLS = "controls"
 
 # Type and data of an event that is not recorded yet.
 type PendingEvent = tuple[str, Encoded]

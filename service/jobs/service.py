@@ -5,7 +5,7 @@ from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import partial
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from anyio import to_thread
 
@@ -252,6 +252,11 @@ class JobService(TaskCalls):
         if faults:
             named = "; ".join(f"{queue}: {fault}" for queue, fault in faults.items())
             raise NotReady(f"not ready: {named}"[:500], {"faults": faults, "retry_after": 1})
+
+    @property
+    def role(self) -> Literal["leader", "follower"]:
+        """What this server is among those of the database: the leader runs the jobs."""
+        return self._dispatcher.role
 
     def loads(self) -> dict[str, QueueLoad]:
         """Return what waits and what works, by queue."""

@@ -49,11 +49,17 @@ class Latest:
     """Remembers the latest revisions of a few scenes; belongs to one event loop.
 
     To find the latest revision takes reads of two tables, and of a document that may have
-    megabytes. Only this server writes either table, so what it has read stays true until it writes.
+    megabytes. Where only this server writes either table, what it has read stays true until it
+    writes; where others do, nothing is remembered.
     """
 
-    def __init__(self) -> None:
-        """Know none."""
+    def __init__(self, *, is_shared: bool = False) -> None:
+        """Know none.
+
+        Args:
+            is_shared: Whether other servers may write as well.
+        """
+        self._is_shared = is_shared
         self._known: OrderedDict[str, SceneRecord] = OrderedDict()
         self._num_changes = 0
 
@@ -70,7 +76,7 @@ class Latest:
 
     def keep(self, record: SceneRecord, look: int) -> None:
         """Remember what was read, unless something has changed since that look began."""
-        if look == self._num_changes:
+        if look == self._num_changes and not self._is_shared:
             self._known[record.id] = record
             if len(self._known) > _MOST:
                 self._known.popitem(last=False)

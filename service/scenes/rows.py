@@ -91,6 +91,17 @@ def find_by_key(connection: Connection, key: IdempotencyKey) -> str | None:
     return None if found is None else found.id
 
 
+def lock(connection: Connection, identifier: str) -> None:
+    """Keep other servers from changing a scene until the transaction ends, where there are any.
+
+    Its first revision, which stays as long as the scene, stands for it: a row that is added while
+    this waits for others is seen by what is read after it.
+    """
+    if connection.dialect.name != "sqlite":
+        first = select(scenes.c.serial).where(scenes.c.id == identifier, scenes.c.revision == 1)
+        connection.execute(first.with_for_update())
+
+
 def latest_revision(connection: Connection, identifier: str) -> int | None:
     """Return the number of the latest revision of a scene, None if there is no such scene."""
     newest = select(func.max(scenes.c.revision)).where(scenes.c.id == identifier)

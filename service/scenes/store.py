@@ -56,7 +56,7 @@ class SceneStore:
         self._folder = folder
         self._writing = asyncio.Lock()
         self._recent = RecentScenes()
-        self.latest = Latest()
+        self.latest = Latest(is_shared=engine.dialect.name == "postgresql")
         self.settle: Callable[[SceneRecord], Awaitable[tuple[SceneRecord, bool]]] | None = None
         self.on_delete: Callable[[], None] | None = None
 
@@ -193,8 +193,9 @@ class SceneStore:
         return record
 
     def _revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
-        # One server works on a database, and its writes are one after the other.
+        # The writes of a server are one after the other, those of several wait for the lock.
         with self._durable() as connection:
+            rows.lock(connection, base.id)
             artifact = self._keep_artifact(connection, loaded)
             latest = rows.latest_revision(connection, base.id)
             if latest is None:
@@ -221,6 +222,7 @@ class SceneStore:
 
     def _delete(self, identifier: str, revision: int | None) -> None:
         with self._durable() as connection:
+            rows.lock(connection, identifier)
             latest = rows.latest_revision(connection, identifier)
             if latest is not None and revision not in {None, latest}:
                 raise RevisionConflict.of(identifier, revision or 0, latest)

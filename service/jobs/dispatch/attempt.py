@@ -24,7 +24,6 @@ from service.jobs.worker.assignment import Assignment, Worker
 
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
-CONTROLS = "controls"
 _log = logging.getLogger(__name__)
 
 
@@ -70,6 +69,11 @@ class Attempt:
     def is_cancel_requested(self) -> bool:
         """Whether its end was requested."""
         return self._stop.is_cancel
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether it was given a worker, and the table does not know."""
+        return self.has_begun and not self._start_is_decided.is_set()
 
     @property
     def is_open(self) -> bool:

@@ -4,27 +4,30 @@ import asyncio
 import logging
 from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 from contextlib import aclosing
-from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from service.jobs.dispatch.attempt import Attempt
+from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.calls import Call, CallResult, Calls
-from service.jobs.dispatch.leader import DispatcherLock, LockWatch
+from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.lock_watch import LockWatch, Standby
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
 from service.jobs.dispatch.timeouts import DatabaseTimeouts
-from service.jobs.dispatch.waiting import Place, QueueEntry
+from service.jobs.dispatch.uptake import Uptake
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
+from service.jobs.errors import DatabaseInUse
 from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.store.job_store import JobStore
-from service.jobs.worker.assignment import Worker
 
 # To record the ends of what ran when the server stops [s].
 _WRITING = 5.0
+# Between two looks at tables that another server is about to make [s].
+_LOOK = 0.1
 _log = logging.getLogger(__name__)
 
 
@@ -33,10 +36,14 @@ def _nothing() -> None:
 
 
 class Dispatcher:
-    """Runs every job of one database, from one event loop.
+    """Runs every job of one database if it leads, or has the one that leads run them.
+
+    Whichever it is, it takes in jobs, follows and controls them, and runs short tasks; from one
+    event loop.
 
     Attributes:
         is_taken: Whether another server has taken the database over.
+        leads: Set once it leads.
     """
 
     def __init__(
@@ -60,6 +67,7 @@ class Dispatcher:
             timeouts: How long a database may be out of reach.
         """
         self.is_taken = False
+        self.leads = asyncio.Event()
         self._on_taken = on_taken
         self._on_end = on_end
         self._timeouts = timeouts or DatabaseTimeouts()
@@ -67,40 +75,105 @@ class Dispatcher:
         self._lock = lock
         self._scheduler = Scheduler(queues)
         self._bus: EventBus[LoggedEvent] = EventBus(self._read_events)
-        self._attempts: dict[str, Attempt] = {}
         self._calls = Calls(self._scheduler)
-        self._waits = JobWaits(self._attempts, self._bus, store)
         self._recorder: JobRecorder
+        self._attempts: Attempts
+        self._waits: JobWaits
         self._control: JobControl
         self._submission: JobSubmission
+        self._recovery: Recovery
+        self._uptake: Uptake
+
+    @property
+    def role(self) -> Literal["leader", "follower"]:
+        """What it is among the servers of the database."""
+        return "leader" if self.leads.is_set() else "follower"
 
     async def start(self, warm_up: str | None = None) -> None:
-        """Take the database, recover what an earlier server left, and begin to warm the workers.
+        """Take the database and recover what an earlier server left, or follow the one that leads.
+
+        The workers begin to get warm.
 
         Args:
             warm_up: A task that every process runs first.
 
         Raises:
-            DatabaseInUse: Another dispatcher has the database.
+            DatabaseInUse: Another dispatcher has the database, which cannot be shared.
             DatabaseTooNew: A newer version has changed it.
         """
         await asyncio.to_thread(self._store.refuse_newer)
-        await asyncio.to_thread(self._lock.take)
+        is_first = await self._join()
         try:
-            self._store.set_epoch(self._lock.epoch)
-            await asyncio.to_thread(self._store.open)
-            recorder = self._recorder = JobRecorder(self._store, self._bus, self.give_up)
-            self._control = JobControl(self._attempts, recorder, self._scheduler)
-            within = self._timeouts.record
-            self._submission = JobSubmission(recorder, self._schedule, self._unschedule, within)
+            self._put_together()
             await self._scheduler.open(warm_up)
-            recovery = Recovery(recorder, self._lock, self._scheduler, self._enqueue)
-            await recovery.run(self._timeouts.takeover)
+            if is_first:
+                await self._lead()
         except BaseException:
             await asyncio.to_thread(self._lock.release)
             raise
+        if self._store.is_shared:
+            self._scheduler.spawn(self._store.listener(self._uptake.note).run())
+            self._scheduler.spawn(self._uptake.run(self.leads.is_set, self._timeouts.poll))
+        if not is_first:
+            self._scheduler.spawn(self._stand_by())
+
+    async def _join(self) -> bool:
+        """Take the database and bring it up to date, or return that another server leads.
+
+        Raises:
+            DatabaseInUse: It cannot be shared, or that server is of another version.
+        """
+        until = asyncio.get_running_loop().time() + self._timeouts.tables
+        while True:
+            try:
+                await asyncio.to_thread(self._lock.take)
+                break
+            except DatabaseInUse:
+                if not self._store.is_shared:
+                    raise
+                if await asyncio.to_thread(self._store.is_up_to_date):
+                    return False
+            if asyncio.get_running_loop().time() > until:
+                raise self._lock.of_other_version()
+            await asyncio.sleep(_LOOK)
+        try:
+            self._store.set_epoch(self._lock.epoch)
+            await asyncio.to_thread(self._store.open)
+        except BaseException:
+            await asyncio.to_thread(self._lock.release)
+            raise
+        return True
+
+    def _put_together(self) -> None:
+        """Make what belongs to the running event loop."""
+        store, scheduler, within = self._store, self._scheduler, self._timeouts.record
+        recorder = self._recorder = JobRecorder(store, self._bus, self.give_up)
+        attempts = self._attempts = Attempts(recorder, scheduler, self._on_end)
+        self._waits = JobWaits(attempts, self._bus, store)
+        self._control = JobControl(attempts, recorder, scheduler, within)
+        self._submission = JobSubmission(recorder, attempts, scheduler, within)
+        self._recovery = Recovery(recorder, self._lock, scheduler, attempts.enqueue)
+        self._uptake = Uptake(recorder, self._bus, attempts, self._control, self._recovery)
+
+    async def _lead(self) -> None:
+        """Take up what the table has, and run every job from now on."""
+        await self._recovery.run(self._timeouts.takeover)
+        self.leads.set()
+        self._uptake.note(None)  # what came since the table was read
         if self._lock.may_be_lost:
             self._scheduler.spawn(LockWatch(self._lock, self, self._timeouts).run())
+
+    async def _stand_by(self) -> None:
+        """Follow until the one that leads is gone, then lead."""
+        await Standby(self._lock, self._timeouts).take()
+        _log.warning("this server leads from now on")
+        try:
+            await asyncio.to_thread(self._store.refuse_newer)
+            self._store.set_epoch(self._lock.epoch)
+            await self._lead()
+        except Exception:  # noqa: BLE001  (whatever it is, another server may do better)
+            _log.exception("the jobs of the database could not be taken up")
+            self.give_up()
 
     async def stop(self) -> None:
         """Bring what runs to its end, end every worker and release the database.
@@ -128,11 +201,11 @@ class Dispatcher:
         Every wait for a job is answered at once: what waited would be cut off.
         """
         self._waits.end()
-        self._interrupt_all("the server stopped")
+        self._attempts.interrupt("the server stopped")
 
     def suspend(self) -> None:
         """Begin nothing, and end what runs: the database may be another's by now."""
-        self._interrupt_all("the database was out of reach")
+        self._attempts.interrupt("the database was out of reach")
 
     def resume(self) -> None:
         """Work again after `suspend`."""
@@ -143,7 +216,7 @@ class Dispatcher:
         if not self.is_taken:
             self.is_taken = True
             _log.critical("another server has taken the database over: this one gives up")
-            self._interrupt_all("another server took the database over")
+            self._attempts.interrupt("another server took the database over")
             self._on_taken()
 
     def attempt_of(self, identifier: str) -> Attempt | None:
@@ -175,7 +248,12 @@ class Dispatcher:
             if known:
                 return [known]
         self._scheduler.check_room(first.queue, len(specs))
-        return await self._submission.submit_all(specs)
+        if self.leads.is_set():
+            return await self._submission.submit_all(specs)
+        jobs = await self._submission.pass_on_all(specs)
+        if self.leads.is_set():  # meanwhile
+            self._uptake.note([job.id for job in jobs])
+        return jobs
 
     async def cancel(self, identifier: str) -> JobSummary:
         """End a job and return it; see `JobControl.cancel`."""
@@ -206,58 +284,6 @@ class Dispatcher:
     async def call(self, call: Call) -> CallResult:
         """Run a short task that needs no record, and return what it returns; see `Calls.run`."""
         return await self._calls.run(call)
-
-    def _enqueue(self, job: Job, controls: Mapping[str, Any], place: Place | None = None) -> None:
-        """Run a queued job of the table when it has a worker."""
-        self._schedule(job, controls, place).confirm(job)
-
-    def _schedule(
-        self, job: Job, controls: Mapping[str, Any], place: Place | None = None
-    ) -> Attempt:
-        """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
-        attempt = Attempt(job, self._recorder, self._scheduler, controls)
-        self._attempts[job.id] = attempt
-        own = place or self._scheduler.next_place(job.queue)
-
-        def use(worker: Worker) -> None:
-            attempt.has_begun = True
-            self._scheduler.spawn(self._run(attempt, worker, own))
-
-        terms = (job.world_digest, job.priority, job.client)
-        self._scheduler.request(job.queue, QueueEntry(job.id, own, use, *terms))
-        return attempt
-
-    def _unschedule(self, attempt: Attempt) -> None:
-        """Have a job that the table does not have run no more."""
-        attempt.discard()
-        self._scheduler.queue(attempt.job.queue).remove(attempt.job.id)
-        if not attempt.has_begun:
-            self._attempts.pop(attempt.job.id, None)
-            attempt.concluded.set()
-
-    async def _run(self, attempt: Attempt, worker: Worker, place: Place) -> None:
-        is_queued_again = False
-        try:
-            is_queued_again = await attempt.run(worker)
-        finally:
-            self._attempts.pop(attempt.job.id, None)
-            attempt.concluded.set()
-        if attempt.ended is not None and self._on_end is not None:
-            self._on_end(attempt.ended.summary)
-        if is_queued_again:
-            job = replace(
-                attempt.job,
-                is_cancel_requested=attempt.is_cancel_requested,
-                cancel_requested_at=attempt.cancel_requested_at,
-            )
-            self._enqueue(job, attempt.controls, place)
-            self._attempts[job.id].num_lost_hosts = attempt.num_lost_hosts
-
-    def _interrupt_all(self, reason: str) -> None:
-        self._scheduler.pause()
-        for attempt in self._attempts.values():
-            if attempt.has_begun:
-                attempt.interrupt(reason)
 
     async def _read_events(self, identifier: str, after: int) -> EventBatch[LoggedEvent]:
         return await asyncio.to_thread(self._store.events_after, identifier, after)

@@ -1,31 +1,47 @@
-"""One dispatcher per database: a lock keeps others out, and an epoch fences off a former owner.
+"""One leader per database: a lock keeps others out, and an epoch fences off a former leader.
 
 A lock that a database holds for us is lost with its connection, and nothing tells us. So every
 owner counts the epoch up, and every write of a job asks in its own transaction whether the epoch is
 still the writer's: a server that has lost the database cannot write, whether or not it knows.
 """
 
-import asyncio
 import fcntl
-import logging
-import threading
-from collections.abc import Callable, Generator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
+from enum import Enum, auto
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from sqlalchemy import Engine, insert, select, text, update
 from sqlalchemy.exc import DBAPIError
 
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.errors import DatabaseInUse, DatabaseTaken
 from service.jobs.store.tables import owner
 
 # Any number will do, as long as every dispatcher uses the same.
 _ADVISORY_KEY = 0x57_61_79_70
-_ADVISORY_TRIES, _ADVISORY_PAUSE = 20, 0.1
-_log = logging.getLogger(__name__)
+_LOCK = text("SELECT pg_try_advisory_lock(:key)")
+_UNLOCK = text("SELECT pg_advisory_unlock(:key)")
+_HOLDERS = text(
+    "SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND granted AND classid = 0"
+    " AND objid = :key AND objsubid = 1"
+    " AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"
+)
+# A leader whose machine is gone keeps the lock until its connection is known to be dead [s].
+_NOTICE_DEATH = (
+    "SET tcp_keepalives_idle = 5; SET tcp_keepalives_interval = 2; SET tcp_keepalives_count = 3"
+)
+
+
+class Vacancy(Enum):
+    """Whether a database has a leader.
+
+    A lock that is free may be one whose holder was cut off, and is about to take it again.
+    """
+
+    HELD = auto()
+    LOST = auto()
+    GIVEN_BACK = auto()
 
 
 class DispatcherLock:
@@ -76,14 +92,32 @@ class DispatcherLock:
 
     def release(self) -> None:
         """Give it back; a database that is gone is not told."""
+        if self.epoch == 0:
+            return
         given_back = update(owner).where(owner.c.epoch == self.epoch).values(is_released=True)
         try:
             with self._engine.begin() as connection:
                 connection.execute(given_back)
         except DBAPIError:
             pass
+        else:
+            if self.may_be_lost and self._lock is not None:
+                with suppress(DBAPIError):
+                    self._lock.execute(_UNLOCK, {"key": _ADVISORY_KEY})
         finally:
             self._unlock()
+
+    def vacancy(self) -> Vacancy:
+        """Return whether another server leads; of a database in a server's hands.
+
+        Raises:
+            DBAPIError: The database does not answer.
+        """
+        with self._engine.connect() as connection:
+            if connection.execute(_HOLDERS, {"key": _ADVISORY_KEY}).scalar_one():
+                return Vacancy.HELD
+            is_released = connection.execute(select(owner.c.is_released)).scalar_one_or_none()
+        return Vacancy.LOST if is_released is False else Vacancy.GIVEN_BACK
 
     def holds(self) -> bool:
         """Return whether the connection that holds the lock lives; the lock lives as long."""
@@ -101,7 +135,7 @@ class DispatcherLock:
         """
         try:
             self._unlock()
-            self._lock = self._lock_advisory(1)
+            self._lock = self._lock_advisory()
         except (DBAPIError, DatabaseInUse):
             held = False
         else:
@@ -133,7 +167,7 @@ class DispatcherLock:
         if self._engine.dialect.name == "sqlite":
             self._lock = self._lock_file()
         elif self.may_be_lost:
-            self._lock = self._lock_advisory(_ADVISORY_TRIES)
+            self._lock = self._lock_advisory()
 
     def _lock_file(self) -> Any:
         database = self._engine.url.database
@@ -144,21 +178,22 @@ class DispatcherLock:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as fault:
             file.close()
-            raise self._in_use() from fault
+            raise self._in_use("stop it, or choose another data folder") from fault
         return file
 
-    def _lock_advisory(self, tries: int) -> Any:
+    def _lock_advisory(self) -> Any:
         # Outside of a transaction, which would otherwise be open as long as the server runs.
         connection = self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
-        lock = text("SELECT pg_try_advisory_lock(:key)")
-        # The database may need a moment to notice that an earlier server has died.
-        for i in range(tries):
-            if i > 0:
-                threading.Event().wait(_ADVISORY_PAUSE)
-            if connection.execute(lock, {"key": _ADVISORY_KEY}).scalar_one():
+        try:
+            if connection.execute(_LOCK, {"key": _ADVISORY_KEY}).scalar_one():
+                connection.exec_driver_sql(_NOTICE_DEATH)
                 return connection
+        except BaseException:
+            connection.invalidate()
+            connection.close()
+            raise
         connection.close()
-        raise self._in_use()
+        raise self._in_use("stop it, or choose another data folder")
 
     def _unlock(self) -> None:
         """Let go before the connection returns to the pool, which would keep the lock."""
@@ -170,82 +205,11 @@ class DispatcherLock:
             held.invalidate()
         held.close()
 
-    def _in_use(self) -> DatabaseInUse:
+    def of_other_version(self) -> DatabaseInUse:
+        """Return the error for a server of another version that works on the database."""
+        return self._in_use("it is of another version, and has to be stopped first")
+
+    def _in_use(self, advice: str) -> DatabaseInUse:
         database = self._engine.url.render_as_string(hide_password=True)
-        message = f"another server works on {database}; stop it, or choose another data folder"
+        message = f"another server works on {database}; {advice}"
         return DatabaseInUse(message, {"database": database})
-
-
-class LockListener(Protocol):
-    """What has to know; all methods are called in the event loop's thread."""
-
-    def suspend(self) -> None:
-        """Begin nothing, and end what runs: the database may be another's by now."""
-        ...
-
-    def resume(self) -> None:
-        """Work again after `suspend`: the database had no other owner meanwhile."""
-        ...
-
-    def give_up(self) -> None:
-        """End what runs, and do nothing more: another has the database."""
-        ...
-
-
-class LockWatch:
-    """Notices that the lock on the database was lost, and takes it again if it may."""
-
-    def __init__(
-        self, lock: DispatcherLock, listener: LockListener, timeouts: DatabaseTimeouts
-    ) -> None:
-        """Tell `listener` what becomes of `lock`; `run` begins."""
-        self._lock = lock
-        self._listener = listener
-        self._timeouts = timeouts
-        self._threads = ThreadPoolExecutor(1, "dispatcher-lock")
-
-    async def run(self) -> None:
-        """Watch until the database is another's, or this is canceled."""
-        try:
-            await self._watch()
-        finally:
-            # A query that still runs could take the lock after it was released.
-            await asyncio.to_thread(self._threads.shutdown)
-
-    async def _watch(self) -> None:
-        while True:
-            await asyncio.sleep(self._timeouts.period)
-            if await self._ask(self._lock.holds):
-                continue
-            _log.warning("the lock on the database was lost; taking it again")
-            try:
-                await self._regain()
-            except DatabaseTaken:
-                self._listener.give_up()
-                return
-
-    async def _regain(self) -> None:
-        loop = asyncio.get_running_loop()
-        until = loop.time() + self._timeouts.regain
-        is_suspended = False
-        while not await self._ask(self._lock.retake):
-            if not is_suspended and loop.time() > until:
-                is_suspended = True
-                _log.error("the database is out of reach: what runs is brought to its end")
-                self._listener.suspend()
-            await asyncio.sleep(min(0.25, self._timeouts.period))
-        _log.warning("the lock on the database is ours again")
-        if is_suspended:
-            self._listener.resume()
-
-    async def _ask(self, question: Callable[[], bool]) -> bool:
-        """Return the answer, False if there is none in time."""
-        loop = asyncio.get_running_loop()
-        try:
-            async with asyncio.timeout(self._timeouts.answer):
-                return await loop.run_in_executor(self._threads, question)
-        except TimeoutError:
-            # That thread waits for a connection that is dead; the next question must not.
-            self._threads.shutdown(wait=False)
-            self._threads = ThreadPoolExecutor(1, "dispatcher-lock")
-            return False

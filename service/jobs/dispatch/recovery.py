@@ -1,4 +1,4 @@
-"""Recovery: what an earlier server left is queued again, or ended with the reason."""
+"""Recovery: jobs of the table are taken up; what ran is queued again, or ended with the reason."""
 
 import asyncio
 from collections.abc import Callable, Mapping
@@ -6,18 +6,18 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled
-from service.jobs.dispatch.attempt import CONTROLS
 from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.errors import InternalError, ServerRestarted
-from service.jobs.job import Job
+from service.jobs.job import CONTROLS, Job
 from service.jobs.states import JobState
+from service.jobs.store.database import ask
 from service.jobs.store.transitions import Transition
 
 
 class Recovery:
-    """Takes up the jobs that are queued or running in the table when a server starts."""
+    """Takes up the jobs that are queued or running in the table when a server begins to lead."""
 
     def __init__(
         self,
@@ -38,24 +38,35 @@ class Recovery:
         self._recorder = recorder
         self._scheduler = scheduler
         self._enqueue = enqueue
-        self._may_still_run = lock.may_be_lost and lock.was_left
+        self._lock = lock
 
     async def run(self, takeover: float) -> None:
-        """Take up all jobs; none begins before the queues know all of them.
+        """Take up all jobs, the lock just taken; none begins before the queues know all of them.
 
         Args:
             takeover: How long an owner that lost the database without ending may still run
                 something [s]; only after that it is taken up.
         """
-        self._scheduler.pause()
-        for job in await asyncio.to_thread(self._store.unfinished):
-            if self._may_still_run and job.state is JobState.RUNNING:
-                self._scheduler.spawn(self._recover_later(job.id, takeover))
-            else:
-                transition = await asyncio.to_thread(self._settle, job)
-                if transition is None or not transition.event.is_last:
-                    self._enqueue(job, await asyncio.to_thread(self._controls, job.id))
-        self._scheduler.resume()
+        may_still_run = self._lock.may_be_lost and self._lock.was_left
+        with self._scheduler.holding():
+            for job in await asyncio.to_thread(self._store.unfinished):
+                if may_still_run and job.state is JobState.RUNNING:
+                    self._scheduler.spawn(self._recover_later(job.id, takeover))
+                else:
+                    await self.take_up(job)
+
+    async def take_up(self, job: Job) -> None:
+        """Queue a job of the table here, or end it; raises as `JobRecorder.write`."""
+        transition: Transition | None = None
+        if job.state is not JobState.QUEUED or self._is_at_its_end(job):
+            transition = await self._recorder.write(partial(self._settle, job))
+        if transition is not None:
+            self._recorder.publish(job.id, [transition.event])
+        if transition is None or not transition.event.is_last:
+            # A job of which nothing but that it is queued has been recorded has none.
+            has_controls = job.num_events > 1
+            controls = await ask(self._controls, job.id) if has_controls else {}
+            self._enqueue(job, controls)
 
     async def _recover_later(self, identifier: str, seconds: float) -> None:
         await asyncio.sleep(seconds)
@@ -69,7 +80,10 @@ class Recovery:
         if transition is not None:
             self._recorder.publish(identifier, [transition.event])
             if not transition.event.is_last:
-                self._enqueue(job, {})
+                self._enqueue(job, await ask(self._controls, identifier))
+
+    def _is_at_its_end(self, job: Job) -> bool:
+        return job.is_cancel_requested or job.queue not in self._scheduler
 
     def _settle(self, job: Job) -> Transition | None:
         """Write what becomes of a job that was left; None if it only has to run."""

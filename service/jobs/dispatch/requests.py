@@ -1,20 +1,20 @@
 """What clients request of jobs: that one runs, that it ends, or that it goes on in another way."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from datetime import datetime
 from functools import partial
 from typing import Any
 
 from planning.errors import Canceled, IllegalTransition
-from service.jobs.dispatch.attempt import CONTROLS, Attempt
+from service.jobs.dispatch.attempt import Attempt
+from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
-from service.jobs.errors import DatabaseTaken
-from service.jobs.job import Job, JobSpec, JobSummary
-from service.jobs.json_text import Encoded, encode
+from service.jobs.errors import DatabaseTaken, QueueFull
+from service.jobs.job import CONTROLS, Job, JobSpec, JobSummary
 from service.jobs.states import JobState
-from service.jobs.store.drafts import draft
+from service.jobs.store.drafts import Draft, draft
 from service.jobs.store.transitions import Transition
 
 # How long an answer waits for the database [s]; what is not written by then is written later.
@@ -27,26 +27,24 @@ class JobSubmission:
     To write a job takes a few milliseconds of the disk's, and many a job takes no more. One that
     may run twice does no harm if it ran for nothing, so it begins at once. Nothing of it is
     recorded before the job itself, and what the table refuses leaves no trace.
+
+    A server that follows another one writes them all the same, and that one runs them.
     """
 
     def __init__(
-        self,
-        recorder: JobRecorder,
-        schedule: Callable[[Job, Mapping[str, Any]], Attempt],
-        unschedule: Callable[[Attempt], None],
-        within: float,
+        self, recorder: JobRecorder, attempts: Attempts, scheduler: Scheduler, within: float
     ) -> None:
         """Put the parts together.
 
         Args:
             recorder: Writes jobs.
-            schedule: Has a job run as soon as there is a worker.
-            unschedule: Takes that back.
+            attempts: Runs them.
+            scheduler: Has the queues.
             within: How long a job may take to be written; what takes longer is refused [s].
         """
         self._recorder = recorder
-        self._schedule = schedule
-        self._unschedule = unschedule
+        self._attempts = attempts
+        self._scheduler = scheduler
         self._within = within
 
     async def submit(self, spec: JobSpec) -> Job:
@@ -60,6 +58,7 @@ class JobSubmission:
         Where the key of the first one was used before, the job that it names is returned alone.
 
         Raises:
+            QueueFull: As many wait as may, on all servers together.
             IdempotencyConflict: Its key was used for another request.
             DatabaseUnavailable: The database does not take it in time; it is not queued.
             DBAPIError: The database refuses it.
@@ -67,13 +66,12 @@ class JobSubmission:
         """
         drafts = [draft(spec) for spec in specs]
         # In time for what may run twice; a run of what may not waits for its start to be written.
-        attempts = [self._schedule(drafted.job, {}) for drafted in drafts]
+        attempts = [self._attempts.schedule(drafted.job, {}) for drafted in drafts]
         try:
             # It is sent to its worker before the thread that writes takes part of the interpreter.
             await asyncio.sleep(0)
             # Not in this thread: while a locked database is waited for, others are to be stopped.
-            insert = partial(self._recorder.store.insert_drafts, drafts)
-            jobs, are_new = await self._recorder.write(insert, within=self._within)
+            jobs, are_new = await self._write(drafts)
         except BaseException:
             self._take_back(attempts)
             raise
@@ -86,22 +84,48 @@ class JobSubmission:
 
     def _take_back(self, attempts: Sequence[Attempt]) -> None:
         for attempt in reversed(attempts):  # what waits does not begin because of what ends
-            self._unschedule(attempt)
+            self._attempts.unschedule(attempt)
+
+    async def pass_on_all(self, specs: Sequence[JobSpec]) -> list[Job]:
+        """Have the server that leads run jobs; returns and raises as `submit_all`."""
+        jobs, _ = await self._write([draft(spec) for spec in specs])
+        return jobs
+
+    async def _write(self, drafts: Sequence[Draft]) -> tuple[list[Job], bool]:
+        name = drafts[0].job.queue
+        own = {drafted.job.id for drafted in drafts}
+        num_starting = self._attempts.num_starting(name, but=own)
+        check = partial(self._check_room, name, len(drafts), num_starting)
+        insert = partial(self._recorder.store.insert_drafts, drafts, check)
+        return await self._recorder.write(insert, within=self._within)
+
+    def _check_room(self, name: str, more: int, num_starting: int, num_queued: int) -> None:
+        """Go on only if so many more may wait in a queue, by the table.
+
+        Raises:
+            QueueFull: It may not.
+        """
+        queue = self._scheduler.queue(name)
+        if num_queued - num_starting + more > queue.max_waiting:
+            retry_after = self._scheduler.retry_after(name)
+            raise QueueFull.of(name, num_queued, queue.max_waiting, retry_after, more)
 
 
 class JobControl:
-    """Cancels and controls the jobs of a dispatcher; an attempt hears of it before the database."""
+    """Cancels and controls jobs; an attempt that is here hears of it before the database.
+
+    The server that runs a job reads in the database what others have requested of it.
+    """
 
     def __init__(
-        self,
-        attempts: MutableMapping[str, Attempt],
-        recorder: JobRecorder,
-        scheduler: Scheduler,
+        self, attempts: Attempts, recorder: JobRecorder, scheduler: Scheduler, within: float
     ) -> None:
-        """Control the attempts that there are, by the ids of their jobs."""
+        """Control the attempts that there are; a write for another server takes so long [s]."""
         self._attempts = attempts
         self._recorder = recorder
         self._scheduler = scheduler
+        self._within = within
+        self._unwritten: dict[str, dict[str, Any]] = {}
 
     async def cancel(self, identifier: str) -> JobSummary:
         """End a job, whatever its state, and return it; again does no harm.
@@ -117,9 +141,8 @@ class JobControl:
         if attempt is None:
             job = await asyncio.to_thread(self._recorder.store.summary, identifier)
             return job if job.state.is_final else await self._write_cancel(identifier, None)
-        attempt.cancel()
+        self._attempts.cancel(attempt)
         at = attempt.cancel_requested_at
-        self._scheduler.queue(attempt.job.queue).remove(identifier)
         job = await self._recorded(identifier, "cancel", lambda: self._write_cancel(identifier, at))
         return job or attempt.snapshot()
 
@@ -130,14 +153,35 @@ class JobControl:
             IllegalTransition: It has ended, or is to end.
         """
         attempt = self._attempts.get(identifier)
+        if attempt is None and self._recorder.store.is_shared:
+            return await self._pass_on(identifier, controls)
         if attempt is None or not attempt.is_open:
             is_ending = attempt is not None and attempt.is_cancel_requested
-            state = "canceling" if is_ending else "at its end"
-            message = f"job {identifier} is {state}: it cannot be steered any more"
-            raise IllegalTransition(message, {"state": state, "event": "steer", "legal": []})
+            raise _not_open(identifier, is_ending=is_ending)
         attempt.control(controls)
-        await self._recorded(identifier, CONTROLS, lambda: self._write_controls(attempt))
+        self._unwritten.setdefault(identifier, {}).update(controls)
+        await self._recorded(identifier, CONTROLS, lambda: self._write_controls(identifier))
         return attempt.snapshot()
+
+    def adopt(self, identifier: str, controls: Mapping[str, Any]) -> None:
+        """Set the controls that the table has for a job that waits or runs here."""
+        attempt = self._attempts.get(identifier)
+        if attempt is not None and attempt.is_open:
+            attempt.control({**controls, **self._unwritten.get(identifier, {})})
+
+    async def _pass_on(self, identifier: str, controls: Mapping[str, Any]) -> Job:
+        """Set controls of a job that another server runs; returns and raises as `control`."""
+        store = self._recorder.store
+        job = await asyncio.to_thread(store.get, identifier)
+        if job.state.is_final or job.is_cancel_requested:
+            raise _not_open(identifier, is_ending=not job.state.is_final)
+        write = partial(store.set_controls, identifier, controls)
+        logged = await self._recorder.write(write, is_durable=False, within=self._within)
+        if not logged:
+            raise _not_open(identifier, is_ending=False)
+        self._recorder.publish(identifier, logged)
+        self.adopt(identifier, logged[-1].data)  # this server may have begun to lead meanwhile
+        return job
 
     async def _recorded[T](
         self, identifier: str, what: str, write: Callable[[], Coroutine[Any, Any, T]]
@@ -159,10 +203,12 @@ class JobControl:
         job, ended = await self._recorder.write(partial(self._cancel_in_store, identifier, at))
         if ended is not None:
             self._recorder.publish(identifier, [ended.event])
-            attempt = self._attempts.get(identifier)
-            if attempt is not None and not attempt.has_begun:
-                del self._attempts[identifier]
-                attempt.concluded.set()
+        attempt = self._attempts.get(identifier)
+        if attempt is not None:
+            if not attempt.is_cancel_requested:  # this server began to lead meanwhile
+                self._attempts.cancel(attempt)
+            if ended is not None:
+                self._attempts.drop(attempt)
         return job
 
     def _cancel_in_store(
@@ -176,7 +222,22 @@ class JobControl:
             ended = store.cancel_queued(identifier, Canceled("canceled on request"))
             return store.request_cancel(identifier), ended
 
-    async def _write_controls(self, attempt: Attempt) -> None:
-        """Record all controls by now: a job that waits is told again after a restart."""
-        controls = [(CONTROLS, Encoded(encode(attempt.controls)))]
-        await self._recorder.append_events(attempt.job.id, controls, may_wait=True)
+    async def _write_controls(self, identifier: str) -> None:
+        """Record controls: a job that waits, or runs again, is told again after a restart."""
+        changes = dict(self._unwritten.get(identifier, {}))
+        if not changes:  # they were written with others
+            return
+        write = partial(self._recorder.store.set_controls, identifier, changes)
+        self._recorder.publish(identifier, await self._recorder.write(write, is_durable=False))
+        unwritten = self._unwritten.get(identifier, {})
+        for name, content in changes.items():
+            if name in unwritten and unwritten[name] == content:
+                del unwritten[name]
+        if not unwritten:
+            self._unwritten.pop(identifier, None)
+
+
+def _not_open(identifier: str, *, is_ending: bool) -> IllegalTransition:
+    state = "canceling" if is_ending else "at its end"
+    message = f"job {identifier} is {state}: it cannot be steered any more"
+    return IllegalTransition(message, {"state": state, "event": "steer", "legal": []})

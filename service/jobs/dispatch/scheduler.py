@@ -2,7 +2,8 @@
 
 import asyncio
 import logging
-from collections.abc import Coroutine, Mapping
+from collections.abc import Coroutine, Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,7 +39,7 @@ class Scheduler:
         self._tasks: set[asyncio.Task[Any]] = set()
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._is_closed = False
-        self._is_paused = False
+        self._is_paused = self._is_held = False
 
     def queue(self, name: str) -> JobQueue:
         """Return a queue."""
@@ -62,8 +63,17 @@ class Scheduler:
     def resume(self) -> None:
         """Give workers to what waits again."""
         self._is_paused = False
-        for queue in self._queues.values():
-            self._assign(queue)
+        self._assign_all()
+
+    @contextmanager
+    def holding(self) -> Generator[None]:
+        """Give workers to nothing meanwhile, so that what comes then is put into its order."""
+        self._is_held = True
+        try:
+            yield
+        finally:
+            self._is_held = False
+            self._assign_all()
 
     async def close(self) -> None:
         """End everything that runs, and all workers."""
@@ -105,15 +115,12 @@ class Scheduler:
         """
         queue = self._queues[name]
         if not queue.has_room(more):
-            asked = "" if more == 1 else f", and {more} more would be too many"
-            message = f"{queue.num_waiting} jobs wait for {name} already{asked}; try again later"
-            evidence = {
-                "queue": name,
-                "queued": queue.num_waiting,
-                "bound": queue.max_waiting,
-                "retry_after": queue.retry_after(_now()),
-            }
-            raise QueueFull(message, evidence)
+            waiting, retry_after = queue.num_waiting, self.retry_after(name)
+            raise QueueFull.of(name, waiting, queue.max_waiting, retry_after, more)
+
+    def retry_after(self, name: str) -> int:
+        """Return when a queue that is full is likely to have room [s]."""
+        return self._queues[name].retry_after(_now())
 
     def next_place(self, name: str) -> Place:
         """Return the place in a queue of what comes now."""
@@ -157,8 +164,12 @@ class Scheduler:
             if queue.pool is pool:
                 self._assign(queue)
 
+    def _assign_all(self) -> None:
+        for queue in self._queues.values():
+            self._assign(queue)
+
     def _assign(self, queue: JobQueue) -> None:
-        if self._is_paused:
+        if self._is_paused or self._is_held:
             return
         loop = asyncio.get_running_loop()
         for worker in queue.pool.take_lost():

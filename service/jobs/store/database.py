@@ -2,7 +2,7 @@
 
 import asyncio
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,7 +31,7 @@ from sqlalchemy.sql.compiler import SQLCompiler
 _BUSY_TIMEOUT_MS = 5_000
 # A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
 _IN_TIME = {"connect_timeout": 5, "tcp_user_timeout": 10_000}
-_LEVEL = "synchronous"
+_LEVEL, _NOTES = "synchronous", "notes"
 _OURS = (DataError, IntegrityError, NotSupportedError, ProgrammingError)
 
 
@@ -98,6 +98,16 @@ def is_in_loop() -> bool:
     return True
 
 
+async def ask[**P, T](question: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+    """Ask a database in a thread; canceled, wait for its end: it has a connection until then."""
+    work = asyncio.ensure_future(asyncio.to_thread(question, *args, **kwargs))
+    try:
+        return await asyncio.shield(work)
+    except asyncio.CancelledError:
+        await asyncio.wait({work})
+        raise
+
+
 def sync_log(engine: Engine) -> None:
     """Wait until the disk has what a database has committed; only SQLite leaves that to us.
 
@@ -135,6 +145,16 @@ def set_durability(connection: Connection, *, is_durable: bool) -> None:
             connection.exec_driver_sql(f"SET LOCAL synchronous_commit = {level}")
         case _:
             pass
+
+
+def begin_notes(connection: Connection) -> None:
+    """Forget what was noted of earlier transactions of a connection."""
+    connection.info[_NOTES] = {}
+
+
+def in_transaction(connection: Connection, name: str) -> dict[str, Any]:
+    """Return the notes of a name about the transaction that a connection is in."""
+    return connection.info.setdefault(_NOTES, {}).setdefault(name, {})
 
 
 class Prepared:

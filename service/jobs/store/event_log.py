@@ -10,6 +10,7 @@ from service.jobs.job import LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
 from service.jobs.store.database import Prepared
+from service.jobs.store.notifications import note_change
 from service.jobs.store.queries import decoded, now
 from service.jobs.store.tables import events, jobs
 
@@ -62,6 +63,7 @@ def append_events(
         for i, ((type_, _), text) in enumerate(zip(new_events, texts, strict=True))
     ]
     _ADD_EVENT.many(connection, rows)
+    note_change(connection, identifier)
     return [
         LoggedEvent(identifier, first + i, type_, decoded(data), at)
         for i, (type_, data) in enumerate(new_events)

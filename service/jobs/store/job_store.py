@@ -4,8 +4,9 @@ Every writing transaction begins with an update or insert, which locks what it c
 is decided on what another has changed meanwhile; the statements are the same on every database.
 """
 
+import secrets
 import threading
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from typing import Any
@@ -20,11 +21,13 @@ from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
 from service.jobs.store.artifact_store import ArtifactStore
-from service.jobs.store.database import Prepared, set_durability, sync_log
+from service.jobs.store.database import Prepared, begin_notes, set_durability, sync_log
 from service.jobs.store.drafts import Draft, draft, insert_job
 from service.jobs.store.event_log import append_events, reserve_events
+from service.jobs.store.notifications import Listener, note_change, notify
 from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
-from service.jobs.store.schema import bring_up_to_date, refuse_newer
+from service.jobs.store.schema import bring_up_to_date, is_up_to_date, refuse_newer
+from service.jobs.store.shared import count_queued, set_controls
 from service.jobs.store.tables import bodies, jobs, makers, owner, summaries
 from service.jobs.store.transitions import Transition, apply_event
 from service.jobs.task import outline_of
@@ -57,6 +60,7 @@ class JobStore(JobQueries):
         on_event: Called with each change of a state in the transaction that records it: what it
             writes is committed with it. From any thread.
         artifacts: That jobs read.
+        sender: What the notifications of its changes begin with.
     """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
@@ -69,6 +73,7 @@ class JobStore(JobQueries):
         super().__init__(engine)
         self.versions = dict(versions or {})
         self.on_event: Callable[[Connection, LoggedEvent], None] | None = None
+        self.sender = secrets.token_hex(4)
         self.artifacts = ArtifactStore(engine)
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
@@ -91,6 +96,19 @@ class JobStore(JobQueries):
             DatabaseTooNew: A newer version has changed it.
         """
         refuse_newer(self._engine)
+
+    def listener(self, on_change: Callable[[Collection[str] | None], None]) -> Listener:
+        """Return what hears of the changes of other servers; see `Listener`."""
+        return Listener(self._engine, self.sender, on_change)
+
+    def is_up_to_date(self) -> bool:
+        """Return whether the database has this version's revision."""
+        return is_up_to_date(self._engine)
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether other servers may work on the database."""
+        return self._engine.dialect.name == "postgresql"
 
     @property
     def may_crash_alone(self) -> bool:
@@ -119,9 +137,11 @@ class JobStore(JobQueries):
             with self._engine.connect() as connection:
                 set_durability(connection, is_durable=is_durable)
                 self._open_transaction = connection
+                begin_notes(connection)
                 try:
                     yield connection
                     self._check_ownership(connection)
+                    notify(connection, self.sender)
                     connection.commit()
                 finally:
                     self._open_transaction = None
@@ -137,14 +157,23 @@ class JobStore(JobQueries):
         [job], is_new = self.insert_drafts([draft(spec)])
         return job, is_new
 
-    def insert_drafts(self, drafts: Sequence[Draft]) -> tuple[list[Job], bool]:
+    def insert_drafts(
+        self, drafts: Sequence[Draft], check: Callable[[int], None] | None = None
+    ) -> tuple[list[Job], bool]:
         """Write jobs that were drafted, all of them or none; only the first may have a key.
 
         Returns the new jobs and True, or the one that the key names and False; raises as `insert`.
+
+        Args:
+            drafts: The jobs, of one queue.
+            check: Called with the number of jobs that wait in it, if servers share the database;
+                it raises if that are too many.
         """
         first, *others = drafts
         with self.transaction(is_durable=True) as connection:
             while (known := find_by_idempotency_key(connection, first.job)) is None:
+                if check is not None and self.is_shared:
+                    check(count_queued(connection, first.job.queue))
                 if (job := insert_job(connection, first)) is not None:
                     more = [insert_job(connection, drafted) for drafted in others]
                     return [job, *(other for other in more if other is not None)], True
@@ -218,6 +247,7 @@ class JobStore(JobQueries):
         with self.transaction(is_durable=True) as connection:
             given = {"job_id": identifier, "requested_at": at.isoformat() if at else now()}
             connection.execute(_CANCEL, given)
+            note_change(connection, identifier)
             return read_job(connection, identifier)
 
     def append_events(
@@ -237,6 +267,11 @@ class JobStore(JobQueries):
         with self.transaction(is_durable=False) as connection:
             first = reserve_events(connection, identifier, new_events, may_wait=may_wait)
             return [] if first is None else append_events(connection, identifier, first, new_events)
+
+    def set_controls(self, identifier: str, changes: Mapping[str, Any]) -> list[LoggedEvent]:
+        """Set controls of a job that waits or runs; return the event, none if it has ended."""
+        with self.transaction(is_durable=False) as connection:
+            return set_controls(connection, identifier, changes)
 
     def flush(self) -> None:
         """Make durable what was committed before this.

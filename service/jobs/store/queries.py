@@ -1,7 +1,8 @@
 """JobQueries: reads the record of jobs; no query waits for what writes."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
@@ -48,6 +49,19 @@ _OF_JOB = select(events).where(events.c.job == bindparam("job_id"))
 _AFTER = _OF_JOB.where(events.c.number > bindparam("after")).order_by(events.c.number)
 _OF_TYPE = _OF_JOB.where(events.c.type == bindparam("of_type"))
 _NEWEST = _OF_TYPE.order_by(events.c.number.desc()).limit(1)
+
+
+_OPEN = [state.value for state in JobState if not state.is_final]
+_MARKS = select(jobs.c.id, jobs.c.state, jobs.c.is_cancel_requested).order_by(jobs.c.sequence)
+
+
+@dataclass(frozen=True)
+class JobMark:
+    """Where a job is, by its table."""
+
+    id: str
+    state: JobState
+    is_cancel_requested: bool
 
 
 class JobQueries:
@@ -122,9 +136,8 @@ class JobQueries:
 
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, oldest first."""
-        states = [state.value for state in JobState if not state.is_final]
         with self._engine.connect() as connection:
-            return _jobs_where(connection, jobs.c.state.in_(states))
+            return _jobs_where(connection, jobs.c.state.in_(_OPEN))
 
     def counts(self) -> dict[tuple[str, str], int]:
         """Return how many jobs there are by queue and state."""
@@ -154,10 +167,21 @@ class JobQueries:
 
     def last_event(self, identifier: str, type_: str) -> LoggedEvent | None:
         """Return the newest event of a type, if there is one."""
-        given = {"job_id": identifier, "of_type": type_}
         with self._engine.connect() as connection:
-            row = connection.execute(_NEWEST, given).first()
-            return None if row is None else LoggedEvent(**columns_of(row))
+            return read_last_event(connection, identifier, type_)
+
+    def marks(self, identifiers: Collection[str] | None = None) -> list[JobMark]:
+        """Return where jobs are; None for all that are queued or running. Unknown ones are none."""
+        wanted = jobs.c.state.in_(_OPEN) if identifiers is None else jobs.c.id.in_(identifiers)
+        with self._engine.connect() as connection:
+            rows = connection.execute(_MARKS.where(wanted))
+            return [JobMark(row.id, JobState(row.state), row.is_cancel_requested) for row in rows]
+
+    def queued(self, identifiers: Collection[str]) -> list[Job]:
+        """Return those of some jobs that are queued, oldest first."""
+        is_queued = jobs.c.state == JobState.QUEUED.value
+        with self._engine.connect() as connection:
+            return _jobs_where(connection, is_queued & jobs.c.id.in_(identifiers))
 
 
 def find_by_idempotency_key(connection: Connection, spec: JobSpec | Job) -> Job | None:
@@ -181,6 +205,13 @@ def read_job(connection: Connection, identifier: str) -> Job:
         UnknownJob: There is none.
     """
     return job_of(_one(connection, _ONE_WHOLE, identifier))
+
+
+def read_last_event(connection: Connection, identifier: str, type_: str) -> LoggedEvent | None:
+    """Return the newest event of a type of a job, if there is one."""
+    given = {"job_id": identifier, "of_type": type_}
+    row = connection.execute(_NEWEST, given).first()
+    return None if row is None else LoggedEvent(**columns_of(row))
 
 
 def now() -> str:

@@ -32,6 +32,11 @@ def refuse_newer(engine: Engine) -> str | None:
     return stored
 
 
+def is_up_to_date(engine: Engine) -> bool:
+    """Return whether a database has the newest revision."""
+    return stored_revision(engine) == NEWEST
+
+
 def bring_up_to_date(engine: Engine) -> None:
     """Bring a database to the newest revision; one that is there is only looked at.
 

@@ -149,3 +149,39 @@ def test_closing_ends_followers_and_leaving_forgets_them():
         assert bus.num_streams == 1  # the one that goes on
 
     asyncio.run(story())
+
+
+@given(
+    writers=st.lists(st.tuples(st.booleans(), st.integers(1, 5)), min_size=1, max_size=30),
+    after=st.integers(0, 8),
+)
+def test_what_another_server_records_is_read_once_followers_are_woken(writers, after):
+    """Some is published here; the rest is in the log only, and this server hears that it is."""
+
+    async def story():
+        log = Log()
+        bus = EventBus(log.read)
+        seen = asyncio.create_task(follow(bus, after))
+        over = asyncio.create_task(bus.until_over("s"))
+        await asyncio.sleep(0)
+        for i, (is_here, count) in enumerate(writers):
+            is_last = i == len(writers) - 1
+            log.add(bus if is_here or is_last else Elsewhere(bus), count, is_last=is_last)
+            for _ in range(i % 4):
+                await asyncio.sleep(0)
+        async with asyncio.timeout(60):
+            assert await seen == list(range(after + 1, len(log.notes) + 1))
+            await over
+        assert bus.num_streams == 0
+
+    asyncio.run(story())
+
+
+class Elsewhere:
+    """Another server, which notifies this one of events."""
+
+    def __init__(self, bus):
+        self._bus = bus
+
+    def publish(self, stream, _):
+        self._bus.wake(stream)

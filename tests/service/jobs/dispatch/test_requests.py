@@ -201,7 +201,8 @@ def test_a_job_is_on_its_way_to_a_worker_before_the_writer_is_asked():
             runs.append(asyncio.create_task(send()))
             return Run()
 
-        await JobSubmission(Recording(), seat, lambda _: None, GUARD).submit(spec("touch"))
+        attempts = SimpleNamespace(schedule=seat, num_starting=lambda *_, **__: 0)
+        await JobSubmission(Recording(), attempts, None, GUARD).submit(spec("touch"))
         assert told == ["sent", "asked to write", "entered"]
 
     asyncio.run(story())
