@@ -119,10 +119,11 @@ def _queues(settings: Settings) -> dict[str, JobQueue]:
         "regions": Share(settings.regions_slots),
     }
     count = sum(share.max_running or 0 for share in shares.values())
-    terms = Terms(settings.niceness, settings.worker_memory)
+    logs = settings.logs
+    terms = Terms(settings.niceness, settings.worker_memory, logs=logs)
     pool = WorkerPool([_worker(settings, terms, is_exclusive=True) for _ in range(count)])
     # Executions go on while something is planned; OMPL and Drake take turns.
-    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"])
+    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"], logs)
     own = [_worker(settings, terms, is_exclusive=False) for _ in range(settings.execution_slots)]
     queues = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
     return {**queues, "execution": _queue(settings, "execution", WorkerPool(own), None)}

@@ -9,6 +9,8 @@ from typing import Literal
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from service.telemetry.logs import LogFormat, LogLevel, LogTerms, usual_format
+
 _GIB = 2**30
 _TEST_HOSTS = {"inline": ("testserver",), "process": ()}
 
@@ -120,6 +122,12 @@ class Settings(BaseSettings):
         gt=0,
         description="How long a canceled plan may time and prove its best path so far [s]",
     )
+    log_format: LogFormat | None = Field(
+        default=None, description="Of a line of the log; null for text on a terminal, else json"
+    )
+    log_level: LogLevel = Field(
+        default="warning", description="What is logged at least; info has a line for each request"
+    )
 
     @property
     def url(self) -> str:
@@ -137,6 +145,11 @@ class Settings(BaseSettings):
         if self.database_url is None:
             return "the data folder"
         return self.database_url.rpartition("@")[2]
+
+    @cached_property
+    def logs(self) -> LogTerms:
+        """How the server and its workers log."""
+        return LogTerms(self.log_format or usual_format(), self.log_level)
 
     @property
     def is_loopback(self) -> bool:

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
 from service.settings import Settings
+from service.telemetry.logs import configure_logs
 from service.workers import start_to_import
 
 EPILOG = (
@@ -29,7 +30,9 @@ def serve(  # noqa: PLR0913  (one parameter per option)
     engine: Annotated[str | None, typer.Option(help="process or inline.")] = None,
     announce: Annotated[Path | None, typer.Option(hidden=True)] = None,
     leashed: Annotated[bool, typer.Option("--leashed", hidden=True)] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", help="Log every request.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Log every request: WAYPROOF_LOG_LEVEL=info.")
+    ] = False,
 ) -> None:
     """Run the service. Settings come from options, else from WAYPROOF_* in the environment."""
     chosen: dict[str, Any] = {
@@ -38,8 +41,10 @@ def serve(  # noqa: PLR0913  (one parameter per option)
         "data_dir": data_dir,
         "plan_slots": plan_slots,
         "engine": engine,
+        "log_level": "info" if verbose else None,
     }
     settings = settings_of({name: item for name, item in chosen.items() if item is not None})
+    configure_logs(settings.logs)
     bound = bind(settings.host, settings.port)
     url = url_of(bound)
     if settings.engine == "process":
@@ -55,10 +60,9 @@ def serve(  # noqa: PLR0913  (one parameter per option)
             announce.write_text(json.dumps({"url": url}), encoding="utf-8")
         typer.echo(f"Wayproof listens on {url}  (documentation: {url}/docs)", err=True)
 
-    level = "info" if verbose else "warning"
     try:
         with bound:
-            run(settings, bound, log_level=level, leashed=leashed, on_listening=tell)
+            run(settings, bound, leashed=leashed, on_listening=tell)
     except CannotStart as fault:
         typer.echo(f"the server does not start: {fault}", err=True)
         raise typer.Exit(1) from fault

@@ -6,38 +6,17 @@ import socket
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any, override
+from typing import override
 
 import uvicorn
-import uvicorn.config
 from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from planning.errors import WayproofError
-from service.api.middleware.request_id import RequestIdFilter
 from service.app import create_app
 from service.cli.connections import Connections, bounded_protocol, most_connections
 from service.settings import Settings
 
-_HANDLERS = uvicorn.config.LOGGING_CONFIG["handlers"]
-_FORMATS = uvicorn.config.LOGGING_CONFIG["formatters"]
-# Uvicorn's, and the service's warnings beside them; records say to which request they belong.
-LOGGING: dict[str, Any] = {
-    **uvicorn.config.LOGGING_CONFIG,
-    "filters": {"request": {"()": RequestIdFilter}},
-    "formatters": {
-        name: {
-            **kind,
-            "fmt": kind["fmt"].replace("%(levelprefix)s ", "%(levelprefix)s %(request)s"),
-        }
-        for name, kind in _FORMATS.items()
-    },
-    "handlers": {name: {**kind, "filters": ["request"]} for name, kind in _HANDLERS.items()},
-    "loggers": {
-        **uvicorn.config.LOGGING_CONFIG["loggers"],
-        "service": {"handlers": ["default"], "level": "WARNING"},
-    },
-}
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
 # What the process ends with when another server has its database.
@@ -52,7 +31,6 @@ def run(
     settings: Settings,
     bound: socket.socket,
     *,
-    log_level: str,
     leashed: bool,
     on_listening: Callable[[], None],
 ) -> None:
@@ -61,7 +39,6 @@ def run(
     Args:
         settings: How the service runs.
         bound: Where it listens.
-        log_level: Of uvicorn.
         leashed: Whether to stop when stdin closes, that is, when what started it is gone.
         on_listening: Called once it takes requests.
 
@@ -77,8 +54,9 @@ def run(
     most = most_connections(settings.max_connections)
     config = uvicorn.Config(
         app,
-        log_level=log_level,
-        log_config=LOGGING,
+        log_level=settings.log_level,
+        log_config=None,  # its records go where all others go
+        access_log=settings.log_level in {"debug", "info"},
         timeout_graceful_shutdown=_GRACE,
         loop="uvloop",
         http=bounded_protocol(Connections(most, settings.header_timeout)),

@@ -32,6 +32,7 @@ from service.jobs.outcome import (
 from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition, ended_job
 from service.jobs.worker.assignment import Assignment, Worker
+from service.telemetry.ids import JOB, bind_ids, bound_ids
 
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
@@ -50,6 +51,7 @@ class Attempt:
         has_begun: Whether it was given a worker.
         concluded: Set once its end is in the table, or another server has the job.
         ended: The job as the table has it, once it has ended in this attempt.
+        ids: Of the job, and of the request that it was made for, for the log.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class Attempt:
         self.has_begun = False
         self.concluded = asyncio.Event()
         self.ended: JobText | None = None
+        self.ids = {**bound_ids(), JOB: job.id}
         self._recorder = recorder
         self._scheduler = scheduler
         self._events = EventBuffer(self._write_events)
@@ -141,7 +144,11 @@ class Attempt:
         return replace(job, state=JobState.RUNNING, started_at=started_at, attempts=attempts)
 
     async def run(self, worker: Worker) -> bool:
-        """Run the job in a worker, which is given back; return whether it is queued again."""
+        """Run the job in a worker, which is given back; return whether it is queued again.
+
+        Called in a task of its own: the ids of the job are bound in it from here on.
+        """
+        bind_ids(self.ids)
         start = asyncio.get_running_loop().create_task(self._write_start())
         start.add_done_callback(self._on_start)
         try:
@@ -211,7 +218,7 @@ class Attempt:
             if self._may_begin:
                 self._worker = worker
                 task = (job.task, job.payload, self._events, job.time_limit, self.controls)
-                outcome = await worker.run(Assignment(*task))
+                outcome = await worker.run(Assignment(*task, ids=self.ids))
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
             _log.exception("the worker failed under %s", job.id)
             outcome = Raised(InternalError(f"the worker failed: {type(fault).__name__}"))

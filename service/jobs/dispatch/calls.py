@@ -14,6 +14,7 @@ from service.jobs.json_steps import STEP, decode
 from service.jobs.json_text import Encoded, decode_parts
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
 from service.jobs.worker.assignment import Assignment, Worker
+from service.telemetry.ids import bound_ids
 
 _ATTEMPTS = 2
 
@@ -146,7 +147,7 @@ class Calls:
     async def _run_in(self, call: Call, worker: Worker) -> _Finished:
         loop = asyncio.get_running_loop()
         began = loop.time()
-        run = Assignment(call.task, call.payload, NullSink(), call.time_limit)
+        run = Assignment(call.task, call.payload, NullSink(), call.time_limit, ids=bound_ids())
         content: Any = None
         try:
             outcome = await worker.run(run)

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Callable, Coroutine, Mapping
+from contextvars import Context
 from dataclasses import dataclass
 from typing import Any
 
@@ -159,7 +160,8 @@ class Scheduler:
         if self._is_closed:
             work.close()
             return
-        self.keep(asyncio.get_running_loop().create_task(work))
+        # What happens to begin it (a request, the end of another job) is no part of it.
+        self.keep(asyncio.get_running_loop().create_task(work, context=Context()))
 
     def keep(self, task: asyncio.Task[Any]) -> None:
         """Hold a task that works in the background; it is canceled when the scheduler closes."""

@@ -1,6 +1,8 @@
 """What runs in a worker's process. Light: the forkserver imports it before any task."""
 
 import gc
+import json
+import logging
 import os
 import socket
 from dataclasses import dataclass
@@ -11,8 +13,11 @@ from service.jobs.worker.memory import limit_own
 from service.jobs.worker.parent_watch import exit_with_parent
 from service.jobs.worker.protocol import Message, MessageKind, MessagePipe, two_parts
 from service.jobs.worker.run_task import TaskEnd, run_task
+from service.telemetry.ids import with_ids
+from service.telemetry.logs import LogTerms, configure_logs
 
 _CRASH_CODE = 70
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -23,11 +28,13 @@ class Terms:
         niceness: How far it lets others go before (nice(2)), 0 to 19.
         memory: What it may use [bytes]; None for all that there is.
         memory_grace: How long a task may take to end by itself once it uses more [s].
+        logs: How it logs; None to leave that as it is.
     """
 
     niceness: int = 0
     memory: int | None = None
     memory_grace: float = 0.0
+    logs: LogTerms | None = None
 
 
 def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Terms) -> None:
@@ -40,12 +47,22 @@ def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Te
         terms: Of the work.
     """
     exit_with_parent(parent)
+    if terms.logs is not None:
+        configure_logs(terms.logs)
     gc.freeze()
     gc.enable()
     os.nice(terms.niceness)
     if terms.memory is not None:
         limit_own(terms.memory)
-    pipe = MessagePipe(end)
+    try:
+        _run_tasks(MessagePipe(end), warm_up)
+    except Exception:
+        # Not left to multiprocessing, which would print it line by line.
+        _log.critical("a worker ends", exc_info=True)
+        os._exit(_CRASH_CODE)
+
+
+def _run_tasks(pipe: MessagePipe, warm_up: str | None) -> None:
     fault = b""
     if warm_up is not None:
         warm_up_end = run_task(warm_up, "{}", WarmUpContext())
@@ -54,8 +71,10 @@ def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Te
     pipe.send(Message(MessageKind.READY, 0, fault))
     while (message := pipe.receive()) is not None:
         if message.kind is MessageKind.TASK:
-            task, payload = message.parts
-            ended = run_task(task, payload, PipeContext(pipe, message.token))
+            head, payload = message.parts
+            task, ids = json.loads(head)
+            with with_ids(ids):
+                ended = run_task(task, payload, PipeContext(pipe, message.token))
             _report(pipe, message.token, ended)
 
 

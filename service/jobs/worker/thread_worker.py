@@ -8,7 +8,7 @@ import asyncio
 import json
 import threading
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from typing import Any
 
 from service.jobs.json_text import Encoded
@@ -17,6 +17,7 @@ from service.jobs.worker.assignment import Assignment, EventSink
 from service.jobs.worker.protocol import MessageKind, load_error
 from service.jobs.worker.run_task import TaskEnd, event_text, run_task
 from service.jobs.worker.termination import Termination
+from service.telemetry.ids import with_ids
 
 # Drake worlds are kept per process and OMPL's random numbers are global to it: one task at a time.
 _ONE_AT_A_TIME = threading.Lock()
@@ -148,10 +149,7 @@ class ThreadWorker:
     ) -> None:
         """Run the task, in the thread."""
         payload = json.dumps(run.payload)
-        if self._is_exclusive:
-            with _ONE_AT_A_TIME:
-                end = run_task(run.task, payload, context)
-        else:
+        with with_ids(run.ids), _ONE_AT_A_TIME if self._is_exclusive else nullcontext():
             end = run_task(run.task, payload, context)
 
         def finish() -> None:
