@@ -7,7 +7,7 @@ takes a tenth of a second to import, so the first line imports it and not the st
 import logging
 import re
 import sys
-from collections.abc import Callable, MutableMapping
+from collections.abc import MutableMapping
 from dataclasses import dataclass
 from typing import Any, Literal, TextIO, override
 
@@ -24,8 +24,10 @@ _ACCESS_FIELDS = ("client", "method", "path", "http", "status")
 # Not of interest: uvicorn's text in colours, and asyncio's name of the task.
 _DROPPED = ("color_message", "positional_args")
 # Controls of a terminal, among them line feeds, are no business of who is logged.
-_CONTROLS = {code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0))}
-_CONTROLS |= {0x0A: "\\n", 0x0D: "\\r", 0x09: "\\t", 0x2028: "\\u2028", 0x2029: "\\u2029"}
+_CONTROLS = {
+    **{code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0))},
+    **{0x0A: "\\n", 0x0D: "\\r", 0x09: "\\t", 0x2028: "\\u2028", 0x2029: "\\u2029"},
+}
 # `scheme://user:secret@`, and whatever is said to be a secret.
 _IN_URL = re.compile(r"(://[^\s:/@\"']*:)[^\s/\"']+(?=@)")
 _NAMED = re.compile(
@@ -113,7 +115,7 @@ def _structured(form: LogFormat) -> logging.Formatter:
         # Without the values of local variables, among which there may be secrets.
         structlog.processors.format_exc_info,
     ]
-    render: Callable[..., str] = structlog.processors.JSONRenderer() if form == "json" else _as_text
+    render: Any = structlog.processors.JSONRenderer() if form == "json" else _as_text
     return structlog.stdlib.ProcessorFormatter(
         foreign_pre_chain=as_they_come,
         processors=[structlog.stdlib.ProcessorFormatter.remove_processors_meta, _in_order, render],

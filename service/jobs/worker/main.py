@@ -56,7 +56,7 @@ def serve(end: socket.socket, parent: Connection, warm_up: str | None, terms: Te
         limit_own(terms.memory)
     try:
         _run_tasks(MessagePipe(end), warm_up)
-    except Exception:
+    except Exception:  # noqa: BLE001  (and no more)
         # Not left to multiprocessing, which would print it line by line.
         _log.critical("a worker ends", exc_info=True)
         os._exit(_CRASH_CODE)

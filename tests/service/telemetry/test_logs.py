@@ -29,9 +29,13 @@ def record(message="it is so", *args, name="service.x", exc_info=None, **more):
     return made
 
 
+def fail(message):
+    raise ValueError(message)
+
+
 def fault(message="bad"):
     try:
-        raise ValueError(message)
+        fail(message)
     except ValueError:
         return sys.exc_info()
 
