@@ -122,6 +122,12 @@ class Settings(BaseSettings):
         gt=0,
         description="How long a canceled plan may time and prove its best path so far [s]",
     )
+    drain_seconds: float = Field(
+        default=5.0,
+        ge=0,
+        description="For plans and regions that run to end before the server does, once it is "
+        "told to [s]; the next server begins anew what does not",
+    )
     log_format: LogFormat | None = Field(
         default=None, description="Of a line of the log; null for text on a terminal, else json"
     )

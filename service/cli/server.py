@@ -1,11 +1,13 @@
 """The server process: uvicorn around the app."""
 
+import asyncio
 import logging
 import os
 import socket
 import sys
 import threading
 from collections.abc import Callable
+from types import FrameType
 from typing import override
 
 import uvicorn
@@ -15,12 +17,16 @@ from sqlalchemy.exc import SQLAlchemyError
 from planning.errors import WayproofError
 from service.app import create_app
 from service.cli.connections import Connections, bounded_protocol, most_connections
+from service.jobs.service import JobService
 from service.settings import Settings
 
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
+# Between looks at whether what runs has ended [s].
+_PERIOD = 0.05
 # What the process ends with when another server has its database.
 TAKEN = 3
+_log = logging.getLogger(__name__)
 
 
 class CannotStart(Exception):
@@ -77,6 +83,7 @@ class _Server(uvicorn.Server):
     ) -> None:
         super().__init__(config)
         self.is_taken = False
+        self._is_hurried = False
         self._app = app
         self._on_listening = on_listening
 
@@ -107,14 +114,44 @@ class _Server(uvicorn.Server):
 
     @override
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        jobs: JobService | None = getattr(self._app.state, "jobs", None)
+        if jobs is not None:
+            await self._drain(jobs)
         self._app.state.is_stopping = True
-        if hasattr(self._app.state, "jobs"):
-            self._app.state.jobs.begin_to_stop()
+        if jobs is not None:
+            jobs.begin_to_stop()
         await super().shutdown(sockets)
+
+    @override
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Begin to stop; at the second signal, wait for no plan.
+
+        Uvicorn's way with a second one leaves robots and records as they are: it is not taken.
+        """
+        if self.should_exit:
+            self._is_hurried = True
+        else:
+            super().handle_exit(sig, frame)
+
+    def stop_now(self) -> None:
+        """Stop, and wait for no plan; may be called in any thread."""
+        self._is_hurried = self.should_exit = True
 
     def give_up(self) -> None:
         """Stop, because another server has the database."""
-        self.is_taken = self.should_exit = True
+        self.is_taken = True
+        self.stop_now()
+
+    async def _drain(self, jobs: JobService) -> None:
+        """Let what runs end by itself for a while; everything but a new job is answered."""
+        seconds, now = self._app.state.settings.drain_seconds, asyncio.get_running_loop().time
+        _log.info("the server is told to end: what runs has %g s to end by itself", seconds)
+        until = now() + seconds
+        drained = asyncio.ensure_future(jobs.drain())
+        while not (drained.done() or self._is_hurried or now() >= until):
+            await asyncio.wait({drained}, timeout=_PERIOD)
+        drained.cancel()
+        await asyncio.gather(drained, return_exceptions=True)
 
     def _is_news(self, _: logging.LogRecord) -> bool:
         """Uvicorn logs the whole traceback of a fault that takes one sentence."""
@@ -135,8 +172,8 @@ class _Server(uvicorn.Server):
                 return None
 
 
-def _stop_with_stdin(server: uvicorn.Server) -> None:
+def _stop_with_stdin(server: _Server) -> None:
     # Not by a buffered reader: an interpreter that ends cannot take its lock, and aborts.
     while os.read(sys.stdin.fileno(), 4096):
         pass
-    server.should_exit = True
+    server.stop_now()  # what started it does not wait for plans

@@ -26,7 +26,11 @@ _DROPPED = ("color_message", "positional_args")
 # Controls of a terminal, among them line feeds, are no business of who is logged.
 _CONTROLS = {
     **{code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0))},
-    **{0x0A: "\\n", 0x0D: "\\r", 0x09: "\\t", 0x2028: "\\u2028", 0x2029: "\\u2029"},
+    0x0A: "\\n",
+    0x0D: "\\r",
+    0x09: "\\t",
+    0x2028: "\\u2028",
+    0x2029: "\\u2029",
 }
 # `scheme://user:secret@`, and whatever is said to be a secret.
 _IN_URL = re.compile(r"(://[^\s:/@\"']*:)[^\s/\"']+(?=@)")

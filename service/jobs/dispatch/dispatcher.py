@@ -7,6 +7,7 @@ from contextlib import aclosing
 from dataclasses import replace
 from typing import Any
 
+from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.calls import Call, CallResult, Calls
 from service.jobs.dispatch.leader import DatabaseTimeouts, DispatcherLock, LockWatch
@@ -15,14 +16,13 @@ from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
+from service.jobs.dispatch.shutdown import STOPPED, Shutdown
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
 from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.store.job_store import JobStore
 from service.jobs.worker.assignment import Worker
 
-# To record the ends of what ran when the server stops [s].
-_WRITING = 5.0
 _log = logging.getLogger(__name__)
 
 
@@ -66,6 +66,7 @@ class Dispatcher:
         self._scheduler = Scheduler(queues)
         self._bus: EventBus[LoggedEvent] = EventBus(self._read_events)
         self._attempts: dict[str, Attempt] = {}
+        self._shutdown = Shutdown(self._attempts, self._scheduler)
         self._calls = Calls(self._scheduler)
         self._waits = JobWaits(self._attempts, self._bus, store)
         self._recorder: JobRecorder
@@ -106,19 +107,22 @@ class Dispatcher:
         What was interrupted is queued again if it may run again; that does not count as an attempt.
         """
         self.begin_to_stop()
-        running = [attempt for attempt in self._attempts.values() if attempt.has_begun]
-        longest = max((attempt.grace for attempt in running), default=0.0) + _WRITING
-        waits = [asyncio.ensure_future(attempt.concluded.wait()) for attempt in running]
-        if waits:
-            _, late = await asyncio.wait(waits, timeout=longest)
-            for wait in late:
-                wait.cancel()
-            if late:
-                _log.error("the ends of %d jobs could not be recorded", len(late))
+        if late := await self._shutdown.concluded():
+            _log.error("the ends of %d jobs could not be recorded", late)
         self._bus.close()
         await self._scheduler.close()
         await self._recorder.close()
         await asyncio.to_thread(self._lock.release)
+
+    @property
+    def is_draining(self) -> bool:
+        """Whether no job may begin any more, because the server is to end."""
+        return self._shutdown.is_draining
+
+    async def drain(self) -> None:
+        """Take and begin no more jobs, and wait for those that run; robots come to rest at once."""
+        self._shutdown.begin_to_drain()
+        await self._shutdown.drained()
 
     def begin_to_stop(self) -> None:
         """Begin nothing more, and tell what runs to end: a robot comes to rest on its path.
@@ -126,11 +130,12 @@ class Dispatcher:
         Every wait for a job is answered at once: what waited would be cut off.
         """
         self._waits.end()
-        self._interrupt_all("the server stopped")
+        self._shutdown.begin_to_drain()
+        self._shutdown.interrupt_all(STOPPED)
 
     def suspend(self) -> None:
         """Begin nothing, and end what runs: the database may be another's by now."""
-        self._interrupt_all("the database was out of reach")
+        self._shutdown.interrupt_all("the database was out of reach")
 
     def resume(self) -> None:
         """Work again after `suspend`."""
@@ -141,7 +146,7 @@ class Dispatcher:
         if not self.is_taken:
             self.is_taken = True
             _log.critical("another server has taken the database over: this one gives up")
-            self._interrupt_all("another server took the database over")
+            self._shutdown.interrupt_all("another server took the database over")
             self._on_taken()
 
     def attempt_of(self, identifier: str) -> Attempt | None:
@@ -161,12 +166,16 @@ class Dispatcher:
 
         Raises:
             QueueFull: Its queue has as many waiting jobs as it may.
+            ServerStopping: The server is to end.
         """
         if spec.key:
             request = (spec.queue, spec.key, spec.request_digest)
             known = await asyncio.to_thread(self._store.find_by_key, *request)
             if known:
                 return known
+        if self.is_draining:
+            message = "the server is about to end and takes no more jobs; ask again when it is back"
+            raise ServerStopping(message)
         self._scheduler.check_room(spec.queue)
         return await self._submission.submit(spec)
 
@@ -238,12 +247,6 @@ class Dispatcher:
         if is_queued_again:
             job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
             self._enqueue(job, attempt.controls, place[0])
-
-    def _interrupt_all(self, reason: str) -> None:
-        self._scheduler.pause()
-        for attempt in self._attempts.values():
-            if attempt.has_begun:
-                attempt.interrupt(reason)
 
     async def _read_events(self, identifier: str, after: int) -> EventBatch[LoggedEvent]:
         return await asyncio.to_thread(self._store.events_after, identifier, after)

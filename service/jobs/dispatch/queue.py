@@ -180,6 +180,7 @@ class JobQueue:
         self.durations = DurationHistory()
         self._max_long = self.max_running - share.reserved
         self._warm_wait = warm_wait
+        self._takes_jobs = True
         self._waiting: list[QueueEntry] = []
         self._running: dict[int, _Run] = {}
         self._orders = itertools.count()
@@ -206,8 +207,18 @@ class JobQueue:
         return next(self._orders)
 
     def add(self, entry: QueueEntry) -> None:
-        """Let an entry wait; one with an earlier order goes before."""
+        """Let an entry wait; one with an earlier order goes before.
+
+        A job that comes after `begin_to_drain` is not taken: another server has it next.
+        """
+        if entry.kind is None and not self._takes_jobs:
+            return
         bisect.insort(self._waiting, entry, key=lambda other: (-other.priority, other.order))
+
+    def begin_to_drain(self) -> None:
+        """Let no job wait any more, only calls."""
+        self._takes_jobs = False
+        self._waiting = [entry for entry in self._waiting if entry.kind is not None]
 
     def remove(self, name: str) -> None:
         """Let an entry wait no longer, if it did."""

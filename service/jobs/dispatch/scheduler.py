@@ -56,6 +56,11 @@ class Scheduler:
                 await worker.open(warm_up)
                 self.spawn(self._await_ready(pool, worker))
 
+    def begin_to_drain(self) -> None:
+        """Give workers to no more jobs; calls get them still."""
+        for queue in self._queues.values():
+            queue.begin_to_drain()
+
     def pause(self) -> None:
         """Give workers to nothing more until `resume`."""
         self._is_paused = True
