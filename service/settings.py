@@ -1,16 +1,27 @@
-"""Settings: what an operator may choose, from arguments or `WAYPROOF_*` in the environment."""
+"""Settings: what an operator may choose: by arguments, `WAYPROOF_*` in the environment, a file."""
 
 import ipaddress
 import os
+import tomllib
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, override
 
 from pydantic import Field
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import (
+    BaseSettings,
+    InitSettingsSource,
+    PydanticBaseSettingsSource,
+    SettingsConfigDict,
+    SettingsError,
+)
 
 from service.telemetry.logs import LogFormat, LogLevel, LogTerms, usual_format
 
+PREFIX = "WAYPROOF_"
+# Names a file of settings.
+CONFIG_FILE = "WAYPROOF_CONFIG_FILE"
 _GIB = 2**30
 _TEST_HOSTS = {"inline": ("testserver",), "process": ()}
 
@@ -37,10 +48,28 @@ def default_worker_memory() -> int:
     return min(8 * _GIB, max(_GIB, machine // 2))
 
 
+def read_config_file(environment: Mapping[str, str]) -> dict[str, Any]:
+    """Return what the file of settings says, by their names; nothing if none is named.
+
+    Raises:
+        SettingsError: It cannot be read, or is not TOML.
+    """
+    named = environment.get(CONFIG_FILE)
+    if not named:
+        return {}
+    try:
+        return tomllib.loads(Path(named).read_text(encoding="utf-8"))
+    except OSError as fault:
+        message = f"{CONFIG_FILE}: cannot read {named}: {fault.strerror or fault}"
+    except ValueError as fault:
+        message = f"{CONFIG_FILE}: {named} is not TOML: {fault}"
+    raise SettingsError(message)
+
+
 class Settings(BaseSettings):
     """How this server runs. Frozen: a running server does not change its mind."""
 
-    model_config = SettingsConfigDict(env_prefix="WAYPROOF_", frozen=True, extra="forbid")
+    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="forbid")
 
     host: str = Field(default="127.0.0.1", description="Address to listen on")
     port: int = Field(default=8470, ge=0, le=65535, description="Port; 0 for a free one")
@@ -51,7 +80,9 @@ class Settings(BaseSettings):
     engine: Literal["process", "inline"] = Field(
         default="process", description="Killable worker processes, or this one (for tests)"
     )
-    plan_slots: int = Field(default_factory=default_plan_slots, ge=1, le=256)
+    plan_slots: int = Field(
+        default_factory=default_plan_slots, ge=1, le=256, description="Plans that may run at once"
+    )
     search_processes: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
         ge=1,
@@ -65,8 +96,12 @@ class Settings(BaseSettings):
         le=64,
         description="Questions that may run at once; one more slot is kept for short ones",
     )
-    regions_slots: int = Field(default=1, ge=1, le=64)
-    execution_slots: int = Field(default=2, ge=1, le=64)
+    regions_slots: int = Field(
+        default=1, ge=1, le=64, description="Growths of regions that may run at once"
+    )
+    execution_slots: int = Field(
+        default=2, ge=1, le=64, description="Executions that may run at once"
+    )
     niceness: int = Field(
         default=10,
         ge=0,
@@ -82,8 +117,8 @@ class Settings(BaseSettings):
     retention_days: float = Field(
         default=30.0,
         ge=0,
-        description="For which plans, regions and executions are kept once they have ended; 0 "
-        "for all time",
+        description="How long plans, regions and executions are kept once they have ended "
+        "[days]; 0 for all time",
     )
     model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")
     allow_model_paths: bool | None = Field(
@@ -109,7 +144,9 @@ class Settings(BaseSettings):
     max_connections: int = Field(
         default=1000, ge=1, description="Open connections; the one that says least makes room"
     )
-    max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
+    max_body_bytes: int = Field(
+        default=32 * 1024 * 1024, ge=1024, description="Longest body of a posted scene [bytes]"
+    )
     max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
     query_timeout: float = Field(
         default=60.0, gt=0, description="For checks, IK and so on, once they run [s]"
@@ -134,6 +171,19 @@ class Settings(BaseSettings):
     log_level: LogLevel = Field(
         default="warning", description="What is logged at least; info has a line for each request"
     )
+
+    @classmethod
+    @override
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        **_: PydanticBaseSettingsSource,
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        """Arguments win over the environment, and that over the file that it names."""
+        in_file = InitSettingsSource(settings_cls, read_config_file(os.environ))
+        return init_settings, env_settings, in_file
 
     @property
     def url(self) -> str:

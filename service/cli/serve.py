@@ -2,6 +2,8 @@
 
 import gc
 import json
+import logging
+import os
 import socket
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,6 +12,12 @@ import typer
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
+from service.cli.variables import (
+    nearest_setting,
+    sentence_of,
+    unknown_variables,
+    variable_of,
+)
 from service.settings import Settings
 from service.telemetry.logs import configure_logs
 from service.workers import start_to_import
@@ -18,6 +26,7 @@ EPILOG = (
     "Settings in the environment (docs/operations.md says what they are): "
     f"{', '.join(f'WAYPROOF_{name.upper()}' for name in Settings.model_fields)}."
 )
+_log = logging.getLogger(__name__)
 _WHERE = "Where records are kept; by default $XDG_STATE_HOME/wayproof or ~/.local/state/wayproof."
 
 
@@ -45,6 +54,8 @@ def serve(  # noqa: PLR0913  (one parameter per option)
     }
     settings = settings_of({name: item for name, item in chosen.items() if item is not None})
     configure_logs(settings.logs)
+    for variable, nearest in unknown_variables(os.environ).items():
+        _log.warning(sentence_of(variable, nearest))
     bound = bind(settings.host, settings.port)
     url = url_of(bound)
     if settings.engine == "process":
@@ -79,7 +90,10 @@ def settings_of(chosen: dict[str, Any]) -> Settings:
     except ValidationError as fault:
         for one in fault.errors():
             name = ".".join(map(str, one["loc"]))
-            typer.echo(f"the setting {name} is wrong: {one['msg']}", err=True)
+            told = f"the setting {name} ({variable_of(str(one['loc'][0]))}) is wrong: {one['msg']}"
+            if one["type"] == "extra_forbidden":
+                told = f"there is no setting {name}; the nearest is {nearest_setting(name)}"
+            typer.echo(told, err=True)
         raise typer.Exit(2) from fault
     except SettingsError as fault:
         typer.echo(f"the settings are wrong: {fault}", err=True)
