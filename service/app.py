@@ -24,6 +24,7 @@ from service.queries import routes as queries
 from service.regions import routes as regions
 from service.scenes import routes as scenes
 from service.settings import Settings
+from service.telemetry.traces import request_telemetry
 from service.trajectories import routes as trajectories
 from service.versions import versions
 
@@ -89,6 +90,7 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        telemetry=request_telemetry(),
     )
     app.state.settings = chosen
     app.state.metrics = metrics

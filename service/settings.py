@@ -165,6 +165,11 @@ class Settings(BaseSettings):
         description="For plans and regions that run to end before the server does, once it is "
         "told to [s]; the next server begins anew what does not",
     )
+    otlp_endpoint: str | None = Field(
+        default=None,
+        description="Collector that gets traces (OTLP over HTTP), such as `http://localhost:4318`; "
+        "null for none. Needs the extra `telemetry`",
+    )
     log_format: LogFormat | None = Field(
         default=None, description="Of a line of the log; null for text on a terminal, else json"
     )
@@ -179,7 +184,8 @@ class Settings(BaseSettings):
         settings_cls: type[BaseSettings],
         init_settings: PydanticBaseSettingsSource,
         env_settings: PydanticBaseSettingsSource,
-        **_: PydanticBaseSettingsSource,
+        *_: PydanticBaseSettingsSource,
+        **__: PydanticBaseSettingsSource,
     ) -> tuple[PydanticBaseSettingsSource, ...]:
         """Arguments win over the environment, and that over the file that it names."""
         in_file = InitSettingsSource(settings_cls, read_config_file(os.environ))

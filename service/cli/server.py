@@ -19,6 +19,8 @@ from service.app import create_app
 from service.cli.connections import Connections, bounded_protocol, most_connections
 from service.jobs.service import JobService
 from service.settings import Settings
+from service.telemetry.traces import TracingUnavailable, start_tracing, stop_tracing
+from service.versions import versions
 
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
@@ -56,6 +58,11 @@ def run(
     def give_up() -> None:
         server.give_up()
 
+    if settings.otlp_endpoint is not None:
+        try:
+            start_tracing(settings.otlp_endpoint, versions()["wayproof"])
+        except TracingUnavailable as fault:
+            raise CannotStart(str(fault)) from fault
     app = create_app(settings, give_up)
     most = most_connections(settings.max_connections)
     config = uvicorn.Config(
@@ -70,7 +77,10 @@ def run(
     server = _Server(config, app, on_listening)
     if leashed:
         threading.Thread(target=_stop_with_stdin, args=(server,), daemon=True).start()
-    server.run(sockets=[bound])
+    try:
+        server.run(sockets=[bound])
+    finally:
+        stop_tracing()
     if server.is_taken:
         raise SystemExit(TAKEN)
 

@@ -9,6 +9,8 @@ from contextvars import ContextVar
 from types import MappingProxyType
 
 REQUEST, JOB = "request_id", "job_id"
+# Names a trace and a span in it (W3C Trace Context).
+TRACE = "traceparent"
 _bound: ContextVar[Mapping[str, str]] = ContextVar("ids", default=MappingProxyType({}))
 
 

@@ -11,7 +11,7 @@ from collections.abc import MutableMapping
 from dataclasses import dataclass
 from typing import Any, Literal, TextIO, override
 
-from service.telemetry.ids import bound_ids
+from service.telemetry.ids import TRACE, bound_ids
 
 type LogFormat = Literal["text", "json"]
 type LogLevel = Literal["debug", "info", "warning", "error"]
@@ -130,7 +130,10 @@ def _structured(form: LogFormat) -> logging.Formatter:
 def _add_origin(_: Any, __: str, event: _Event) -> _Event:
     """Say which process it is, which part of it, and what it is done for."""
     record: logging.LogRecord = event["_record"]
-    return {**event, "logger": record.name, "pid": record.process, **bound_ids()}
+    ids = dict(bound_ids())
+    if TRACE in ids:  # version, trace, span and flags
+        ids["trace_id"] = ids.pop(TRACE).split("-")[1]
+    return {**event, "logger": record.name, "pid": record.process, **ids}
 
 
 def _name_access(_: Any, __: str, event: _Event) -> _Event:

@@ -7,6 +7,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.telemetry.ids import REQUEST, bind_ids, bound_ids
+from service.telemetry.traces import trace_ids
 
 HEADER = "X-Request-ID"
 _SANE = re.compile(r"[A-Za-z0-9._-]{1,64}")
@@ -34,7 +35,7 @@ class RequestId:
         name = given[0] if is_sane else uuid.uuid4().hex
         # Not reset: each request is answered by a task of its own, and what handles unexpected
         # errors and logs the access stands around this middleware.
-        bind_ids({REQUEST: name})
+        bind_ids({REQUEST: name, **trace_ids()})
 
         async def send_named(message: Message) -> None:
             if message["type"] == "http.response.start":

@@ -12,6 +12,7 @@ from typing import Any
 from planning.errors import Canceled, WayproofError
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.spans import run_traced
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.event_buffer import EventBuffer
 from service.jobs.job import Job, JobText, PendingEvent
@@ -218,7 +219,7 @@ class Attempt:
             if self._may_begin:
                 self._worker = worker
                 task = (job.task, job.payload, self._events, job.time_limit, self.controls)
-                outcome = await worker.run(Assignment(*task, ids=self.ids))
+                outcome = await run_traced(worker, Assignment(*task, ids=self.ids))
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
             _log.exception("the worker failed under %s", job.id)
             outcome = Raised(InternalError(f"the worker failed: {type(fault).__name__}"))

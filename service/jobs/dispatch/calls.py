@@ -8,6 +8,7 @@ from typing import Any
 from planning.errors import DeadlineExceeded
 from service.jobs.dispatch.queue import CallKind
 from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.spans import run_traced
 from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode
@@ -150,7 +151,7 @@ class Calls:
         run = Assignment(call.task, call.payload, NullSink(), call.time_limit, ids=bound_ids())
         content: Any = None
         try:
-            outcome = await worker.run(run)
+            outcome = await run_traced(worker, run)
             if isinstance(outcome, Returned):
                 content = await self._content(call, outcome.result)
             return _Finished(outcome, content, loop.time() - began)
