@@ -72,7 +72,7 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken, metrics.note_end) as (jobs, scenes):
+            async with open_services(chosen, on_taken, metrics) as (jobs, scenes):
                 app.state.jobs, app.state.scenes = jobs, scenes
                 has_started = True
                 yield

@@ -12,9 +12,9 @@ from service.api.middleware.client_disconnect import call_for_client
 from service.executions.settlement import settled
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.queue import JobQueue, Share
 from service.jobs.dispatch.worker_pool import WorkerPool
-from service.jobs.job import JobSummary
 from service.jobs.service import CallTerms, JobService
 from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
@@ -41,14 +41,14 @@ _RESERVED = 1
 async def open_services(
     settings: Settings,
     on_taken: Callable[[], None],
-    on_end: Callable[[JobSummary], None] | None = None,
+    observer: Observer | None = None,
 ) -> AsyncGenerator[tuple[JobService, SceneStore]]:
     """Run jobs from here on; what an earlier server left is taken up again.
 
     Args:
         settings: How the service runs.
         on_taken: Called when another server has taken the database over.
-        on_end: Called with each job that ended here.
+        observer: Hears of what the dispatcher does.
 
     Raises:
         DatabaseInUse: Another server works on this database.
@@ -59,7 +59,7 @@ async def open_services(
     store = JobStore(engine, versions())
     queues = _queues(settings)
     lock = DispatcherLock(engine)
-    dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, on_end=on_end)
+    dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, observer=observer)
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.data_dir / "scenes", _library(settings))

@@ -70,7 +70,8 @@ def is_tracing() -> bool:
 def request_telemetry() -> Any:
     """Return what FastAPI is to make of requests, as its `TelemetryConfig`.
 
-    A span of each, in the trace that it names; nothing if no spans are made, whatever the environment says.
+    A span of each, in the trace that it names; nothing where no spans are made, whatever the
+    environment says.
     """
     nothing = {"metrics": False, "logs": False, "operation_spans": False, "auto_configure": False}
     if not _providers:

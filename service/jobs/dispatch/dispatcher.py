@@ -11,6 +11,7 @@ from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.calls import Call, CallResult, Calls
 from service.jobs.dispatch.leader import DatabaseTimeouts, DispatcherLock, LockWatch
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
@@ -44,7 +45,7 @@ class Dispatcher:
         queues: Mapping[str, JobQueue],
         *,
         on_taken: Callable[[], None] = _nothing,
-        on_end: Callable[[JobSummary], None] | None = None,
+        observer: Observer | None = None,
         timeouts: DatabaseTimeouts | None = None,
     ) -> None:
         """Put the parts together; `start` begins.
@@ -54,16 +55,16 @@ class Dispatcher:
             lock: On the database.
             queues: Where jobs wait, by name.
             on_taken: Called once when another server has taken the database over.
-            on_end: Called with each job that ended here.
+            observer: Hears of what gets a worker, and of what has ended here.
             timeouts: How long a database may be out of reach.
         """
         self.is_taken = False
         self._on_taken = on_taken
-        self._on_end = on_end
+        self._observer = observer or Observer()
         self._timeouts = timeouts or DatabaseTimeouts()
         self._store = store
         self._lock = lock
-        self._scheduler = Scheduler(queues)
+        self._scheduler = Scheduler(queues, self._observer)
         self._bus: EventBus[LoggedEvent] = EventBus(self._read_events)
         self._attempts: dict[str, Attempt] = {}
         self._shutdown = Shutdown(self._attempts, self._scheduler)
@@ -242,8 +243,8 @@ class Dispatcher:
         finally:
             self._attempts.pop(attempt.job.id, None)
             attempt.concluded.set()
-        if attempt.ended is not None and self._on_end is not None:
-            self._on_end(attempt.ended.summary)
+        if attempt.ended is not None:
+            self._observer.note_end(attempt.ended.summary)
         if is_queued_again:
             job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
             self._enqueue(job, attempt.controls, place[0])

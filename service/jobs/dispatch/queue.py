@@ -192,6 +192,11 @@ class JobQueue:
         return len(self._waiting)
 
     @property
+    def num_running(self) -> int:
+        """How many workers it uses."""
+        return len(self._running)
+
+    @property
     def is_full(self) -> bool:
         """Whether no more may wait."""
         return len(self._waiting) >= self.max_waiting
@@ -223,6 +228,11 @@ class JobQueue:
     def remove(self, name: str) -> None:
         """Let an entry wait no longer, if it did."""
         self._waiting = [entry for entry in self._waiting if entry.name != name]
+
+    def was_warm(self, worker: Worker) -> bool | None:
+        """Return whether a worker had the world of what runs in it; None if that needs none."""
+        run = self._running[id(worker)]
+        return None if run.entry.world_digest is None else run.was_warm
 
     def end_run(self, worker: Worker, seconds: float | None = None) -> None:
         """Note that a run in a worker has ended, after so long; the pool may have it back."""
