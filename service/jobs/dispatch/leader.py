@@ -6,15 +6,14 @@ still the writer's: a server that has lost the database cannot write, whether or
 """
 
 import asyncio
-import fcntl
 import logging
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Protocol
 
+from filelock import FileLock, Timeout
 from sqlalchemy import Engine, insert, select, text, update
 from sqlalchemy.exc import DBAPIError
 
@@ -122,13 +121,16 @@ class DispatcherLock:
         database = self._engine.url.database
         if not database or database == ":memory:":
             return None
-        file = Path(f"{database}.lock").open("w")  # noqa: SIM115  (held, and closed by release)
+        # Whichever thread releases it. Never a file that stays there when its owner dies, as some
+        # file systems would have it: the kernel's lock ends with the process.
+        lock = FileLock(
+            f"{database}.lock", blocking=False, thread_local=False, fallback_to_soft=False
+        )
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as fault:
-            file.close()
+            lock.acquire()
+        except Timeout as fault:
             raise self._in_use() from fault
-        return file
+        return lock
 
     def _lock_advisory(self, tries: int) -> Any:
         # Outside of a transaction, which would otherwise be open as long as the server runs.
@@ -151,7 +153,9 @@ class DispatcherLock:
         if self.may_be_lost:
             # Its end is the end of the lock, and needs no answer.
             held.invalidate()
-        held.close()
+            held.close()
+        else:
+            held.release()
 
     def _in_use(self) -> DatabaseInUse:
         database = self._engine.url.render_as_string(hide_password=True)
