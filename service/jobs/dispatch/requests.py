@@ -10,7 +10,7 @@ from service.jobs.dispatch.attempt import CONTROLS, Attempt
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.errors import DatabaseTaken
-from service.jobs.job import Job, JobSpec, JobSummary
+from service.jobs.job import Job, JobSpec, JobSummary, JobText
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition, draft
@@ -145,9 +145,12 @@ class JobControl:
         if ended is not None:
             self._recorder.publish(identifier, [ended.event])
             attempt = self._attempts.get(identifier)
-            if attempt is not None and not attempt.has_begun:
-                del self._attempts[identifier]
-                attempt.concluded.set()
+            if attempt is not None:
+                # One that had a worker already concludes later; who waits is answered now.
+                attempt.ended = JobText(job, None)
+                if not attempt.has_begun:
+                    del self._attempts[identifier]
+                    attempt.concluded.set()
         return job
 
     def _cancel_in_store(self, identifier: str) -> tuple[Job, Transition | None]:
