@@ -107,7 +107,8 @@ class UnknownName(InputError):
         folded = {known_name.casefold(): known_name for known_name in reversed(names)}
         nearest = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3)]
         hint = f"did you mean {nearest[0]!r}? " if nearest else ""
-        several = f"{kind[:-1]}ies" if kind.endswith("y") else f"{kind}s"
+        is_body = kind.endswith("y") and not kind.endswith("ey")  # bodies, but keys
+        several = f"{kind[:-1]}ies" if is_body else f"{kind}s"
         return cls(
             f"{kind} {name!r} does not exist; {hint}{several}: {names}",
             {"kind": kind, "name": name, "known": names, "nearest": nearest},

@@ -1,7 +1,8 @@
 """create_app(): the service, put together."""
 
 from collections.abc import AsyncGenerator, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, nullcontext
+from functools import partial
 
 from fastapi import Depends, FastAPI
 
@@ -13,6 +14,7 @@ from service.api.middleware.client_disconnect import DisconnectWatch
 from service.api.middleware.graceful_shutdown import GracefulShutdown
 from service.api.middleware.host_check import HostCheck
 from service.api.middleware.request_id import RequestId
+from service.api.middleware.response_headers import ResponseHeaders
 from service.api.params import require_known_query
 from service.catalog import routes as catalog
 from service.executions import replay
@@ -23,6 +25,12 @@ from service.plans import routes as plans
 from service.queries import routes as queries
 from service.regions import routes as regions
 from service.scenes import routes as scenes
+from service.security.audit import Audit
+from service.security.cross_origin import allow_origins
+from service.security.document import declare_security
+from service.security.guard import Guard
+from service.security.key_ring import open_key_ring
+from service.security.start import require_guarded
 from service.settings import Settings
 from service.telemetry.traces import request_telemetry
 from service.trajectories import routes as trajectories
@@ -72,8 +80,12 @@ def create_app(
         app.state.start_fault = None
         has_started = False
         try:
-            async with open_services(chosen, on_taken, metrics) as (jobs, scenes):
-                app.state.jobs, app.state.scenes = jobs, scenes
+            require_guarded(chosen)
+            async with (
+                open_services(chosen, on_taken, metrics) as (jobs, scenes),
+                open_key_ring(chosen.url) if chosen.auth == "keys" else nullcontext() as keys,
+            ):
+                app.state.jobs, app.state.scenes, app.state.keys = jobs, scenes, keys
                 has_started = True
                 yield
         except Exception as fault:
@@ -98,13 +110,17 @@ def create_app(
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )
+    app.add_middleware(Guard, settings=chosen, ring=lambda: app.state.keys)
+    app.add_middleware(Audit)
+    allow_origins(app, chosen.allowed_origins)
     app.add_middleware(HostCheck, settings=chosen)
     app.state.is_stopping = False
     app.add_middleware(GracefulShutdown, is_stopping=lambda: app.state.is_stopping)
+    app.add_middleware(ResponseHeaders)
     app.add_middleware(MeasureRequests, metrics=metrics)
     app.add_middleware(RequestId)
     problems.install(app)
-    openapi.install(app)
+    openapi.install(app, partial(declare_security, is_asked=chosen.auth == "keys"))
     for part in PARTS:
         app.include_router(part.router, dependencies=[Depends(require_known_query)])
     return app

@@ -1,71 +1,47 @@
-"""backup() and restore(): the records and the files that belong to them, as one archive.
+"""backup() and restore(): the records, which are all in the database, as one compressed file.
 
-What the records name was on the disk when they were copied, or is there since: the files are packed
-before the records, and those that were missing then again after them. Nothing that was used within
-an hour is removed (see `file_cleanup`), so no file is missed while a server works.
+A backup is a copy of a SQLite database, compressed by gzip: `gunzip` makes a database of it that
+any program can open. Databases of PostgreSQL have `pg_dump` for that.
 """
 
 import gzip
 import hashlib
-import json
 import os
-import re
 import shutil
 import sqlite3
-import tarfile
 import tempfile
 import zlib
-from collections.abc import Iterator
-from contextlib import closing, suppress
-from datetime import UTC, datetime
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
 
-from pydantic import BaseModel, ConfigDict
 from sqlalchemy import make_url
 
-from service.errors import BackupInvalid, RecordsExist
+from service.errors import BackupImpossible, BackupInvalid, RecordsExist
 from service.jobs.errors import DatabaseTooNew
 from service.jobs.store.schema import NEWEST
 from service.settings import Settings
-from service.versions import versions
 
-_ARCHIVE, _MANIFEST, _DATABASE = "archive", "manifest.json", "database.sqlite"
-# Copies that jobs which wait will read, and the bytes that scenes were made from. The rest of the
-# data folder is made from these.
-_FOLDERS = ("files/bytes", "scenes", "regions")
-_NAME = re.compile(rf"(?:{'|'.join(_FOLDERS)})/[A-Za-z0-9_-][A-Za-z0-9_.-]*")
-_MAX_MANIFEST, _CHUNK = 256 * 2**20, 2**20
+# The first revision that has everything in the database.
+_WHOLE = "0008"
 
 
-class Manifest(BaseModel):
+@dataclass(frozen=True)
+class Backup:
     """What is in a backup.
 
     Attributes:
-        format: Of the archive.
-        version: Of the program that made it.
-        created_at: When it was begun (UTC).
-        revision: Of the database, as far as it has one.
-        data_dir: The data folder, to which paths in the records lead.
-        sha256: Of every other member, by name.
+        revision: Of the database.
+        num_jobs: Plans, regions and executions.
+        num_artifacts: Documents of scenes, and files that they were made from.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    format: int = 1
-    version: str
-    created_at: datetime
-    revision: str | None
-    data_dir: str
-    sha256: dict[str, str]
-
-    @property
-    def has_records(self) -> bool:
-        """Whether the database is in it; one of PostgreSQL is not."""
-        return _DATABASE in self.sha256
+    revision: str
+    num_jobs: int
+    num_artifacts: int
 
 
-def backup(settings: Settings, target: Path) -> Manifest:
+def backup(settings: Settings, target: Path) -> Backup:
     """Write a backup, while a server works or not.
 
     Args:
@@ -73,185 +49,119 @@ def backup(settings: Settings, target: Path) -> Manifest:
         target: The file to write; it is replaced at the end, whole.
 
     Raises:
+        BackupImpossible: The database is not of SQLite, or an older version has left it.
         OSError: A file cannot be read or written; `FileNotFoundError` if there are no records.
         sqlite3.Error: The database cannot be read.
     """
-    data_dir, database = settings.data_dir.resolve(), database_file(settings)
-    if database is not None and not database.is_file():
+    database = _database_file(settings)
+    if not database.is_file():
         raise FileNotFoundError(2, "there are no records", str(database))
-    began = datetime.now(UTC)
     with tempfile.TemporaryDirectory(dir=target.resolve().parent, prefix=".part") as name:
-        folder, revision = Path(name), None
-        archive = folder / _ARCHIVE
-        with tarfile.open(archive, "w:gz", compresslevel=6) as tar:
-            packed = _Packed(tar)
-            packed.add_files(data_dir)
-            if database is not None:
-                revision = _copy_database(database, folder / _DATABASE)
-                packed.add(folder / _DATABASE, _DATABASE)
-                packed.add_files(data_dir)
-            manifest = Manifest(
-                version=versions()["wayproof"],
-                created_at=began,
-                revision=revision,
-                data_dir=str(data_dir),
-                sha256=packed.sha256,
-            )
-            (folder / _MANIFEST).write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
-            tar.add(folder / _MANIFEST, _MANIFEST)
-        _sync(archive)
-        archive.replace(target)
-    return manifest
+        copy, packed = Path(name) / "copy", Path(name) / "packed"
+        _copy_database(database, copy)
+        found = _look_at(copy)
+        if found is None or found.revision < _WHOLE:
+            message = f"an older version has left {database}, with files beside it: start the "
+            message += "server of this version once, which stores them, and back up then"
+            raise BackupImpossible(message, {"database": str(database)})
+        with copy.open("rb") as plain, gzip.open(packed, "wb", compresslevel=6) as compressed:
+            shutil.copyfileobj(plain, compressed)
+        _sync(packed)
+        packed.replace(target)
+    return found
 
 
-def restore(settings: Settings, source: Path) -> Manifest:
-    """Make a data folder, and a SQLite database, of a backup; all of it is verified before.
+def restore(settings: Settings, source: Path) -> Backup:
+    """Make a SQLite database of a backup; all of it is verified before.
 
     Raises:
+        BackupImpossible: The settings name a database that is not of SQLite.
         BackupInvalid: The file is no backup, or damaged.
         DatabaseTooNew: A newer version has made it.
         OSError: A file cannot be read or written.
         RecordsExist: There are records already.
     """
-    data_dir, database = settings.data_dir.resolve(), database_file(settings)
-    if database is not None and database.exists():
+    database = _database_file(settings)
+    if database.exists():
         raise _records_exist(database)
-    place = data_dir if database is None else database.parent
-    for folder in (data_dir, place):
-        folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=place, prefix=".restored") as name:
-        folder = Path(name)
-        manifest = _unpack(source, folder)
-        for member in manifest.sha256:
-            if member != _DATABASE:
-                _move(folder / member, data_dir / member)
-        if manifest.has_records and database is not None:
-            _lead_to(folder / _DATABASE, manifest.data_dir, str(data_dir))
-            _sync(folder / _DATABASE)
-            try:
-                os.link(folder / _DATABASE, database)  # unlike a rename it replaces nothing
-            except FileExistsError:
-                raise _records_exist(database) from None
-    return manifest
+    database.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=database.parent, prefix=".restored") as name:
+        copy = Path(name) / "copy"
+        found = _unpack(source, copy)
+        _sync(copy)
+        try:
+            os.link(copy, database)  # unlike a rename it replaces nothing
+        except FileExistsError:
+            raise _records_exist(database) from None
+    return found
 
 
-def database_file(settings: Settings) -> Path | None:
-    """Return the file of a SQLite database; None for one of another kind."""
+def _database_file(settings: Settings) -> Path:
+    """Return the file of a SQLite database.
+
+    Raises:
+        BackupImpossible: It is of another kind.
+    """
     url = make_url(settings.url)
     if url.get_backend_name() != "sqlite" or not url.database:
-        return None
+        shown = url.set(drivername=url.get_backend_name()).render_as_string(hide_password=True)
+        message = f"all records are in {shown}: its own tools back it up and restore it, such as "
+        message += "pg_dump --format=custom and pg_restore, while servers work"
+        raise BackupImpossible(message, {"database": shown})
     return Path(url.database).resolve()
 
 
-class _Packed:
-    """What is in an archive that is being written."""
-
-    def __init__(self, tar: tarfile.TarFile) -> None:
-        self.sha256: dict[str, str] = {}
-        self._tar = tar
-
-    def add_files(self, data_dir: Path) -> None:
-        """Add the files of the data folder that are not in it; one that vanishes is not needed."""
-        for folder in _FOLDERS:
-            for file in sorted((data_dir / folder).glob("*")):
-                name = f"{folder}/{file.name}"
-                if name not in self.sha256 and _NAME.fullmatch(name) and file.is_file():
-                    with suppress(FileNotFoundError):
-                        self.add(file, name)
-
-    def add(self, path: Path, name: str) -> None:
-        """Add a file."""
-        with path.open("rb") as file:
-            known = self._tar.gettarinfo(arcname=name, fileobj=file)
-            self.sha256[name] = hashlib.file_digest(file, "sha256").hexdigest()
-            file.seek(0)
-            self._tar.addfile(known, file)
-
-
-def _copy_database(database: Path, copy: Path) -> str | None:
-    """Copy a database that others may write to, and return its revision."""
+def _copy_database(database: Path, copy: Path) -> None:
+    """Copy a database that others may write to."""
     with closing(sqlite3.connect(database)) as source, closing(sqlite3.connect(copy)) as target:
         source.backup(target)
         target.execute("PRAGMA journal_mode=DELETE").close()
-        known = "SELECT count(*) FROM sqlite_master WHERE name = 'alembic_version'"
-        if not target.execute(known).fetchone()[0]:
+
+
+def _look_at(database: Path) -> Backup | None:
+    """Return what is in a database; None if it has no revision."""
+    with closing(sqlite3.connect(database)) as connection:
+        names = {row[0] for row in connection.execute("SELECT name FROM sqlite_master")}
+        if "alembic_version" not in names:
             return None
-        row = target.execute("SELECT version_num FROM alembic_version").fetchone()
-        return None if row is None else str(row[0])
+        (revision,) = connection.execute("SELECT version_num FROM alembic_version").fetchone()
+        counts = [
+            connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0]  # noqa: S608
+            if table in names
+            else 0
+            for table in ("jobs", "artifacts")
+        ]
+    return Backup(str(revision), *counts)
 
 
-def _unpack(source: Path, folder: Path) -> Manifest:
-    """Unpack an archive into an empty folder, and return its manifest once all is verified."""
-    found: dict[str, str] = {}
-    content: bytes | None = None
+def _unpack(source: Path, copy: Path) -> Backup:
+    """Unpack a backup, and return what is in it once all is verified."""
     try:
-        with gzip.open(source) as raw, tarfile.open(fileobj=raw, mode="r:") as tar:
-            for name, file in _members(tar):
-                if name == _MANIFEST:
-                    content = file.read(_MAX_MANIFEST)
-                else:
-                    found[name] = _write(file, folder / name)
-            while raw.read(_CHUNK):  # to the checksum at its end
-                pass
-        manifest = Manifest.model_validate_json(content or b"")
-    except (tarfile.TarError, EOFError, gzip.BadGzipFile, ValueError, zlib.error) as fault:
-        message = f"{source} is no backup, or is damaged"
-        raise BackupInvalid(message, {"file": str(source)}) from fault
-    _verify(manifest, found, source)
-    return manifest
+        with gzip.open(source) as packed, copy.open("wb") as plain:
+            shutil.copyfileobj(packed, plain)
+        found = _look_at(copy)
+        if found is not None and found.revision > NEWEST:
+            raise DatabaseTooNew.of(found.revision, NEWEST)
+        wrong = "" if found is None else _find_damage(copy)
+    except (EOFError, gzip.BadGzipFile, zlib.error, sqlite3.Error, TypeError) as fault:
+        raise _invalid(source) from fault
+    if found is None or wrong:
+        raise _invalid(source, wrong)
+    return found
 
 
-def _members(tar: tarfile.TarFile) -> Iterator[tuple[str, IO[bytes]]]:
-    """Return the members by name.
-
-    Raises:
-        ValueError: One is none that `backup` writes.
-    """
-    for member in tar:
-        is_ours = member.name in {_MANIFEST, _DATABASE} or _NAME.fullmatch(member.name)
-        file = tar.extractfile(member) if member.isreg() and is_ours else None
-        if file is None:
-            raise ValueError(member.name)
-        yield member.name, file
-
-
-def _write(content: IO[bytes], path: Path) -> str:
-    """Write a file that is not there yet, and return its sha256."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("x+b") as file:
-        shutil.copyfileobj(content, file)
-        file.seek(0)
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def _verify(manifest: Manifest, found: dict[str, str], source: Path) -> None:
-    if manifest.format != 1 or (manifest.revision or "") > NEWEST:
-        raise DatabaseTooNew.of(manifest.revision or "unknown", NEWEST)
-    wrong = sorted(dict(manifest.sha256.items() ^ found.items()))
-    named = (name for name in found if name.startswith("files/bytes/"))
-    wrong += [name for name in named if Path(name).name != found[name]]
-    if wrong:
-        message = f"{source} is damaged: {wrong[0]!r} is not what was packed"
-        raise BackupInvalid(message, {"file": str(source), "member": wrong[0]})
-
-
-def _lead_to(database: Path, old: str, new: str) -> None:
-    """Have the paths in records of jobs lead to another data folder."""
-    if old == new:
-        return
-    begins = {"old": json.dumps(old)[:-1] + "/", "new": json.dumps(new)[:-1] + "/"}
-    known = "SELECT name FROM sqlite_master WHERE name IN "
-    known += "('job_bodies', 'job_summaries', 'job_briefs')"
-    with closing(sqlite3.connect(database)) as connection, connection:
-        for (table,) in connection.execute(known).fetchall():
-            moved = f"UPDATE {table} SET payload = replace(payload, :old, :new)"  # noqa: S608
-            connection.execute(f"{moved} WHERE instr(payload, :old)", begins)
-
-
-def _move(path: Path, target: Path) -> None:
-    target.parent.mkdir(parents=True, exist_ok=True)
-    shutil.move(path, target)
-    _sync(target)
+def _find_damage(database: Path) -> str:
+    """Return what is wrong with a database, empty if nothing is."""
+    with closing(sqlite3.connect(database)) as connection:
+        (state,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
+        if state != "ok":
+            return str(state)
+        # What version 0.1 stored as a file is named by the content of its scene.
+        query = "SELECT digest, content FROM artifacts WHERE digest IS NOT world_digest"
+        for digest, content in connection.execute(query):
+            if hashlib.sha256(content).hexdigest() != digest:
+                return f"artifact {digest}"
+    return ""
 
 
 def _sync(path: Path) -> None:
@@ -259,7 +169,11 @@ def _sync(path: Path) -> None:
         os.fsync(file.fileno())
 
 
+def _invalid(source: Path, wrong: str = "") -> BackupInvalid:
+    evidence = {"file": str(source)} | ({"member": wrong} if wrong else {})
+    return BackupInvalid(f"{source} is no backup, or is damaged", evidence)
+
+
 def _records_exist(database: Path) -> RecordsExist:
     message = f"there are records in {database}: restore into an empty data folder"
-    evidence: dict[str, Any] = {"database": str(database)}
-    return RecordsExist(message, evidence)
+    return RecordsExist(message, {"database": str(database)})

@@ -36,6 +36,20 @@ class HostNotAllowed(Refusal):
     status = 400
 
 
+class Unauthorized(Refusal):
+    """The request has no key that is valid; evidence: none."""
+
+    code = "unauthorized"
+    status = 401
+
+
+class ScopeMissing(Refusal):
+    """The key is not good for that; evidence: the scope that is `needed`, and its `scopes`."""
+
+    code = "scope_missing"
+    status = 403
+
+
 class OriginNotAllowed(Refusal):
     """A web page of another origin asks; evidence: `origin`."""
 
@@ -177,11 +191,24 @@ class RequestInvalid(Refusal):
     status = 422
 
 
+class RateLimited(Refusal):
+    """The caller has made too many requests; evidence: `limit`, `retry_after`."""
+
+    code = "rate_limited"
+    status = 429
+
+
 class DiskFull(Refusal):
     """The data folder has no room for what the request needs; evidence: `reason`, `retry_after`."""
 
     code = "disk_full"
     status = 503
+
+
+class BackupImpossible(WayproofError):
+    """The records cannot be backed up, or restored, by this program; evidence: `database`."""
+
+    code = "backup_impossible"
 
 
 class BackupInvalid(WayproofError):
@@ -194,6 +221,18 @@ class RecordsExist(WayproofError):
     """A backup is not restored over records; evidence: `database`."""
 
     code = "records_exist"
+
+
+class KeyExists(WayproofError):
+    """A key of this name is in use; evidence: `name`."""
+
+    code = "key_exists"
+
+
+class Unguarded(WayproofError):
+    """The server would listen beyond this machine, and ask for no keys; evidence: `host`."""
+
+    code = "unguarded"
 
 
 class ServerStopping(Refusal):

@@ -10,6 +10,7 @@ from anyio import to_thread
 
 from service.api.middleware.client_disconnect import call_for_client
 from service.executions.settlement import settled
+from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.observer import Observer
@@ -57,12 +58,12 @@ async def open_services(
     engine = open_engine(settings.url)
     keep_off_loops(engine)
     store = JobStore(engine, versions())
-    queues = _queues(settings)
+    queues = _queues(settings, ArtifactCopies(settings.folder, store.artifacts))
     lock = DispatcherLock(engine)
     dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, observer=observer)
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
-    scenes = SceneStore(engine, settings.data_dir / "scenes", _library(settings))
+    scenes = SceneStore(engine, settings.folder, _library(settings))
     try:
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
@@ -99,7 +100,6 @@ def _library(settings: Settings) -> Library:
     return Library(
         model_roots=[str(root.resolve()) for root in settings.model_roots],
         allow_paths=settings.may_load_paths,
-        copies=str(settings.folder / "files"),
     )
 
 
@@ -107,7 +107,7 @@ def _library(settings: Settings) -> Library:
 _CANCEL_GRACE = {"plan": 0.25, "query": 0.25, "execution": 5.0, "regions": 0.25}
 
 
-def _queues(settings: Settings) -> dict[str, JobQueue]:
+def _queues(settings: Settings, copies: ArtifactCopies) -> dict[str, JobQueue]:
     """Return the queues: executions have workers of their own, all else shares a pool.
 
     A scene that was loaded for one is warm for all of them. Queues of a pool do not wait for each
@@ -119,12 +119,13 @@ def _queues(settings: Settings) -> dict[str, JobQueue]:
         "regions": Share(settings.regions_slots),
     }
     count = sum(share.max_running or 0 for share in shares.values())
-    logs = settings.logs
-    terms = Terms(settings.niceness, settings.worker_memory, logs=logs)
-    pool = WorkerPool([_worker(settings, terms, is_exclusive=True) for _ in range(count)])
+    memory, logs = settings.worker_memory, settings.logs
+    terms = Terms(settings.niceness, memory, is_offline=True, logs=logs)
+    pool = WorkerPool([_worker(settings, terms, copies, is_exclusive=True) for _ in range(count)])
     # Executions go on while something is planned; OMPL and Drake take turns.
-    terms = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"], logs)
-    own = [_worker(settings, terms, is_exclusive=False) for _ in range(settings.execution_slots)]
+    terms = Terms(0, memory, _CANCEL_GRACE["execution"], is_offline=True, logs=logs)
+    slots = range(settings.execution_slots)
+    own = [_worker(settings, terms, copies, is_exclusive=False) for _ in slots]
     queues = {name: _queue(settings, name, pool, share) for name, share in shares.items()}
     return {**queues, "execution": _queue(settings, "execution", WorkerPool(own), None)}
 
@@ -133,7 +134,9 @@ def _queue(settings: Settings, name: str, pool: WorkerPool, share: Share | None)
     return JobQueue(name, pool, settings.max_queued, _CANCEL_GRACE[name], share=share)
 
 
-def _worker(settings: Settings, terms: Terms, *, is_exclusive: bool) -> Worker:
+def _worker(
+    settings: Settings, terms: Terms, copies: ArtifactCopies, *, is_exclusive: bool
+) -> Worker:
     if settings.engine == "inline":
-        return ThreadWorker(is_exclusive=is_exclusive)
-    return ProcessWorker(PRELOAD, terms)
+        return ThreadWorker(copies, is_exclusive=is_exclusive)
+    return ProcessWorker(PRELOAD, terms, copies)

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, override
 
-from pydantic import Field
+from pydantic import Field, field_validator
 from pydantic_settings import (
     BaseSettings,
     InitSettingsSource,
@@ -131,6 +131,16 @@ class Settings(BaseSettings):
         description="Names that requests may know the server by (`Host`), `*.example.org` for all "
         "below one; null for this machine's own names on a loopback address, else for any",
     )
+    auth: Literal["none", "keys", "proxy"] = Field(
+        default="none",
+        description="Whether requests need an API key; none is for loopback only, proxy says that "
+        "nothing but a proxy that authenticates can reach the server",
+    )
+    rate_limit: str = Field(
+        default="",
+        description="How many requests a key, or an address without one, may make: 600/minute; "
+        "nothing for any number",
+    )
     allowed_origins: tuple[str, ...] = Field(
         default=(),
         description="Web pages of other origins that may ask, such as `https://ui.example.org`",
@@ -190,6 +200,19 @@ class Settings(BaseSettings):
         """Arguments win over the environment, and that over the file that it names."""
         in_file = InitSettingsSource(settings_cls, read_config_file(os.environ))
         return init_settings, env_settings, in_file
+
+    @field_validator("rate_limit")
+    @classmethod
+    def _parse_rate_limit(cls, text: str) -> str:
+        from limits import parse  # noqa: PLC0415  (few servers have one)
+
+        try:
+            if text:
+                parse(text)
+        except ValueError as fault:
+            message = f"{text!r} is no limit, such as 600/minute"
+            raise ValueError(message) from fault
+        return text
 
     @property
     def url(self) -> str:

@@ -6,8 +6,8 @@ from contextlib import suppress
 from pathlib import Path
 
 
-def write_atomically(target: Path, text: str) -> None:
-    """Write a text file atomically: readers see the old or the new content, never a part.
+def write_atomically(target: Path, content: str | bytes) -> None:
+    """Write a file atomically: readers see the old or the new content, never a part.
 
     Its folder is created if needed. The file is not synced to disk (see `write_durably`).
 
@@ -17,7 +17,7 @@ def write_atomically(target: Path, text: str) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".part") as temporary_folder:
         temporary_file = Path(temporary_folder) / target.name
-        temporary_file.write_text(text, "utf-8")
+        temporary_file.write_bytes(content.encode() if isinstance(content, str) else content)
         temporary_file.replace(target)
 
 

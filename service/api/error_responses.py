@@ -17,6 +17,7 @@ from starlette.routing import Match
 from planning.errors import WayproofError
 from planning.world.documents.document_faults import Fault, faults_of, message_of
 from service.api.middleware.request_id import HEADER, request_id
+from service.api.middleware.response_headers import guard_headers
 from service.api.strict_route import CarriedRefusal, body_schema
 from service.errors import DiskFull, Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
@@ -181,5 +182,6 @@ def _on_surprise(_: Request, error: Exception) -> ProblemResponse:
     _log.error("unexpected error", exc_info=error)
     kind = type(error).__name__
     content = problem_of("internal_error", 500, f"an unexpected {kind}; see the server's log", {})
-    # Starlette handles these outside of all middleware.
-    return ProblemResponse(content, 500, {HEADER: request_id()})
+    answer = ProblemResponse(content, 500, {HEADER: request_id()})
+    guard_headers(answer.headers)  # Starlette handles these outside of all middleware
+    return answer

@@ -1,5 +1,6 @@
 """The OpenAPI document: FastAPI's, with what FastAPI cannot know."""
 
+from collections.abc import Callable
 from typing import Any
 
 from fastapi import FastAPI
@@ -22,18 +23,23 @@ _TAGS = [
 ]
 
 
-def install(app: FastAPI) -> None:
-    """Make `app` serve the full document."""
+def install(app: FastAPI, add: Callable[[dict[str, Any]], None]) -> None:
+    """Make `app` serve the full document.
+
+    Args:
+        app: What it is of.
+        add: Adds to the document what stands around all routes, which they do not know of.
+    """
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _document(app)
+            app.openapi_schema = _document(app, add)
         return app.openapi_schema
 
     app.openapi = openapi
 
 
-def _document(app: FastAPI) -> dict[str, Any]:
+def _document(app: FastAPI, add: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
     document = get_openapi(
         title=app.title,
         version=app.version,
@@ -49,6 +55,7 @@ def _document(app: FastAPI) -> dict[str, Any]:
             schemas.setdefault(name, part)
         schemas[model.__name__] = schema
     _declare_events(document)
+    add(document)
     inlined: dict[str, Any] = _inlined(document, schemas)
     return inlined
 

@@ -48,7 +48,8 @@ _ASSETS = Path(fastapi_offline.__file__).parent / "static"
 # The page is Swagger UI, whose parts come from this server: browsers ask no other one.
 _POLICY = (
     "default-src 'none'; connect-src 'self'; img-src 'self' data:; font-src 'self' data:; "
-    "script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'"
+    "script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
 _SETTINGS = {
     "validatorUrl": None,

@@ -17,7 +17,8 @@ from service.jobs.json_text import Encoded
 _JSON = "application/json"
 _DESCRIPTIONS = {
     400: "The body or a parameter cannot be read, or the server is not meant by that name",
-    403: "A page of another origin asks",
+    401: "There is no valid key with the request",
+    403: "A page of another origin asks, or the key lacks the scope",
     404: "There is no such resource",
     405: "The resource does not do that",
     408: "The body did not arrive in time",
@@ -26,7 +27,7 @@ _DESCRIPTIONS = {
     413: "The body is too large",
     415: "The body has a content type that is not read here",
     422: "The request has a fault by itself",
-    429: "The queue is full; try again after `Retry-After` seconds",
+    429: "The queue is full, or there are too many requests; try again after `Retry-After` seconds",
     499: "The client closed its connection",
     500: "An unexpected fault of the server",
     503: "The server cannot do that now; try again after `Retry-After` seconds",

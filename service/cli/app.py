@@ -1,4 +1,4 @@
-"""wayproof: serve, plan, demo, config, backup, restore."""
+"""wayproof: serve, plan, demo, config, keys, backup, restore."""
 
 import importlib
 from collections.abc import Iterator, Mapping, MutableMapping
@@ -7,7 +7,7 @@ from typing import Any, cast, override
 import typer
 from typer.core import TyperGroup
 
-_NAMES = ("serve", "plan", "demo", "config", "backup", "restore")
+_NAMES = ("serve", "plan", "demo", "config", "keys", "backup", "restore")
 _OPTIONS = {"add_completion": False, "pretty_exceptions_enable": False}
 
 
@@ -19,6 +19,8 @@ class _Commands(Mapping[str, Any]):
         if name not in _NAMES:
             raise KeyError(name)
         module = importlib.import_module(f"service.cli.{name}")
+        if hasattr(module, "COMMANDS"):  # of its own
+            return typer.main.get_command(module.COMMANDS)
         alone = typer.Typer(**cast("Any", _OPTIONS))
         alone.command(name, epilog=getattr(module, "EPILOG", None))(getattr(module, name))
         return typer.main.get_command(alone)

@@ -1,4 +1,4 @@
-"""wayproof backup: write the records, and the files that belong to them, to one file."""
+"""wayproof backup: write the records to one file."""
 
 import sqlite3
 from pathlib import Path
@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from planning.errors import WayproofError
 from service.backup import backup as write_backup
 from service.cli.serve import settings_of
 
@@ -13,7 +14,7 @@ _WHERE = "The server's data folder; by default as `wayproof serve` has it."
 
 
 def backup(
-    file: Annotated[Path, typer.Argument(help="The file to write (a .tar.gz).")],
+    file: Annotated[Path, typer.Argument(help="The file to write (a .sqlite.gz).")],
     *,
     data_dir: Annotated[Path | None, typer.Option(help=_WHERE)] = None,
 ) -> None:
@@ -21,7 +22,10 @@ def backup(
     chosen: dict[str, Any] = {} if data_dir is None else {"data_dir": data_dir}
     settings = settings_of(chosen)
     try:
-        manifest = write_backup(settings, file)
+        found = write_backup(settings, file)
+    except WayproofError as fault:
+        typer.echo(f"nothing was backed up: {fault.detail}", err=True)
+        raise typer.Exit(1) from fault
     except OSError as fault:
         what = f"{fault.strerror or fault}: {fault.filename or file}"
         typer.echo(f"nothing was backed up: {what}", err=True)
@@ -29,8 +33,5 @@ def backup(
     except sqlite3.Error as fault:
         typer.echo(f"nothing was backed up: the database cannot be read: {fault}", err=True)
         raise typer.Exit(1) from fault
-    typer.echo(f"wrote {file}: {len(manifest.sha256)} files, {file.stat().st_size:,} bytes")
-    if not manifest.has_records:
-        typer.echo(
-            "the records are in PostgreSQL and not in this file: pg_dump backs them up, before this"
-        )
+    what = f"{found.num_jobs:,} jobs, {found.num_artifacts:,} artifacts"
+    typer.echo(f"wrote {file}: {what}, {file.stat().st_size:,} bytes")

@@ -12,7 +12,7 @@ import typer
 from service.cli.serve import settings_of
 from service.cli.variables import sentence_of, unknown_variables, variable_of
 from service.settings import CONFIG_FILE, Settings, read_config_file
-from service.telemetry.logs import masked
+from service.telemetry.masking import masked
 
 EPILOG = (
     "Ends with code 2 if a variable is wrong: its value, or its name. "

@@ -1,6 +1,7 @@
 """A server of one's own: started for one command, on a free loopback port, and stopped after it."""
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -14,6 +15,8 @@ import httpx
 
 from service.client.client import Client
 
+# The API key for a server that asks for one: a private one does not.
+KEY_VARIABLE = "WAYPROOF_API_KEY"
 _START_TIMEOUT = 60.0
 _STOP_TIMEOUT = 15.0
 _POLL_PERIOD = 0.05
@@ -42,12 +45,20 @@ def private_server(data_dir: Path | None = None) -> Generator[Client]:
         command += ["--data-dir", str(data_dir or folder / "state")]
         command += ["--announce", str(announce), "--leashed"]
         with log.open("wb") as out:
-            process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=out, stderr=out)  # noqa: S603  (our own program)
+            process = subprocess.Popen(  # noqa: S603  (our own program)
+                command, stdin=subprocess.PIPE, stdout=out, stderr=out, env=_environment()
+            )
         try:
             with Client(_wait_until_ready(process, announce, log)) as client:
                 yield client
         finally:
             _stop(process)
+
+
+def _environment() -> dict[str, str]:
+    """Return this process's environment, without what guards a server that others reach."""
+    own = {"WAYPROOF_AUTH": "none", "WAYPROOF_RATE_LIMIT": ""}
+    return {name: value for name, value in os.environ.items() if name != KEY_VARIABLE} | own
 
 
 def _wait_until_ready(process: subprocess.Popen[bytes], announce: Path, log: Path) -> str:

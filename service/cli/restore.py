@@ -1,4 +1,4 @@
-"""wayproof restore: make a data folder of what `wayproof backup` wrote."""
+"""wayproof restore: make a database of what `wayproof backup` wrote."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -21,7 +21,7 @@ def restore(
     chosen: dict[str, Any] = {} if data_dir is None else {"data_dir": data_dir}
     settings = settings_of(chosen)
     try:
-        manifest = read_backup(settings, file)
+        found = read_backup(settings, file)
     except WayproofError as fault:
         typer.echo(f"nothing was restored: {fault.detail}", err=True)
         raise typer.Exit(1) from fault
@@ -29,9 +29,5 @@ def restore(
         what = f"{fault.strerror or fault}: {fault.filename or file}"
         typer.echo(f"the backup cannot be restored: {what}", err=True)
         raise typer.Exit(1) from fault
-    typer.echo(
-        f"restored {len(manifest.sha256)} files to {settings.data_dir.resolve()}, as of "
-        f"{manifest.created_at:%Y-%m-%d %H:%M:%S} UTC"
-    )
-    if not manifest.has_records:
-        typer.echo("the records were in PostgreSQL: restore what pg_dump wrote with psql")
+    what = f"{found.num_jobs:,} jobs, {found.num_artifacts:,} artifacts"
+    typer.echo(f"restored {what} to {settings.data_dir.resolve()}")

@@ -1,5 +1,6 @@
 """A session: a server, private or somebody's, and every failure as a message and an exit code."""
 
+import os
 from collections.abc import Generator
 from contextlib import contextmanager
 
@@ -7,7 +8,7 @@ import httpx
 import typer
 
 from service.cli.output import error_console
-from service.cli.private_server import ServerFailed, private_server
+from service.cli.private_server import KEY_VARIABLE, ServerFailed, private_server
 from service.cli.scene_source import NoSuchScene, read_scene_text
 from service.client.client import Client
 from service.client.errors import ApiError
@@ -21,7 +22,7 @@ def session(server: str | None) -> Generator[Client]:
         typer.Exit: With 1, after a message, if the server refuses or cannot be reached.
     """
     try:
-        with private_server() if server is None else Client(server) as client:
+        with private_server() if server is None else _client(server) as client:
             yield client
     except ApiError as refusal:
         error_console.print(f"the server refused: {refusal}", markup=False)
@@ -32,6 +33,11 @@ def session(server: str | None) -> Generator[Client]:
     except ServerFailed as fault:
         error_console.print(str(fault), markup=False)
         raise typer.Exit(1) from fault
+
+
+def _client(server: str) -> Client:
+    # Not an option: what is on a command line, every user of the machine can read.
+    return Client(server, key=os.environ.get(KEY_VARIABLE) or None)
 
 
 def scene_text(scene: str) -> tuple[bytes, str]:

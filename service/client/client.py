@@ -24,13 +24,26 @@ class Client:
     cannot be reached.
     """
 
-    def __init__(self, url: str, *, transport: httpx.BaseTransport | None = None) -> None:
-        """Speak to the server at `url`, for example `http://127.0.0.1:8470`."""
+    def __init__(
+        self,
+        url: str,
+        *,
+        key: str | None = None,
+        transport: httpx.BaseTransport | None = None,
+    ) -> None:
+        """Speak to a server.
+
+        Args:
+            url: Of the server, for example `http://127.0.0.1:8470`.
+            key: API key, if the server asks for one.
+            transport: What carries the requests, None for the network.
+        """
         timeout = httpx.Timeout(_ANSWER_TIMEOUT, connect=_CONNECT_TIMEOUT)
         # Proxies of the environment are for the outside world, not for a server on this machine.
         # To read the certificates of the world takes 20 ms, and plain HTTP has no use for them.
         self._http = httpx.Client(
             base_url=url,
+            headers={} if key is None else {"Authorization": f"Bearer {key}"},
             timeout=timeout,
             transport=transport,
             trust_env=False,

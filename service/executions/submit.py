@@ -47,7 +47,7 @@ async def submit_execution(
         record = await scenes.fresh(plan.request.scene)
         group = find_group(record, plan.request.group)
         check_at_start(group, motion.result.start)
-        loaded = await scenes.work(record)
+        loaded = scenes.work(record)
         await _check_proven(jobs, loaded, plan, motion.polynomial)
         work = ExecutionWork(
             library=loaded.library,

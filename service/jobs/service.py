@@ -9,6 +9,7 @@ from anyio import to_thread
 from pydantic import BaseModel
 
 from service.errors import NotReady, ServerStopping, UnknownResource
+from service.jobs.artifacts import Artifact
 from service.jobs.dispatch.calls import Call, CallResult
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.scheduler import QueueLoad
@@ -112,6 +113,10 @@ class JobService:
             IdempotencyConflict: Its key was used for another request.
         """
         return await self._dispatcher.submit(spec)
+
+    async def keep_artifact(self, artifact: Artifact, world_digest: str) -> str:
+        """Store an artifact for as long as a job or a scene has a content; return its digest."""
+        return await to_thread.run_sync(self._store.artifacts.keep, artifact, world_digest)
 
     async def find_by_key(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.

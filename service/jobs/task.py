@@ -7,7 +7,8 @@ a worker module that `Task.runs` decorates. Jobs are stored with its name: a mod
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import reduce
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
@@ -22,7 +23,14 @@ _NOTHING_LARGE = Outline()
 
 
 class TaskModel(BaseModel):
-    """What a task is given or returns, where no request or answer is its model."""
+    """What a task is given or returns, where no request or answer is its model.
+
+    Attributes:
+        artifact_members: Of what is given, the members that name artifacts which it reads, as
+            dotted names; one that is null names none.
+    """
+
+    artifact_members: ClassVar[tuple[str, ...]] = ()
 
     model_config = ConfigDict(frozen=True)
 
@@ -126,6 +134,18 @@ def outline_of(task: str) -> Outline:
     """Return the outline of what a task is given and gives; nothing is large in one not known."""
     found = _tasks.get(task)
     return _NOTHING_LARGE if found is None else found.outline
+
+
+def artifacts_of(task: str, payload: Mapping[str, Any]) -> list[str]:
+    """Return which artifacts a task reads that is given a payload."""
+    known = _tasks.get(task)
+    members: tuple[str, ...] = getattr(known and known.payload, "artifact_members", ())
+    named = (reduce(_inner, member.split("."), payload) for member in members)
+    return [digest for digest in named if isinstance(digest, str)]
+
+
+def _inner(content: Any, name: str) -> Any:
+    return content.get(name) if isinstance(content, Mapping) else None
 
 
 def _json(content: BaseModel, **selection: Any) -> str:

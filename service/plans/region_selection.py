@@ -1,14 +1,11 @@
 """Which regions a plan is given."""
 
-import os
 from collections.abc import AsyncIterator
-from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 
 from planning.errors import ProblemInvalid
-from planning.parallel.atomic_files import evict_oldest, write_atomically
 from service.errors import NoRegions
+from service.jobs.artifacts import Artifact
 from service.jobs.job import JobSummary
 from service.jobs.json_steps import member_of
 from service.jobs.json_text import Encoded
@@ -22,8 +19,6 @@ from service.scenes.validation import find_group
 
 PLANNER = "GCS"
 _MAX_NAMED = 20
-# Some hundred files; many more than can be waited for at once.
-_MAX_BYTES = 2**29
 
 
 def uses_gcs(search: Search) -> bool:
@@ -37,12 +32,10 @@ class SelectedRegions:
 
     Attributes:
         id: Of their job.
-        digest: Of their content.
         outcome: What the job gave, whole.
     """
 
     id: str
-    digest: str
     outcome: Encoded
 
 
@@ -71,7 +64,7 @@ async def select_regions(
         grown = _grown(job)
         if grown is not None and _fits(grown, record, group, margin):
             outcome = (await jobs.job_text("regions", job.id)).result
-            return SelectedRegions(job.id, grown.digest, outcome or Encoded("{}"))
+            return SelectedRegions(job.id, outcome or Encoded("{}"))
         if len(seen) < _MAX_NAMED:
             seen.append(_describe(job, grown))
     raise NoRegions(
@@ -127,21 +120,7 @@ def _describe(job: JobSummary, grown: RegionsSummary | None) -> dict[str, object
     }
 
 
-def regions_file(folder: Path, regions: SelectedRegions, max_bytes: int = _MAX_BYTES) -> str:
-    """Return the file from which workers read the regions, written if it is not there yet.
-
-    Files that no plan has asked for since many others were are removed: what plans wait for stays.
-
-    Args:
-        folder: Of all such files.
-        regions: That are written.
-        max_bytes: Of all files together.
-    """
-    path = folder / f"{regions.digest}.json"
-    try:
-        os.utime(path)
-    except FileNotFoundError:
-        write_atomically(path, member_of(regions.outcome.text, "result") or "null")
-        with suppress(OSError):
-            evict_oldest(folder, max_bytes)
-    return str(path)
+async def keep_regions(regions: SelectedRegions, record: SceneRecord, jobs: JobService) -> str:
+    """Return the digest of the artifact from which workers read the regions of a scene."""
+    text = member_of(regions.outcome.text, "result") or "null"
+    return await jobs.keep_artifact(Artifact(text.encode()), record.digest)

@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-from anyio import to_thread
-
 from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
@@ -17,7 +15,7 @@ from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
 from service.plans.models.sampling import require_one_sampling
 from service.plans.models.search import Search
-from service.plans.region_selection import SelectedRegions, regions_file, select_regions, uses_gcs
+from service.plans.region_selection import SelectedRegions, keep_regions, select_regions, uses_gcs
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import (
     PLAN,
@@ -68,14 +66,12 @@ async def submit_plan(request: PlanRequest, submission: Submission, scenes: Scen
     require_planner(await known_planners(jobs), request.search)
     require_cars(group, request.search)
     regions = await select_regions(request, record, jobs)
-    folder = settings.folder / "regions"
     work = PlanWork(
-        **dict(await scenes.work(record)),
+        **dict(scenes.work(record)),
         request=_settled(request, record, regions),
         revision=record.revision,
-        roadmaps=str(settings.folder / "roadmaps"),
         cores=_cores(settings),
-        regions=regions and await to_thread.run_sync(regions_file, folder, regions),
+        regions=regions and await keep_regions(regions, record, jobs),
         cancel_grace=settings.best_grace if request.search.on_cancel == "best" else None,
     )
     key = IdempotencyKey(submission.key, request.model_dump(mode="json"))
@@ -83,10 +79,10 @@ async def submit_plan(request: PlanRequest, submission: Submission, scenes: Scen
 
 
 def _cores(settings: Settings) -> Cores | None:
-    """Return through which files plans share the processors; None where tasks run in threads."""
+    """Return how plans share the processors; None where tasks run in threads."""
     if settings.engine == "inline":
         return None
-    return Cores(folder=str(settings.folder / "cores"), count=settings.search_processes)
+    return Cores(count=settings.search_processes)
 
 
 async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, jobs: JobService) -> Job:
@@ -104,7 +100,7 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, jobs: 
     goal = JointGoal(type="joint", positions=first)
     changes = {"revision": record.revision, "start": last, "goal": goal}
     work = ReverseWork(
-        **dict(await scenes.work(record)),
+        **dict(scenes.work(record)),
         request=former.request.model_copy(update=changes),
         revision=record.revision,
         # Reversed twice, a motion has the lines of the first one again.

@@ -33,14 +33,12 @@ class WarmedUp(TaskModel):
 
 
 class Cores(TaskModel):
-    """Through which files the plans of a host share its processors.
+    """How many processors the plans of a host share.
 
     Attributes:
-        folder: Of the lock files.
         count: How many processors there are to share.
     """
 
-    folder: str
     count: int
 
 
@@ -62,13 +60,13 @@ class PlanWork(MotionWork):
     """What a plan is made from.
 
     Attributes:
-        roadmaps: The folder of roadmaps.
         cores: None where attempts are made one after another.
-        regions: The file of the regions that it plans in, if any.
+        regions: sha256 of the artifact that has the regions that it plans in, if any.
         cancel_grace: How long it may go on once it is canceled, if that is not the usual [s].
     """
 
-    roadmaps: str = ""
+    artifact_members = ("scene.document", "regions")
+
     cores: Cores | None = None
     regions: str | None = Field(default=None, exclude_if=_is_none)
     cancel_grace: float | None = Field(default=None, exclude_if=_is_none)

@@ -17,6 +17,7 @@ from planning.parallel.core_leases import CoreLeases
 from planning.parallel.fork_pool import ForkPool
 from service.api.arrays import matrix
 from service.jobs.context import TaskContext
+from service.jobs.host_folder import artifact_path, host_folder
 from service.jobs.worker.progress import ProgressReporter
 from service.plans.models.result import PlanResult
 from service.plans.models.sampling import require_few
@@ -51,8 +52,12 @@ def plan_motion(work: PlanWork, context: TaskContext) -> PlanOutcome:
         deadline = _enforce_deadline(context, report, request.search.allowed_planning_time)
         problem = request.to_domain()
         if work.regions is not None:
-            problem = replace(problem, regions=read_regions(work.regions))
-        roadmaps = None if request.search.roadmap is None else roadmaps_in(work.roadmaps)
+            problem = replace(
+                problem, regions=read_regions(artifact_path(host_folder(), work.regions))
+            )
+        roadmaps = (
+            None if request.search.roadmap is None else roadmaps_in(host_folder() / "roadmaps")
+        )
         with _timed_failures(loaded, report):
             found = plan(
                 problem, world, deadline=deadline, on_progress=report, roadmaps=roadmaps, pool=pool
@@ -100,15 +105,15 @@ def reserve_core(cores: Cores | None) -> Generator[ForkPool | None]:
     if cores is None:
         yield None
         return
-    shared = CoreLeases(Path(cores.folder), cores.count)
+    shared = CoreLeases(host_folder() / "cores", cores.count)
     with shared.lease(1):
         yield ForkPool(shared)
 
 
 @cache
-def roadmaps_in(folder: str) -> RoadmapCache:
-    """Return this process's cache over a folder that all processes of a server share."""
-    return RoadmapCache(folder=Path(folder))
+def roadmaps_in(folder: Path) -> RoadmapCache:
+    """Return this process's cache over a folder that all processes of a host share."""
+    return RoadmapCache(folder=folder)
 
 
 def _enforce_deadline(context: TaskContext, report: ProgressReporter, allowed: float) -> Deadline:

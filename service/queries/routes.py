@@ -32,7 +32,7 @@ async def check(
     """Check configurations: limits, and every pair of bodies that collides, with its depth."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[CheckRequest].about(await scenes.work(record), request)
+    work = QueryWork[CheckRequest].about(scenes.work(record), request)
     return passed_on(await jobs.call_text(CHECK, work, size=len(request.configurations)))
 
 
@@ -47,7 +47,7 @@ async def fk(
     """Compute where frames are in given configurations."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[FkRequest].about(await scenes.work(record), request)
+    work = QueryWork[FkRequest].about(scenes.work(record), request)
     return passed_on(await jobs.call_text(FK, work, size=len(request.configurations)))
 
 
@@ -62,7 +62,7 @@ async def ik(
     """Find all distinct configurations that reach a goal, or say why there is none."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[IkRequest].about(await scenes.work(record), request)
+    work = QueryWork[IkRequest].about(scenes.work(record), request)
     return passed_on(await jobs.call_text(IK, work))
 
 
@@ -77,5 +77,5 @@ async def line(
     """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
     record = await scenes.get(scene, revision)
     check_request(record, request)
-    work = QueryWork[LineRequest].about(await scenes.work(record), request)
+    work = QueryWork[LineRequest].about(scenes.work(record), request)
     return passed_on(await jobs.call_text(LINE, work))

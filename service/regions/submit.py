@@ -30,7 +30,7 @@ async def submit_regions(
     group = check_request(record, request)
     check_eligible(group, own_cars(group), "group")
     validate_one_turn(group.domain_joints, request.bounds)
-    loaded = await scenes.work(record)
+    loaded = scenes.work(record)
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
     )

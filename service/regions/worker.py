@@ -43,7 +43,7 @@ def grow(work: RegionsWork, context: TaskContext) -> RegionsOutcome:
 
 
 @lru_cache(maxsize=8)
-def read_regions(path: str) -> Regions:
-    """Return regions from a file, which is named by their content."""
-    text = Path(path).read_text(encoding="utf-8")
+def read_regions(path: Path) -> Regions:
+    """Return regions from a file, which is named by its content."""
+    text = path.read_text(encoding="utf-8")
     return RegionsResult.model_validate_json(text).to_domain()

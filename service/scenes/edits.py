@@ -56,6 +56,6 @@ async def load_edited(
         UnknownName: An operation names what the scene does not have.
         InputError: An operation cannot be done, or what comes of it does not load.
     """
-    scene = await scenes.work(record)
+    scene = scenes.work(record)
     work = EditWork(library=scene.library, scene=scene.scene, request=request)
     return await jobs.call_loading(EDIT_SCENE, work, size=len(request.operations))

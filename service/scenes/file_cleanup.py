@@ -1,24 +1,27 @@
-"""Sweeper: files that no scene and no job needs any more are removed from the data folder."""
+"""Sweeper: artifacts that no scene and no job needs any more are removed, and their copies."""
 
 import asyncio
-import json
 import logging
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
 
 from anyio import to_thread
-from sqlalchemy import Engine, select
+from sqlalchemy import Connection, Engine, select
 
 from planning.domain.value import digest
-from service.jobs.store.tables import jobs
+from service.jobs.host_folder import files_folder
+from service.jobs.store.artifact_store import ArtifactStore, read_content
+from service.jobs.store.tables import artifacts
+from service.scenes.document_artifact import files_of
 from service.scenes.records import scenes
 
 # What was touched so lately may be of a scene that is being loaded [s].
 GRACE = 3600.0
+# A plan that waits since then may read it yet [s].
+_FORMER_GRACE = 24 * 3600.0
 # Between two sweeps [s].
 _PAUSE = 60.0
 _OWNER = "owner.txt"
@@ -51,61 +54,41 @@ class Sweeper:
             await asyncio.sleep(_PAUSE)
 
     def _sweep(self) -> None:
-        if _is_owner(self._data_dir / "files", self._owner):
+        if _is_owner(files_folder(self._data_dir), self._owner):
             sweep(self._engine, self._data_dir)
         else:
             _log.warning("the files of %s are another database's: not swept", self._data_dir)
 
 
 def sweep(engine: Engine, data_dir: Path, grace: float = GRACE) -> None:
-    """Remove documents, bytes and folders that no scene and no job of a database needs.
+    """Remove artifacts that no scene and no job of a database needs, and what was made of them.
 
     Args:
         engine: Of the records.
-        data_dir: With `scenes` and `files`.
+        data_dir: With the copies of artifacts.
         grace: What was touched so lately stays [s].
     """
-    before = datetime.now(UTC).timestamp() - grace
-    needed = _needed(engine)
-    kept: list[Mapping[str, Any]] = []
-    known: set[str] = set()
-    for document in (data_dir / "scenes").glob("*.json"):
-        if document.stem in needed or not _is_old(document, before):
-            known.add(document.stem)
-            kept += _files_in(document)
-        else:
-            document.unlink(missing_ok=True)
-    # What is half written was left by a server that was killed.
-    _remove(data_dir / "scenes", {f"{name}.json" for name in known}, before)
-    kept += _files_of_rows(engine, known)
-    sha256s = {sha256 for files in kept for sha256 in files["sha256"].values()}
-    folders = {digest(dict(files["sha256"])) for files in kept}
-    _remove((data_dir / "files" / "bytes"), sha256s, before)
-    _remove((data_dir / "files" / "folders"), folders, before)
-
-
-def _needed(engine: Engine) -> set[str]:
-    with engine.connect() as connection:
+    before = datetime.now(UTC) - timedelta(seconds=grace)
+    with engine.begin() as connection:
         of_scenes = connection.execute(select(scenes.c.digest).distinct()).scalars().all()
-        of_jobs = connection.execute(select(jobs.c.world_digest).distinct()).scalars().all()
-    return {found for found in (*of_scenes, *of_jobs) if found is not None}
-
-
-def _files_of_rows(engine: Engine, known: set[str]) -> Iterable[Mapping[str, Any]]:
-    """Return the files of scenes whose documents are not on the disk just now."""
-    query = select(scenes.c.digest, scenes.c.summary["files"])
+        ArtifactStore(engine).sweep(connection, of_scenes, before)
     with engine.connect() as connection:
-        for found, files in connection.execute(query):
-            if found not in known:
-                yield from (files or {}).values()
+        stored = set(connection.execute(select(artifacts.c.digest)).scalars())
+        folders = set(_folders(connection))
+    files = files_folder(data_dir)
+    _remove(files / "bytes", stored, before.timestamp())
+    _remove(files / "folders", folders, before.timestamp())
+    # Documents and regions that version 0.1 kept there; what is needed of them is stored by now.
+    for former in ("scenes", "regions"):
+        _remove(data_dir / former, set(), before.timestamp() - _FORMER_GRACE)
 
 
-def _files_in(document: Path) -> list[Mapping[str, Any]]:
-    try:
-        written = json.loads(document.read_text(encoding="utf-8"))
-        return list(written["files"].values())
-    except (OSError, ValueError, KeyError, AttributeError):
-        return []
+def _folders(connection: Connection) -> Iterator[str]:
+    """Yield the names of the folders that are made of files of stored scenes."""
+    whole = select(artifacts.c.digest).where(artifacts.c.world_digest.is_not(None))
+    for name in connection.execute(whole).scalars().all():
+        for kept in files_of(read_content(connection, name) or b"").values():
+            yield digest(dict(kept["sha256"]))
 
 
 def _remove(folder: Path, needed: set[str], before: float) -> None:

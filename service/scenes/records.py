@@ -30,9 +30,9 @@ scenes = Table(
     Column("id", String(64), nullable=False, index=True),
     Column("revision", Integer, nullable=False),
     Column("digest", String(64), nullable=False),
+    Column("artifact", String(64), nullable=False),
     Column("name", String(256), nullable=False),
     Column("created_at", String(40), nullable=False),
-    Column("document", JSON, nullable=False),
     Column("summary", JSON, nullable=False),
     UniqueConstraint("id", "revision"),
     Index("scenes_by_revision", "revision", "serial"),
@@ -48,6 +48,7 @@ class SceneBrief:
         id: Of the scene.
         revision: From 1.
         digest: sha256 of the content, the bytes of all files included.
+        artifact: sha256 of the artifact that has its document and says what its files are.
         name: For people.
         created_at: When (UTC).
     """
@@ -56,6 +57,7 @@ class SceneBrief:
     id: str
     revision: int
     digest: str
+    artifact: str
     name: str
     created_at: datetime
 

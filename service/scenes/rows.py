@@ -20,14 +20,15 @@ from sqlalchemy import (
 
 from service.errors import UnknownResource
 from service.jobs.json_text import Encoded, encode
+from service.jobs.store.artifact_store import read_content
+from service.scenes.document_artifact import document_of
 from service.scenes.models.scene import SceneSummary
 from service.scenes.records import SceneBrief, SceneRecord, scenes
 from service.scenes.tasks import LoadedScene
 
 # Member of a row's summary: the revision that has what this row leaves out.
 _HELD = "unchecked_in"
-_CONTENT = (scenes.c.document, scenes.c.summary)
-_BRIEF = tuple(column for column in scenes.c if column not in {*_CONTENT})
+_BRIEF = tuple(column for column in scenes.c if column is not scenes.c.summary)
 
 
 def insert_revision(
@@ -35,9 +36,10 @@ def insert_revision(
     identifier: str,
     revision: int,
     loaded: LoadedScene,
+    artifact: str,
     unchecked_in: int | None = None,
 ) -> SceneRecord:
-    """Return the record of a new row."""
+    """Return the record of a new row, whose document is an artifact."""
     # A server that kept no files wrote no member for them.
     summary = loaded.summary.model_dump_json(
         ensure_ascii=True, exclude={"files"} if loaded.summary.files is None else None
@@ -45,19 +47,20 @@ def insert_revision(
     unchecked = f'"unchecked":{loaded.unchecked.text}'
     if unchecked_in is not None:
         unchecked = f'"{_HELD}":{unchecked_in}'
-    texts = {"document": loaded.document.text, "summary": f"{summary[:-1]},{unchecked}}}"}
     created_at = datetime.now(UTC)
     row = {
         "id": identifier,
         "revision": revision,
         "digest": loaded.digest,
+        "artifact": artifact,
+        "summary": _as_json(connection, f"{summary[:-1]},{unchecked}}}"),
         "name": loaded.name,
         "created_at": created_at.isoformat(),
     }
-    written = {name: _as_json(connection, text) for name, text in texts.items()}
-    done = connection.execute(insert(scenes).values(**row, **written).returning(scenes.c.serial))
+    done = connection.execute(insert(scenes).values(**row).returning(scenes.c.serial))
     serial = int(done.scalar_one())
-    brief = SceneBrief(serial, identifier, revision, loaded.digest, loaded.name, created_at)
+    content = loaded.digest, artifact, loaded.name
+    brief = SceneBrief(serial, identifier, revision, *content, created_at)
     return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=unchecked_in)
 
 
@@ -90,17 +93,19 @@ def read_record(connection: Connection, brief: SceneBrief) -> SceneRecord:
     Raises:
         UnknownResource: The scene is gone.
     """
-    document, summary = _texts(connection, brief.id, brief.revision)
-    found: dict[str, Any] = json.loads(summary)
+    content = read_content(connection, brief.artifact)
+    if content is None:  # it goes with the scene, some time after it
+        raise UnknownResource.of("scene", brief.id)
+    found: dict[str, Any] = json.loads(_summary(connection, brief.id, brief.revision))
     unchecked, held = found.pop("unchecked", []), found.pop(_HELD, None)
     if held is not None:
-        unchecked = json.loads(_texts(connection, brief.id, held)[1])["unchecked"]
+        unchecked = json.loads(_summary(connection, brief.id, held))["unchecked"]
     loaded = LoadedScene(
         name=brief.name,
         digest=brief.digest,
         summary=SceneSummary.model_validate(found),
         unchecked=Encoded(encode(unchecked)),
-        document=Encoded(document),
+        document=document_of(content),
     )
     return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=held)
 
@@ -144,18 +149,17 @@ def _as_json(connection: Connection, text: str) -> Any:
     return cast(written, JSON) if connection.dialect.name == "postgresql" else written
 
 
-def _texts(connection: Connection, identifier: str, revision: int) -> tuple[str, str]:
-    """Return the content of a row as text: its document and its summary.
+def _summary(connection: Connection, identifier: str, revision: int) -> str:
+    """Return the summary of a row as text.
 
     Raises:
         UnknownResource: The scene is gone.
     """
-    texts = [cast(column, Text).label(column.name) for column in _CONTENT]
     wanted = (scenes.c.id == identifier) & (scenes.c.revision == revision)
-    row = connection.execute(select(*texts).where(wanted)).first()
-    if row is None:
+    summary = connection.execute(select(cast(scenes.c.summary, Text)).where(wanted)).scalar()
+    if summary is None:
         raise UnknownResource.of("scene", identifier)
-    return row.document, row.summary
+    return summary
 
 
 def _brief(row: Row[Any]) -> SceneBrief:
@@ -164,6 +168,7 @@ def _brief(row: Row[Any]) -> SceneBrief:
         id=row.id,
         revision=row.revision,
         digest=row.digest,
+        artifact=row.artifact,
         name=row.name,
         created_at=datetime.fromisoformat(row.created_at),
     )

@@ -3,22 +3,21 @@
 import asyncio
 import secrets
 from collections.abc import Awaitable, Callable, Generator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
 from anyio import to_thread
 from sqlalchemy import Connection, Engine
-from sqlalchemy.exc import DBAPIError
 
-from planning.parallel.atomic_files import write_durably
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.errors import DatabaseUnavailable
-from service.jobs.json_text import encode
+from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import set_durability
 from service.jobs.store.schema import bring_up_to_date
 from service.scenes import rows
+from service.scenes.document_artifact import artifact_of, part_of
+from service.scenes.former_files import adopt_files
 from service.scenes.record_cache import Latest, RecentScenes
 from service.scenes.records import SceneBrief, SceneRecord
 from service.scenes.tasks import Library, LoadedScene, SceneWork, StoredScene
@@ -28,11 +27,10 @@ _PATIENCE = 5.0
 
 
 class SceneStore:
-    """Scenes in the database; their documents also as files, which is where workers read them.
+    """Scenes in the database; their documents are artifacts, as are the files they were made from.
 
-    The files are a copy, named by content: written before they are needed, and again if lost. They
-    outlive their scene, because plans that were made in it can still be replayed. Databases and
-    disks make one wait, so threads ask them.
+    Artifacts outlive their scene, because plans that were made in it can still be replayed.
+    Databases and disks make one wait, so threads ask them.
 
     Attributes:
         library: From which workers load robots.
@@ -43,19 +41,19 @@ class SceneStore:
     """
 
     def __init__(self, engine: Engine, folder: Path, library: Library) -> None:
-        """Keep records in `engine` and files in `folder`; call `open` before use.
+        """Keep records in `engine`; call `open` before use.
 
         Args:
             engine: Of the database.
-            folder: Of the documents' files.
+            folder: Of this host, where workers leave the files that scenes are made from.
             library: From which workers load robots.
         """
         self.library = library
         self._engine = engine
-        self._folder = folder.resolve()
+        self._artifacts = ArtifactStore(engine)
+        self._folder = folder
         self._writing = asyncio.Lock()
         self._recent = RecentScenes()
-        self._beside = ThreadPoolExecutor(1, "scene-files")
         self.latest = Latest()
         self.settle: Callable[[SceneRecord], Awaitable[tuple[SceneRecord, bool]]] | None = None
         self.on_delete: Callable[[], None] | None = None
@@ -133,16 +131,9 @@ class SceneStore:
         if self.on_delete is not None:
             self.on_delete()
 
-    async def file(self, record: SceneRecord) -> Path:
-        """Return the file of a scene's document, written again if it was lost."""
-        path = self._path(record.digest)
-        if not path.is_file():  # to look is quicker than a thread
-            await to_thread.run_sync(self._write_file, record.loaded)
-        return path
-
-    async def work(self, record: SceneRecord) -> SceneWork:
+    def work(self, record: SceneRecord) -> SceneWork:
         """Return what a task about a scene is given."""
-        scene = StoredScene(digest=record.digest, document=str(await self.file(record)))
+        scene = StoredScene(digest=record.digest, document=record.artifact)
         return SceneWork(library=self.library, scene=scene)
 
     async def _write[**P, T](self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
@@ -163,25 +154,29 @@ class SceneStore:
 
     def _open(self) -> None:
         bring_up_to_date(self._engine)
-        self._folder.mkdir(parents=True, exist_ok=True)
+        with self._durable() as connection:
+            adopt_files(connection, self._artifacts, self._folder)
 
     def _add(self, loaded: LoadedScene) -> SceneRecord:
-        with self._recording(loaded) as connection:
+        with self._durable() as connection:
+            artifact = self._keep_artifact(connection, loaded)
             identifier = f"scn_{secrets.token_hex(8)}"
-            record = rows.insert_revision(connection, identifier, 1, loaded)
+            record = rows.insert_revision(connection, identifier, 1, loaded, artifact)
         self._recent.put(record)
         return record
 
     def _revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
         # One server works on a database, and its writes are one after the other.
-        with self._recording(loaded) as connection:
+        with self._durable() as connection:
+            artifact = self._keep_artifact(connection, loaded)
             latest = rows.latest_revision(connection, base.id)
             if latest is None:
                 raise UnknownResource.of("scene", base.id)
             if latest != base.revision:
                 raise RevisionConflict.of(base.id, base.revision, latest)
             loaded, unchecked_in = self._sharing(base, loaded)
-            record = rows.insert_revision(connection, base.id, latest + 1, loaded, unchecked_in)
+            row = (base.id, latest + 1, loaded, artifact, unchecked_in)
+            record = rows.insert_revision(connection, *row)
         self._recent.put(record)
         return record
 
@@ -215,21 +210,20 @@ class SceneStore:
         held = before.revision if before.unchecked_in is None else before.unchecked_in
         return loaded.model_copy(update={"unchecked": before.loaded.unchecked}), held
 
-    @contextmanager
-    def _recording(self, loaded: LoadedScene) -> Generator[Connection]:
-        """Write a row while another thread writes the file, and commit once it has.
+    def _keep_artifact(self, connection: Connection, loaded: LoadedScene) -> str:
+        """Store the document and its files, as far as they are not stored, and return the digest.
 
         Raises:
-            OSError: The file cannot be written; there is no row then.
+            OSError: A file that the scene was made from cannot be read.
         """
-        file = self._beside.submit(self._write_file, loaded)
-        try:
-            with self._durable() as connection:
-                yield connection
-                file.result()
-        except DBAPIError:
-            file.result()  # a full disk refuses both, and says so better
-            raise
+        artifact = artifact_of(loaded)
+        digest = artifact.digest
+        missing = self._artifacts.refresh(connection, [digest, *artifact.parts])
+        for part in missing - {digest}:
+            self._artifacts.add(connection, part, part_of(self._folder, part), None)
+        if digest in missing:
+            self._artifacts.add(connection, digest, artifact, loaded.digest)
+        return digest
 
     @contextmanager
     def _durable(self) -> Generator[Connection]:
@@ -237,16 +231,3 @@ class SceneStore:
         with self._engine.begin() as connection:
             set_durability(connection, is_durable=True)
             yield connection
-
-    def _path(self, digest: str) -> Path:
-        """Return where the file of a document is, or would be."""
-        return self._folder / f"{digest}.json"
-
-    def _write_file(self, loaded: LoadedScene) -> None:
-        """Write the document and what its files are, whole or not at all."""
-        written = f'{{"document":{loaded.document.text}'
-        files = loaded.summary.files
-        if files is not None:
-            plain = {name: kept.model_dump() for name, kept in files.items()}
-            written += f',"files":{encode(plain)}'
-        write_durably(self._path(loaded.digest), f"{written}}}".encode())

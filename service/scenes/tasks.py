@@ -17,12 +17,10 @@ class Library(TaskModel):
     Attributes:
         model_roots: Folders of robots besides the bundled ones.
         allow_paths: Whether scenes may name files by path.
-        copies: The folder of the copies of files that scenes were made from.
     """
 
     model_roots: list[str]
     allow_paths: bool
-    copies: str
 
 
 class LibraryWork(TaskModel):
@@ -36,7 +34,7 @@ class StoredScene(TaskModel):
 
     Attributes:
         digest: Of its content, the bytes of all files included.
-        document: The path of its JSON.
+        document: sha256 of the artifact that has its document, and says what its files are.
     """
 
     digest: str
@@ -45,6 +43,8 @@ class StoredScene(TaskModel):
 
 class SceneWork(LibraryWork):
     """What a task about a scene is given."""
+
+    artifact_members = ("scene.document",)
 
     scene: StoredScene
 

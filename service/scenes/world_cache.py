@@ -13,6 +13,7 @@ from planning.domain.scene.kept_files import KeptFiles
 from planning.errors import InputError
 from planning.world.documents.scene_document import SceneDocument
 from service.errors import SceneNotKept
+from service.jobs.host_folder import artifact_path, files_folder, host_folder
 from service.scenes.tasks import Library, SceneWork, StoredScene
 
 # A Drake world of an arm and some obstacles takes 5 to 40 MB.
@@ -27,7 +28,7 @@ _lock = threading.Lock()
 def library_of(library: Library) -> ModelLibrary:
     """Return the robots that the server's settings allow."""
     roots = map(Path, library.model_roots)
-    copies = Path(library.copies)
+    copies = files_folder(host_folder())
     return ModelLibrary.bundled(*roots, allow_paths=library.allow_paths, copies=copies)
 
 
@@ -59,11 +60,15 @@ def read_stored(scene: StoredScene) -> tuple[SceneDocument, Mapping[str, KeptFil
     """Return the document of the scene that a task is about, and the files that it was made from.
 
     Raises:
-        SceneNotKept: It was written before scenes kept their files.
+        SceneNotKept: It was written before scenes kept their files, or is lost.
         SceneInvalid: Its files cannot be meant.
     """
-    written = json.loads(Path(scene.document).read_text(encoding="utf-8"))
-    if "files" not in written:
+    try:
+        text = artifact_path(host_folder(), scene.document).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise SceneNotKept.of(scene.digest) from None
+    written = json.loads(text)
+    if written.get("files") is None:
         raise SceneNotKept.of(scene.digest)
     files = {name: KeptFiles.from_json(plain) for name, plain in written["files"].items()}
     return SceneDocument.model_validate(written["document"]), files

@@ -4,14 +4,15 @@ Modules log by the standard library, as uvicorn and asyncio do; structlog makes 
 takes a tenth of a second to import, so the first line imports it and not the start.
 """
 
+import json
 import logging
-import re
 import sys
 from collections.abc import MutableMapping
 from dataclasses import dataclass
 from typing import Any, Literal, TextIO, override
 
 from service.telemetry.ids import TRACE, bound_ids
+from service.telemetry.masking import masked
 
 type LogFormat = Literal["text", "json"]
 type LogLevel = Literal["debug", "info", "warning", "error"]
@@ -19,7 +20,7 @@ type _Event = MutableMapping[str, Any]
 
 # What is ours, or says what was asked of us; libraries are heard from warnings on.
 _OURS = ("service", "planning", "uvicorn")
-_ACCESS = "uvicorn.access"
+_ACCESS, AUDIT = "uvicorn.access", "wayproof.audit"
 _ACCESS_FIELDS = ("client", "method", "path", "http", "status")
 # Not of interest: uvicorn's text in colours, and asyncio's name of the task.
 _DROPPED = ("color_message", "positional_args")
@@ -32,13 +33,6 @@ _CONTROLS = {
     0x2028: "\\u2028",
     0x2029: "\\u2029",
 }
-# `scheme://user:secret@`, and whatever is said to be a secret.
-_IN_URL = re.compile(r"(://[^\s:/@\"']*:)[^\s/\"']+(?=@)")
-_NAMED = re.compile(
-    r"((?:authorization|api[-_]?key|passw(?:or)?d|secret|token|cookie)\\?[\"']?\s*[:=]\s*\\?[\"']?"
-    r"(?:(?:bearer|basic)\s+)?)[^\s\"'\\,;&)}\]]+",
-    re.IGNORECASE,
-)
 
 
 @dataclass(frozen=True)
@@ -68,12 +62,8 @@ def configure_logs(terms: LogTerms) -> None:
     root.setLevel(max(level, logging.WARNING))
     for name in _OURS:
         logging.getLogger(name).setLevel(level)
+    logging.getLogger(AUDIT).setLevel(logging.INFO)  # whatever else is left out
     logging.captureWarnings(capture=True)
-
-
-def masked(line: str) -> str:
-    """Return a line without passwords, tokens and the like."""
-    return _NAMED.sub(r"\1***", _IN_URL.sub(r"\1***", line))
 
 
 class LineFormatter(logging.Formatter):
@@ -137,13 +127,15 @@ def _add_origin(_: Any, __: str, event: _Event) -> _Event:
 
 
 def _name_access(_: Any, __: str, event: _Event) -> _Event:
-    """Name the parts of a line about a request; its query stays out of it."""
+    """Name the parts of a line about a request; its query stays out of it. So with the audit."""
     args = event.get("positional_args")
     if event["logger"] == _ACCESS and isinstance(args, tuple) and len(args) == len(_ACCESS_FIELDS):
         found = dict(zip(_ACCESS_FIELDS, args, strict=True))
         found["path"] = str(found["path"]).partition("?")[0]
         del found["http"]
         event = {**event, "event": "request", **found}
+    elif event["logger"] == AUDIT and str(event["event"]).startswith("{"):
+        event = {**event, "event": "audit", **json.loads(event["event"])}
     return event
 
 

@@ -83,6 +83,6 @@ async def _answer[Request: MotionRequest, Answer: ResponseModel](
     num_points: int,
 ) -> Response:
     """Return the answer of a task to a request in a scene."""
-    scene = await scenes.work(record)
+    scene = scenes.work(record)
     work = task.payload(library=scene.library, scene=scene.scene, request=request)
     return passed_on(await jobs.call_text(task, work, num_points))

@@ -1,25 +1,27 @@
 """What was backed up is restored, in any folder; nothing else is, and not over records."""
 
 import gzip
-import hashlib
-import io
 import json
+import random
 import sqlite3
-import tarfile
 import threading
 from contextlib import closing
+from datetime import UTC, datetime
 
 import pytest
 from typer.testing import CliRunner
 
 from service import backup as module
-from service.backup import BackupInvalid, RecordsExist, backup, restore
+from service.backup import BackupImpossible, BackupInvalid, RecordsExist, backup, restore
 from service.cli.app import app
+from service.jobs.artifacts import Artifact
 from service.jobs.errors import DatabaseTooNew
 from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.schema import NEWEST, stored_revision
+from service.security.keys import KeyStore, find_key
+from service.security.scopes import Scope
 from service.settings import Settings
 from tests.golden.service.__main__ import changes
 from tests.golden.service.answers import ask, client
@@ -40,7 +42,7 @@ def elsewhere(tmp_path):
 @pytest.fixture
 def file(tmp_path):
     (tmp_path / "kept").mkdir()
-    return tmp_path / "kept" / "backup.tar.gz"
+    return tmp_path / "kept" / "backup.sqlite.gz"
 
 
 def store_at(settings):
@@ -51,12 +53,8 @@ def store_at(settings):
 
 
 def keep(settings, content):
-    """Have a file among those that scenes were made from."""
-    name = hashlib.sha256(content).hexdigest()
-    folder = settings.data_dir / "files" / "bytes"
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / name).write_bytes(content)
-    return name
+    """Have an artifact of a scene in the records."""
+    return store_at(settings).artifacts.keep(Artifact(content), "world")
 
 
 def names(folder):
@@ -64,7 +62,7 @@ def names(folder):
 
 
 def rows(settings, query):
-    with closing(sqlite3.connect(module.database_file(settings))) as database:
+    with closing(sqlite3.connect(module._database_file(settings))) as database:
         return database.execute(query).fetchall()
 
 
@@ -72,19 +70,31 @@ def test_a_server_on_what_was_restored_elsewhere_answers_as_before(settings, els
     stored = json.loads(ANSWERS.read_text(encoding="utf-8"))
     given = {name: {"id": identifier} for name, identifier in stored["ids"].items()}
     load(DUMP.read_text(encoding="utf-8"), settings.data_dir)
+    with client(settings.data_dir) as service:
+        settle(service, given)
     backup(settings, file)
     settings.data_dir.rename(settings.data_dir.with_name("gone"))
     restore(elsewhere, file)
     with client(elsewhere.data_dir) as service:
-        settle(service, given)
         assert changes(stored["answers"], read(service, given)) == []
         page = ask(service, get("", "/v1/plans/{done}/replay.html"), given)
         assert page.status_code == 200, page.text
     assert not settings.data_dir.exists()
-    old = json.dumps(str(settings.data_dir))[1:-1]
-    for table in ("job_bodies", "job_summaries"):
-        query = f"SELECT count(*) FROM {table} WHERE instr(payload, '{old}/')"
-        assert rows(elsewhere, query) == [(0,)]
+
+
+def test_keys_are_restored_as_they_were_and_no_secret_is_in_the_file(settings, elsewhere, file):
+    store_at(settings)
+    keys, now = KeyStore(open_engine(settings.url)), datetime.now(UTC)
+    good, gone = (keys.create(name, [Scope.PLAN], now) for name in ("good", "gone"))
+    keys.revoke("gone", now)
+    backup(settings, file)
+    keys.revoke("good", now)
+    restore(elsewhere, file)
+    found = {key.id: key for key in KeyStore(open_engine(elsewhere.url)).all()}
+    assert find_key(good.text, found) == good.key
+    assert good.key.is_valid(now)
+    assert not found[gone.key.id].is_valid(now)
+    assert good.text[16:].encode() not in gzip.decompress(file.read_bytes())
 
 
 def test_it_is_whole_while_jobs_are_written(settings, tmp_path, file):
@@ -119,44 +129,11 @@ def test_it_is_whole_while_jobs_are_written(settings, tmp_path, file):
     assert counts[-1] > 0
 
 
-def test_files_that_come_and_go_meanwhile(settings, elsewhere, file, monkeypatch):
-    store_at(settings)
-    gone, stays = keep(settings, b"gone"), keep(settings, b"stays")
-    copy_database = module._copy_database
-    came = []
-
-    def copy(*paths):
-        (settings.data_dir / "files" / "bytes" / gone).unlink()
-        came.append(keep(settings, b"came"))
-        return copy_database(*paths)
-
-    monkeypatch.setattr(module, "_copy_database", copy)
-    (settings.data_dir / "scenes").mkdir()
-    (settings.data_dir / "scenes" / "abc.json").write_text("{}")
-    (settings.data_dir / "scenes" / ".part-1").write_text("half")
-    (settings.data_dir / "files" / "folders" / "x").mkdir(parents=True)
-    backup(settings, file)
-    restore(elsewhere, file)
-    kept = elsewhere.data_dir / "files" / "bytes"
-    assert {path.name for path in kept.iterdir()} == {gone, stays, *came}
-    assert (kept / came[0]).read_bytes() == b"came"
-    assert names(elsewhere.data_dir / "scenes") == ["abc.json"]
-    assert names(elsewhere.data_dir) == ["files", "scenes", "wayproof.sqlite"]
-    assert names(file.parent) == [file.name]
-
-
-def test_a_file_that_vanishes_as_it_is_packed_is_left_out(settings, file, monkeypatch):
-    store_at(settings)
-    gone = keep(settings, b"gone")
-    add = module._Packed.add
-
-    def vanish(self, path, name):
-        if path.name == gone:
-            path.unlink()
-        add(self, path, name)
-
-    monkeypatch.setattr(module._Packed, "add", vanish)
-    assert set(backup(settings, file).sha256) == {"database.sqlite"}
+def test_what_an_older_version_left_is_not_backed_up_without_its_files(settings, file):
+    load(DUMP.read_text(encoding="utf-8"), settings.data_dir)
+    with pytest.raises(BackupImpossible, match="start the server of this version once"):
+        backup(settings, file)
+    assert not file.exists()
 
 
 def test_records_are_not_replaced(settings, file):
@@ -193,8 +170,7 @@ def assert_refused(settings, file, kind=BackupInvalid):
 
 @pytest.mark.parametrize("place", [0, 0.1, 0.5, 0.9, 0.999])
 def test_what_is_damaged_is_refused_whole(settings, elsewhere, file, place):
-    store_at(settings)
-    keep(settings, b"some" * 1000)
+    keep(settings, random.Random(1).randbytes(4000))
     backup(settings, file)
     content = bytearray(file.read_bytes())
     at = int(place * len(content))
@@ -205,58 +181,36 @@ def test_what_is_damaged_is_refused_whole(settings, elsewhere, file, place):
     assert_refused(elsewhere, file)
 
 
-def repacked(file, change):
-    """Pack a backup again, with its members (name to bytes) changed."""
-    with tarfile.open(file) as tar:
-        members = {name: tar.extractfile(name).read() for name in tar.getnames()}
-    change(members)
-    with tarfile.open(file, "w:gz") as tar:
-        for name, content in members.items():
-            known = tarfile.TarInfo(name)
-            known.size = len(content)
-            tar.addfile(known, io.BytesIO(content))
+def repacked(file, *statements):
+    """Change the database in a backup."""
+    plain = file.with_suffix(".plain")
+    plain.write_bytes(gzip.decompress(file.read_bytes()))
+    with closing(sqlite3.connect(plain)) as database:
+        for statement in statements:
+            database.execute(statement)
+        database.commit()
+    file.write_bytes(gzip.compress(plain.read_bytes()))
+    plain.unlink()
+
+
+def test_artifacts_are_what_they_are_named_for(settings, elsewhere, file):
+    name = keep(settings, b"some")
+    backup(settings, file)
+    repacked(file, "UPDATE artifacts SET content = x'00'")
+    assert assert_refused(elsewhere, file).evidence["member"] == f"artifact {name}"
+
+
+@pytest.mark.parametrize("table", ["alembic_version", "artifacts"])
+def test_what_lacks_a_table_is_refused(settings, elsewhere, file, table):
+    store_at(settings)
+    backup(settings, file)
+    repacked(file, f"DROP TABLE {table}")
+    assert_refused(elsewhere, file)
 
 
 @pytest.mark.parametrize(
-    "change",
-    [
-        lambda members: members.update({"../evil": b"x"}),
-        lambda members: members.update({"scenes/../../evil": b"x"}),
-        lambda members: members.update({"/etc/evil": b"x"}),
-        lambda members: members.update({"scenes/not-packed.json": b"x"}),
-        lambda members: members.update({next(iter(members)): b"other"}),
-        lambda members: members.pop("database.sqlite"),
-        lambda members: members.pop("manifest.json"),
-        lambda members: members.update({"manifest.json": b"[]"}),
-        dict.clear,
-    ],
+    "content", [b"", b"no archive", gzip.compress(b"no archive" * 99, mtime=0)]
 )
-def test_members_that_were_not_packed_are_refused(settings, elsewhere, file, change):
-    store_at(settings)
-    keep(settings, b"some")
-    backup(settings, file)
-    repacked(file, change)
-    assert_refused(elsewhere, file)
-    assert not list(file.parent.parent.rglob("evil"))
-
-
-def test_bytes_are_what_they_are_named_for(settings, elsewhere, file):
-    store_at(settings)
-    name = keep(settings, b"some")
-    (settings.data_dir / "files" / "bytes" / name).write_bytes(b"other")
-    backup(settings, file)
-    assert assert_refused(elsewhere, file).evidence["member"] == f"files/bytes/{name}"
-
-
-def test_links_are_not_followed(elsewhere, file):
-    with tarfile.open(file, "w:gz") as tar:
-        link = tarfile.TarInfo("database.sqlite")
-        link.type, link.linkname = tarfile.SYMTYPE, "/etc/passwd"
-        tar.addfile(link)
-    assert_refused(elsewhere, file)
-
-
-@pytest.mark.parametrize("content", [b"", b"no archive", gzip.compress(b"no archive" * 99)])
 def test_what_is_no_backup_is_refused(elsewhere, file, content):
     file.write_bytes(content)
     assert_refused(elsewhere, file)
@@ -269,15 +223,13 @@ def test_a_backup_of_a_newer_version_is_refused(settings, elsewhere, file):
     assert_refused(elsewhere, file, DatabaseTooNew)
 
 
-def test_of_postgresql_the_files_alone_are_packed(settings, elsewhere, file):
+def test_records_in_postgresql_are_left_to_its_own_tools(settings, file):
     url = {"database_url": "postgresql+psycopg://u:secret@nowhere/records"}
-    name = keep(settings, b"some")
-    manifest = backup(settings.model_copy(update=url), file)
-    assert (set(manifest.sha256), manifest.has_records) == ({f"files/bytes/{name}"}, False)
-    restore(elsewhere.model_copy(update=url), file)
-    assert (elsewhere.data_dir / "files" / "bytes" / name).read_bytes() == b"some"
-    with gzip.open(file) as packed:
-        assert b"secret" not in packed.read()
+    for act in (backup, restore):
+        with pytest.raises(BackupImpossible, match="pg_dump") as refused:
+            act(settings.model_copy(update=url), file)
+        assert "secret" not in json.dumps([refused.value.detail, refused.value.evidence])
+    assert not file.exists()
 
 
 def wayproof(*arguments):

@@ -31,6 +31,7 @@ def test_every_refusal_can_be_declared(kind):
 
 def test_one_and_several_are_told_apart():
     assert "; bodies: ['y']" in UnknownName.among("body", "x", ["y"]).detail
+    assert "; keys: ['y']" in UnknownName.among("key", "x", ["y"]).detail
     assert "; frames: ['y']" in UnknownName.among("frame", "x", ["y"]).detail
     assert UnknownResource.of("regions", "x").detail == "there are no regions 'x'"
     assert UnknownResource.of("plan", "x").detail == "there is no plan 'x'"

@@ -11,7 +11,7 @@ def test_plans_questions_and_regions_share_a_pool_and_executions_have_their_own(
     settings = Settings(
         engine="process", data_dir=tmp_path, plan_slots=3, query_slots=2, regions_slots=1
     )
-    lanes = _queues(settings)
+    lanes = _queues(settings, None)
     pool = lanes["plan"].pool
     assert lanes["query"].pool is pool is lanes["regions"].pool
     assert len(pool.workers) == 3 + (2 + 1) + 1
@@ -22,11 +22,13 @@ def test_plans_questions_and_regions_share_a_pool_and_executions_have_their_own(
 
 def test_executions_go_before_what_is_planned_and_come_to_rest_before_they_are_ended(tmp_path):
     settings = Settings(engine="process", data_dir=tmp_path, niceness=7, worker_memory=2**30)
-    lanes = _queues(settings)
+    lanes = _queues(settings, None)
     planning, moving = (lanes[name].pool.workers[0]._terms for name in ("plan", "execution"))
     assert (planning.niceness, moving.niceness) == (7, 0)
     assert planning.memory == moving.memory == 2**30
     assert (planning.memory_grace, moving.memory_grace) == (0.0, 5.0)
+    assert planning.is_offline
+    assert moving.is_offline
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from service.jobs.json_text import Encoded
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.tables import bodies, events, jobs, makers, summaries
 from service.retention import _EVENTS_AT_ONCE, Retention
-from service.scenes.records import metadata, scenes
+from service.scenes.records import scenes
 
 NOW = datetime(2020, 1, 1, tzinfo=UTC)
 DAY = timedelta(days=1)
@@ -19,7 +19,6 @@ DAY = timedelta(days=1)
 @pytest.fixture
 def engine(tmp_path):
     made = create_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
-    metadata.create_all(made)
     yield made
     made.dispose()
 
@@ -57,7 +56,7 @@ def add_scene(engine):
     def make(identifier, digest="d"):
         row = {"id": identifier, "revision": 1, "digest": digest, "name": "", "created_at": ""}
         with engine.begin() as connection:
-            connection.execute(insert(scenes).values(row | {"document": {}, "summary": {}}))
+            connection.execute(insert(scenes).values(row | {"artifact": "a", "summary": {}}))
 
     return make
 

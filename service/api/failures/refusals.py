@@ -171,3 +171,39 @@ class MediaTypeEvidence(TypedDict):
     """The content type that came"""
     known: NotRequired[list[str]]
     """Those that are read"""
+
+
+@with_config(OPEN)
+class ScopeEvidence(TypedDict):
+    """What a key is not good for."""
+
+    needed: str
+    """The scope that the operation needs"""
+    scopes: list[str]
+    """Those of the key"""
+
+
+@with_config(OPEN)
+class RateEvidence(TypedDict):
+    """How many requests a caller may make."""
+
+    limit: str
+    """As the server's settings have it, such as `600/minute`"""
+    retry_after: float
+    """When to ask again [s]"""
+
+
+@with_config(OPEN)
+class KeyNameEvidence(TypedDict):
+    """Which key there is already."""
+
+    name: str
+    """Of the key"""
+
+
+@with_config(OPEN)
+class ListenEvidence(TypedDict):
+    """Where a server would listen."""
+
+    host: str
+    """As its settings have it"""

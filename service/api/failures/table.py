@@ -62,6 +62,8 @@ _JOBS: dict[type[WayproofError], Any] = {
 }
 _REFUSALS: dict[type[WayproofError], Any] = {
     service_errors.UnreadableBody: refusals.UnreadableEvidence,
+    service_errors.Unauthorized: NoEvidence,
+    service_errors.ScopeMissing: refusals.ScopeEvidence,
     service_errors.HostNotAllowed: refusals.HostEvidence,
     service_errors.OriginNotAllowed: refusals.OriginEvidence,
     service_errors.RequestTimeout: refusals.TimeoutEvidence,
@@ -80,10 +82,14 @@ _REFUSALS: dict[type[WayproofError], Any] = {
     service_errors.BodyTooLarge: refusals.SizeEvidence,
     service_errors.UnsupportedMediaType: refusals.MediaTypeEvidence,
     service_errors.RequestInvalid: inputs.FaultsEvidence,
+    service_errors.RateLimited: refusals.RateEvidence,
     service_errors.DiskFull: jobs.StorageEvidence,
     service_errors.ServerStopping: NoEvidence,
+    service_errors.BackupImpossible: jobs.DatabaseEvidence,
     service_errors.BackupInvalid: jobs.BackupEvidence,
     service_errors.RecordsExist: jobs.DatabaseEvidence,
+    service_errors.KeyExists: refusals.KeyNameEvidence,
+    service_errors.Unguarded: refusals.ListenEvidence,
 }
 
 # A `TypedDict` of the evidence by error.
@@ -97,8 +103,11 @@ _NEVER_PROBLEMS = {
     job_errors.DatabaseTooNew,
     job_errors.DatabaseUnrecognized,
     service_errors.ClientLeft,
+    service_errors.BackupImpossible,
     service_errors.BackupInvalid,
     service_errors.RecordsExist,
+    service_errors.KeyExists,
+    service_errors.Unguarded,
 }
 
 

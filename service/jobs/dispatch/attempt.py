@@ -32,6 +32,7 @@ from service.jobs.outcome import (
 )
 from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition, ended_job
+from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
 from service.telemetry.ids import JOB, bind_ids, bound_ids
 
@@ -150,6 +151,8 @@ class Attempt:
         Called in a task of its own: the ids of the job are bound in it from here on.
         """
         bind_ids(self.ids)
+        if not await self._bring_artifacts(worker):
+            return True
         start = asyncio.get_running_loop().create_task(self._write_start())
         start.add_done_callback(self._on_start)
         try:
@@ -172,6 +175,17 @@ class Attempt:
         self._has_ended = True
         self._pending_events = await self._events.close()
         return await self._conclude(outcome, self._start.attempts)
+
+    async def _bring_artifacts(self, worker: Worker) -> bool:
+        """Return whether the worker has what the task reads; else it was given back."""
+        try:
+            await worker.bring(artifacts_of(self.job.task, self.job.payload))
+        except Exception:  # noqa: BLE001  (the database is away, or the disk full: it is queued still)
+            _log.exception("what %s reads could not be copied", self.job.id)
+            self._scheduler.return_worker(self.job.queue, worker)
+            await asyncio.sleep(_RETRY_PERIOD)
+            return False
+        return True
 
     async def _write_start(self) -> Transition | None:
         await self._is_confirmed.wait()

@@ -14,6 +14,7 @@ from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode
 from service.jobs.json_text import Encoded, decode_parts
 from service.jobs.outcome import Crashed, Outcome, Returned, TimedOut, error_of
+from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
 from service.telemetry.ids import bound_ids
 
@@ -25,7 +26,7 @@ class Call:
     """A short task to run.
 
     Attributes:
-        task: `module:function`.
+        task: Its name.
         payload: What it is called with.
         queue: Which workers may run it.
         time_limit: For the work [s]; what it waits for a worker does not count.
@@ -151,6 +152,7 @@ class Calls:
         run = Assignment(call.task, call.payload, NullSink(), call.time_limit, ids=bound_ids())
         content: Any = None
         try:
+            await worker.bring(artifacts_of(call.task, call.payload))
             outcome = await run_traced(worker, run)
             if isinstance(outcome, Returned):
                 content = await self._content(call, outcome.result)

@@ -10,7 +10,7 @@ from typing import Any
 from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.calls import Call, CallResult, Calls
-from service.jobs.dispatch.leader import DatabaseTimeouts, DispatcherLock, LockWatch
+from service.jobs.dispatch.leader import DispatcherLock, LockWatch
 from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.recorder import JobRecorder
@@ -18,6 +18,7 @@ from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
 from service.jobs.dispatch.shutdown import STOPPED, Shutdown
+from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
 from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent

@@ -8,15 +8,16 @@ still the writer's: a server that has lost the database cannot write, whether or
 import asyncio
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 from filelock import FileLock, Timeout
 from sqlalchemy import Engine, insert, select, text, update
 from sqlalchemy.exc import DBAPIError
 
+from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.errors import DatabaseInUse, DatabaseTaken
 from service.jobs.store.tables import owner
 
@@ -52,15 +53,25 @@ class DispatcherLock:
         Raises:
             DatabaseInUse: Another dispatcher has it.
         """
-        if self._engine.dialect.name == "sqlite":
-            self._lock = self._lock_file()
-        elif self.may_be_lost:
-            self._lock = self._lock_advisory(_ADVISORY_TRIES)
+        self._shut_out()
         try:
             self._count_up()
         except BaseException:
             self._unlock()
             raise
+
+    @contextmanager
+    def kept(self) -> Generator[None]:
+        """Keep dispatchers out for as long as this lasts; owners are not counted up.
+
+        Raises:
+            DatabaseInUse: A dispatcher has it.
+        """
+        self._shut_out()
+        try:
+            yield
+        finally:
+            self._unlock()
 
     def release(self) -> None:
         """Give it back; a database that is gone is not told."""
@@ -117,6 +128,12 @@ class DispatcherLock:
                 self.epoch, self.was_left = before.epoch + 1, not before.is_released
                 connection.execute(update(owner).values(epoch=self.epoch, is_released=False))
 
+    def _shut_out(self) -> None:
+        if self._engine.dialect.name == "sqlite":
+            self._lock = self._lock_file()
+        elif self.may_be_lost:
+            self._lock = self._lock_advisory(_ADVISORY_TRIES)
+
     def _lock_file(self) -> Any:
         database = self._engine.url.database
         if not database or database == ":memory:":
@@ -161,30 +178,6 @@ class DispatcherLock:
         database = self._engine.url.render_as_string(hide_password=True)
         message = f"another server works on {database}; stop it, or choose another data folder"
         return DatabaseInUse(message, {"database": database})
-
-
-@dataclass(frozen=True)
-class DatabaseTimeouts:
-    """How long a database is waited for; `takeover` bounds how long two servers move one robot.
-
-    Attributes:
-        period: Between two looks at the lock [s].
-        answer: For the database to answer [s].
-        regain: For the lock, before what runs is brought to its end [s].
-        rest: For what runs to come to its end [s].
-        record: For a new job to be written, before it is refused [s].
-    """
-
-    period: float = 1.0
-    answer: float = 2.0
-    regain: float = 5.0
-    rest: float = 6.0
-    record: float = 5.0
-
-    @property
-    def takeover(self) -> float:
-        """How long after its loss of the lock an owner may still have something that runs [s]."""
-        return self.period + 2 * self.answer + self.regain + self.rest
 
 
 class LockListener(Protocol):

@@ -17,6 +17,7 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
+from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import Prepared, set_durability, sync_log
 from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
 from service.jobs.store.schema import bring_up_to_date, refuse_newer
@@ -53,6 +54,7 @@ class JobStore(JobQueries):
 
     Attributes:
         versions: Of what runs them, by name.
+        artifacts: That jobs read.
     """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
@@ -64,6 +66,7 @@ class JobStore(JobQueries):
         """
         super().__init__(engine)
         self.versions = dict(versions or {})
+        self.artifacts = ArtifactStore(engine)
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
         self._lock = threading.RLock()

@@ -1,4 +1,4 @@
-"""The tables of jobs and of their events."""
+"""The tables of jobs, of their events, and of artifacts."""
 
 from sqlalchemy import (
     BigInteger,
@@ -7,6 +7,7 @@ from sqlalchemy import (
     Float,
     Index,
     Integer,
+    LargeBinary,
     MetaData,
     String,
     Table,
@@ -107,4 +108,15 @@ owner = Table(
     Column("id", Integer, primary_key=True, autoincrement=False),
     Column("epoch", BigInteger, nullable=False),
     Column("is_released", Boolean, nullable=False),
+)
+
+# Bytes by their sha256. One without a `world_digest` is a part of others, and stays with them.
+artifacts = Table(
+    "artifacts",
+    metadata,
+    Column("digest", String(64), primary_key=True),
+    Column("content", LargeBinary, nullable=False),
+    Column("parts", JsonText, nullable=False),
+    Column("world_digest", String(80), nullable=True, index=True),
+    Column("stored_at", String(40), nullable=False),
 )

@@ -1,6 +1,6 @@
 """Assignment: one run of a task; Worker: where tasks run, one at a time."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -25,7 +25,7 @@ class Assignment:
     """One run of a task.
 
     Attributes:
-        task: `module:function`.
+        task: Its name.
         payload: What it is called with.
         sink: Gets each of its events, in the event loop's thread.
         time_limit: Seconds after which it is told to end, and a little later killed; or None. A
@@ -61,6 +61,15 @@ class Worker(Protocol):
 
     async def ready(self) -> None:
         """Wait until a run would begin at once."""
+        ...
+
+    async def bring(self, artifacts: Sequence[str]) -> None:
+        """Copy what the host lacks of artifacts that the next run reads.
+
+        Raises:
+            DBAPIError: The database does not answer.
+            OSError: The host's folder cannot be written.
+        """
         ...
 
     async def run(self, run: Assignment) -> Outcome:

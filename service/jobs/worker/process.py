@@ -8,6 +8,7 @@ import socket
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from service.jobs.worker.main import Terms, serve
@@ -52,7 +53,9 @@ class WorkerProcess:
         asyncio.get_running_loop().add_reader(self._sentinel, self._on_exit)
 
     @classmethod
-    async def start(cls, context: Any, warm_up: str | None, terms: Terms) -> "WorkerProcess":
+    async def start(
+        cls, context: Any, folder: Path | None, warm_up: str | None, terms: Terms
+    ) -> "WorkerProcess":
         """Start a process; it is ready once it has sent its first message.
 
         Raises:
@@ -63,7 +66,10 @@ class WorkerProcess:
         held, lifeline = context.Pipe(duplex=False)
         try:
             process = context.Process(
-                target=serve, args=(far, held, warm_up, terms), daemon=True, name="wayproof-worker"
+                target=serve,
+                args=(far, held, folder, warm_up, terms),
+                daemon=True,
+                name="wayproof-worker",
             )
             await asyncio.get_running_loop().run_in_executor(_PROCESSES, process.start)
         except BaseException:

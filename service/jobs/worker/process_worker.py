@@ -4,8 +4,10 @@ import asyncio
 import json
 import logging
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
+from service.jobs.artifacts import ArtifactCopies
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
     Crashed,
@@ -35,15 +37,23 @@ class ProcessWorker:
     The process is replaced as soon as it has ended, also while it had nothing to do.
     """
 
-    def __init__(self, preload: Sequence[str], terms: Terms | None = None) -> None:
+    def __init__(
+        self,
+        preload: Sequence[str],
+        terms: Terms | None = None,
+        copies: ArtifactCopies | None = None,
+    ) -> None:
         """Prepare; `open` starts the process.
 
         Args:
             preload: Modules that the forkserver imports once, so that new processes have them.
             terms: On which the process works.
+            copies: Of artifacts on this host; None if its tasks read none.
         """
         self.generation = 0
         self._preload = preload
+        self._copies = copies
+        self._folder = None if copies is None else copies.folder
         self._terms = terms or Terms()
         self._warm_up_fault: str | None = None
         self._process: WorkerProcess | None = None
@@ -65,6 +75,11 @@ class ProcessWorker:
     async def ready(self) -> None:
         """Wait for a warm process."""
         await self._is_ready.wait()
+
+    async def bring(self, artifacts: Sequence[str]) -> None:
+        """Copy what this host lacks of some artifacts."""
+        if self._copies is not None:
+            await self._copies.bring(artifacts)
 
     async def run(self, run: Assignment) -> Outcome:
         """Run a task to its end."""
@@ -184,7 +199,7 @@ class ProcessWorker:
     async def _spawn(self, context: Any, warm_up: str | None) -> WorkerProcess | None:
         """Return a new process that is ready, None if that did not work."""
         try:
-            process = await WorkerProcess.start(context, warm_up, self._terms)
+            process = await WorkerProcess.start(context, self._folder, warm_up, self._terms)
         except (OSError, EOFError):
             _log.exception("a worker process could not be started")
             return None
@@ -198,10 +213,19 @@ class ProcessWorker:
             code = await process.end()
             _log.error("a worker process died before it was ready, with exit code %s", code)
             return None
-        self._warm_up_fault = message.body.decode()[:2000] or None
+        network, fault = message.parts
+        if network:
+            _tell_of_network(network)
+        self._warm_up_fault = fault[:2000] or None
         if self._warm_up_fault is not None:
             _log.warning("the warm-up %s failed: %s", warm_up, self._warm_up_fault)
         return process
+
+
+@cache
+def _tell_of_network(reason: str) -> None:
+    """Say once why workers are not kept from the network, though they should be."""
+    _log.warning("workers can reach the network (%s): see docs/explanation/security.md", reason)
 
 
 async def _apply(message: Message, sink: EventSink, termination: Termination) -> None:

@@ -7,10 +7,12 @@ and a crash of native code ends everything. A run is given up in time all the sa
 import asyncio
 import json
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
 from typing import Any
 
+from service.jobs.artifacts import ArtifactCopies
+from service.jobs.host_folder import set_host_folder
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Crashed, Outcome, Raised, Terminated, returned
 from service.jobs.worker.assignment import Assignment, EventSink
@@ -74,14 +76,16 @@ class _ThreadContext:
 class ThreadWorker:
     """A worker that is a thread."""
 
-    def __init__(self, *, is_exclusive: bool) -> None:
+    def __init__(self, copies: ArtifactCopies | None = None, *, is_exclusive: bool) -> None:
         """Prepare.
 
         Args:
+            copies: Of artifacts on this host; None if its tasks read none.
             is_exclusive: Whether its tasks and those of other exclusive workers take turns.
         """
         self.generation = 0
         self.fault: str | None = None
+        self._copies = copies
         self._is_exclusive = is_exclusive
         self._is_free = asyncio.Event()
         self._is_free.set()
@@ -94,6 +98,11 @@ class ThreadWorker:
     async def ready(self) -> None:
         """Wait until a thread that was given up has ended."""
         await self._is_free.wait()
+
+    async def bring(self, artifacts: Sequence[str]) -> None:
+        """Copy what this host lacks of some artifacts."""
+        if self._copies is not None:
+            await self._copies.bring(artifacts)
 
     async def run(self, run: Assignment) -> Outcome:
         """Run a task to its end, or until it is given up."""
@@ -148,6 +157,8 @@ class ThreadWorker:
         done: asyncio.Future[TaskEnd],
     ) -> None:
         """Run the task, in the thread."""
+        if self._copies is not None:
+            set_host_folder(self._copies.folder)
         payload = json.dumps(run.payload)
         with with_ids(run.ids), _ONE_AT_A_TIME if self._is_exclusive else nullcontext():
             end = run_task(run.task, payload, context)

@@ -10,7 +10,8 @@
 - What moves on while it is asked about has its state, stage and instants masked as `<moving>`.
 - Numbers are rounded to 6 significant digits and 9 decimals: what is smaller is rounding.
 - Of metrics, the names of all and the numbers of jobs are kept.
-- Of events, those of type `progress` are left out, and of `status` only the last is kept.
+- Of events, those of type `progress` are left out, and of `status` only the last is kept; so their
+  numbers are `<number>`.
 """
 
 import re

@@ -116,7 +116,7 @@ PLAN_CALLS = (
     get("plan", "/v1/plans/{configuration}"),
     get("failed_plan", "/v1/plans/{goal_in_collision}"),
     get("events", "/v1/plans/{configuration}/events"),
-    get("last_events", "/v1/plans/{configuration}/events", headers={"last-event-id": "4"}),
+    get("last_events", "/v1/plans/{configuration}/events", headers={"last-event-id": "3"}),
     get("events_of_a_failure", "/v1/plans/{goal_in_collision}/events"),
     get("graph", "/v1/plans/{kept_graph}/graph"),
     get("plans", "/v1/plans?limit=3"),

@@ -93,5 +93,5 @@ def check_told(arguments, code, word, capsys):
 def test_help_names_every_command():
     told = CliRunner().invoke(app, ["--help"])
     assert told.exit_code == 0
-    for command in ("serve", "plan", "demo"):
+    for command in ("serve", "plan", "demo", "keys"):
         assert command in told.stdout

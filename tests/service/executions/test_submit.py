@@ -18,7 +18,7 @@ from service.scenes.tasks import SceneWork
 
 JOINT = Joint(name="arm::j", type="revolute")
 MOVING = {
-    "library": {"model_roots": [], "allow_paths": False, "copies": ""},
+    "library": {"model_roots": [], "allow_paths": False},
     "scene": {"digest": "d", "document": "file"},
     "request": {"plan": "pln_1"},
     "scene_id": "s",
@@ -74,7 +74,7 @@ class Scene:
             yield job
         self.while_looked_for()
 
-    async def work(self, record):
+    def work(self, record):
         return SceneWork.model_validate({part: MOVING[part] for part in ("library", "scene")})
 
     async def submit(self, spec):

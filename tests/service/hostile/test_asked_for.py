@@ -82,6 +82,7 @@ def public(tmp_path):
     settings = Settings(
         engine="inline",
         host="0.0.0.0",
+        auth="proxy",
         data_dir=tmp_path / "data",
         model_roots=[tmp_path / "roots"],
     )

@@ -2,8 +2,10 @@
 
 import json
 import sys
+from pathlib import Path
 
 from service.errors import status_of
+from service.jobs.host_folder import set_host_folder
 from service.jobs.worker.protocol import MessageKind, load_error
 from service.jobs.worker.run_task import run_task
 from service.scenes import worker as scenes
@@ -12,7 +14,8 @@ from service.scenes.tasks import LOAD_SCENE
 
 def main():
     assert scenes.load_scene  # its import has the task carried out
-    library = {"model_roots": [], "allow_paths": True, "copies": sys.argv[1]}
+    library = {"model_roots": [], "allow_paths": True}
+    set_host_folder(Path(sys.argv[1]))
     for line in sys.stdin:
         payload = {"text": line, "media": "json", "library": library}
         end = run_task(LOAD_SCENE.name, json.dumps(payload), None)

@@ -6,6 +6,8 @@ from contextlib import contextmanager
 
 from sqlalchemy import event
 
+from service.jobs.store.migrations.versions import r0001_released as released
+
 
 class FullDisk:
     """Lets a SQLite database grow no further while it is set."""
@@ -53,9 +55,9 @@ _FORMER_COLUMNS = {
 
 
 def make_released(engine):
-    """Have a database of this version, with its rows, be as version 0.1 would have left it.
+    """Have a database of this version, with its jobs, be as version 0.1 would have left it.
 
-    But for its revision, 0001, which that version did not store.
+    But for its revision, 0001, which that version did not store. It has no scenes then.
     """
     renamed = [
         f"ALTER TABLE jobs RENAME COLUMN {name} TO {former}"
@@ -67,6 +69,7 @@ def make_released(engine):
     ]
     with engine.begin() as connection:
         for statement in (
+            "DROP TABLE api_keys",
             "DROP INDEX one_open_execution_of_scene",
             "DROP INDEX jobs_of_queue",
             *renamed,
@@ -74,5 +77,8 @@ def make_released(engine):
             "ALTER TABLE job_summaries RENAME TO job_briefs",
             *tasks,
             "UPDATE alembic_version SET version_num = '0001'",
+            "DROP TABLE artifacts",
+            "DROP TABLE scenes",
         ):
             connection.exec_driver_sql(statement)
+        released.metadata.tables["scenes"].create(connection)

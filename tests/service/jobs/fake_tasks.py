@@ -5,6 +5,7 @@ import ctypes
 import gc
 import os
 import signal
+import socket
 import threading
 import time
 from pathlib import Path
@@ -45,6 +46,25 @@ def echo(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
 @fake
 def warm(_: dict[str, Any], __: TaskContext) -> dict[str, Any]:
     return {}
+
+
+@fake
+def connect(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
+    """Tell how it goes to reach a listener, and one of this process's own."""
+    told = {"user": os.getuid()}
+    for name, (family, address) in payload["listeners"].items():
+        where = tuple(address) if isinstance(address, list) else address
+        with socket.socket(getattr(socket, family), socket.SOCK_STREAM) as end:
+            end.settimeout(5)
+            try:
+                end.connect(where)
+            except OSError as fault:
+                told[name] = fault.strerror or str(fault)
+            else:
+                told[name] = "reached"
+    with socket.create_server(("127.0.0.1", 0)) as own:
+        socket.create_connection(own.getsockname(), 5).close()
+    return told
 
 
 @fake

@@ -19,7 +19,7 @@ FILTERS = [
     for chosen in itertools.product([None, "queued"], [None, "s1"], [None])
 ] + [{"world_digest": "w1"}]
 
-LIBRARY = Library(model_roots=[], allow_paths=False, copies="")
+LIBRARY = Library(model_roots=[], allow_paths=False)
 
 
 @pytest.fixture

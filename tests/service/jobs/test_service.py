@@ -13,7 +13,7 @@ from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
 
 MOVING = {
-    "library": {"model_roots": [], "allow_paths": False, "copies": ""},
+    "library": {"model_roots": [], "allow_paths": False},
     "scene": {"digest": "d", "document": "file"},
     "request": {"plan": "pln_1"},
     "scene_id": "here",

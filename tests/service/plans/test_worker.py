@@ -11,9 +11,11 @@ from service.plans.models.request import PlanRequest
 from service.plans.submit import SLACK
 from service.plans.tasks import PLAN, PlanWork
 from service.plans.worker import plan_motion
+from service.scenes.document_artifact import artifact_of
 from service.scenes.tasks import LoadWork
 from service.scenes.worker import load_scene
 from tests.service.conftest import BLOCK_SCENE
+from tests.service.jobs.hosts import on_host, put
 
 ALLOWED = 60.0
 
@@ -40,26 +42,23 @@ class TaskContext:
 
 @pytest.fixture
 def payload(tmp_path):
-    library = {"model_roots": [], "allow_paths": False, "copies": str(tmp_path / "files")}
+    library = {"model_roots": [], "allow_paths": False}
     posted = {"library": library, "text": json.dumps(BLOCK_SCENE), "media": "json"}
-    loaded = load_scene(LoadWork.model_validate(posted), TaskContext())
-    file = tmp_path / "scene.json"
-    files = {name: kept.model_dump() for name, kept in loaded.summary.files.items()}
-    kept = {"document": json.loads(loaded.document.text), "files": files}
-    file.write_text(json.dumps(kept))
+    loaded = on_host(tmp_path, load_scene, LoadWork.model_validate(posted), TaskContext())
+    digest = put(tmp_path, artifact_of(loaded).content)
     request = {"scene": "s", "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     request["search"] = {"allowed_planning_time": ALLOWED}
     return {
-        "scene": {"digest": loaded.digest, "document": str(file)},
+        "scene": {"digest": loaded.digest, "document": digest},
         "library": library,
         "request": request,
         "revision": 1,
     }
 
 
-def test_the_allowed_time_begins_once_the_scene_is_loaded(payload):
+def test_the_allowed_time_begins_once_the_scene_is_loaded(payload, tmp_path):
     channel = TaskContext()
-    assert plan_motion(PlanWork.model_validate(payload), channel).digest
+    assert on_host(tmp_path, plan_motion, PlanWork.model_validate(payload), channel).digest
     terms = [note for note in channel.notes if isinstance(note, float)]
     assert len(terms) == 2
     assert ALLOWED < terms[0] < ALLOWED + SLACK
@@ -69,11 +68,11 @@ def test_the_allowed_time_begins_once_the_scene_is_loaded(payload):
     assert channel.notes[-1] == terms[1]
 
 
-def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload):
+def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload, tmp_path):
     payload["request"]["search"]["allowed_planning_time"] = 1e-6
     channel = TaskContext()
     with pytest.raises(DeadlineExceeded) as caught:
-        plan_motion(PlanWork.model_validate(payload), channel)
+        on_host(tmp_path, plan_motion, PlanWork.model_validate(payload), channel)
     stages = [note for note in channel.notes if isinstance(note, str)]
     assert caught.value.stage == stages[-1]
     assert {"load", caught.value.stage, "total"} <= set(caught.value.timings)
@@ -85,11 +84,12 @@ def test_a_plan_that_is_late_says_where_it_was_and_how_long_loading_took(payload
 
 @pytest.mark.parametrize("is_late", [False, True])
 def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
-    payload, monkeypatch, is_late
+    payload, tmp_path, monkeypatch, is_late
 ):
     if is_late:
         monkeypatch.setattr("service.plans.worker.PROVING", 0.0)
-    done = plan_motion(PlanWork.model_validate(payload), TaskContext()).model_dump()
+    work = PlanWork.model_validate(payload)
+    done = on_host(tmp_path, plan_motion, work, TaskContext()).model_dump()
     assert done["result"]["certificate"]["proven"]
     assert done["result"]["cut_short"] == (["samples"] if is_late else [])
     proofs = done["result"]["trajectory"]["interpolations"]
@@ -97,8 +97,9 @@ def test_samples_that_there_is_no_time_to_prove_are_delivered_as_such(
     assert {"load", "samples", "total"} <= set(done["timings"])
 
 
-def test_jobs_that_older_servers_queued_are_run(payload):
-    end = run_task(PLAN.name, json.dumps({**payload, "roadmaps": "", "cores": None}), TaskContext())
+def test_jobs_that_older_servers_queued_are_run(payload, tmp_path):
+    stored = json.dumps({**payload, "roadmaps": "", "cores": None})
+    end = on_host(tmp_path, run_task, PLAN.name, stored, TaskContext())
     assert end.kind is MessageKind.RESULT, end.text
     outcome = json.loads(end.text)
     assert outcome["result"]["certificate"]["proven"]
@@ -109,7 +110,7 @@ def test_jobs_that_older_servers_queued_are_run(payload):
 
 def test_payloads_are_stored_without_what_they_lack(payload):
     stored = PlanWork.model_validate(payload).model_dump(mode="json")
-    assert set(stored) == {*payload, "roadmaps", "cores"}
+    assert set(stored) == {*payload, "cores"}
     assert stored["request"] == PlanRequest.model_validate(payload["request"]).model_dump()
     assert PlanWork.model_validate(stored) == PlanWork.model_validate(payload)
     graced = PlanWork.model_validate({**payload, "cancel_grace": 0.9})

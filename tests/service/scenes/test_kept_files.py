@@ -5,9 +5,14 @@ import shutil
 import warnings
 
 import pytest
+from sqlalchemy import create_engine, delete, select, update
 
 from service.app import create_app
+from service.jobs.json_text import Encoded, encode, encode_in_parts
+from service.jobs.store.artifact_store import read_content
+from service.jobs.store.tables import artifacts
 from service.scenes import world_cache as worlds
+from service.scenes.records import scenes
 from service.settings import Settings
 
 with warnings.catch_warnings():
@@ -170,21 +175,31 @@ def test_a_scene_tells_its_files(cell, running):
             assert (cell.settings.data_dir / "files/bytes" / sha256).is_file()
 
 
+def encoded(written):
+    return Encoded(encode(written["document"]))
+
+
 @pytest.mark.usefixtures("forgetful")
 @pytest.mark.parametrize("fault", ["edited", "without files", "of other files"])
 def test_a_scene_that_is_not_what_was_accepted_is_refused(cell, fault):
     with cell.server() as client:
         scene = post(client, cell)
-    file = cell.settings.data_dir / "scenes" / f"{scene['digest']}.json"
-    written = json.loads(file.read_text())
+    engine = create_engine(cell.settings.url)
+    with engine.connect() as connection:
+        name = connection.execute(select(scenes.c.artifact)).scalar_one()
+        written = json.loads(read_content(connection, name))
     if fault == "edited":
         written["document"]["objects"][0]["pose"]["position"] = [0, 5, 0]
     elif fault == "without files":
-        written = written["document"]
+        written["files"] = None
     else:
         written["files"] = {}
         cell.write(half=0.01)
-    file.write_text(json.dumps(written))
+    with engine.begin() as connection:
+        content = encode_in_parts({"files": written["files"], "document": encoded(written)})
+        change = update(artifacts).where(artifacts.c.digest == name)
+        connection.execute(change.values(content=content.encode()))
+    shutil.rmtree(cell.settings.data_dir / "files/bytes")
     body = {"group": "r", "configurations": [[0.0]]}
     with cell.server() as client:
         answer = client.post(f"/v1/scenes/{scene['id']}/check", json=body)
@@ -194,13 +209,28 @@ def test_a_scene_that_is_not_what_was_accepted_is_refused(cell, fault):
 
 
 @pytest.mark.usefixtures("forgetful")
-def test_lost_copies_are_said(cell):
+def test_lost_copies_come_again_from_the_database(cell):
     with cell.server() as client:
         scene = post(client, cell)
-    shutil.rmtree(cell.settings.data_dir / "files/folders")
+        plan = planned(client, scene)
+        first = certified(client, scene)
+    for lost in ("files/folders", "files/bytes", "files"):
+        shutil.rmtree(cell.settings.data_dir / lost)
+        with cell.server() as client:
+            assert certified(client, scene) == first
+            assert client.get(f"/v1/plans/{plan['id']}/replay.html").status_code == 200
+            again = client.post("/v1/plans?wait=40", json=plan["request"]).json()
+            assert again["result"] == plan["result"]
+
+
+@pytest.mark.usefixtures("forgetful")
+def test_files_that_are_lost_altogether_are_said(cell):
     with cell.server() as client:
-        assert certified(client, scene)["proven"]
+        scene = post(client, cell)
     shutil.rmtree(cell.settings.data_dir / "files")
+    engine = create_engine(cell.settings.url)
+    with engine.begin() as connection:
+        connection.execute(delete(artifacts).where(artifacts.c.world_digest.is_(None)))
     with cell.server() as client:
         body = {"group": "r", "configurations": [[0.0]]}
         answer = client.post(f"/v1/scenes/{scene['id']}/check", json=body)

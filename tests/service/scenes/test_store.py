@@ -1,32 +1,37 @@
 """Scenes survive the server; their files can be lost."""
 
+import asyncio
 import json
-import resource
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from inspect import iscoroutinefunction
-from threading import Event
 
 import pytest
 from anyio.from_thread import start_blocking_portal
 from sqlalchemy import create_engine, event, insert, select
+from sqlalchemy.exc import DBAPIError
 
 from service.errors import RevisionConflict, UnknownResource
+from service.jobs.artifacts import Artifact
 from service.jobs.job import JobSpec
-from service.jobs.json_text import Encoded, encode
+from service.jobs.json_text import Encoded, encode, encode_in_parts
+from service.jobs.store.artifact_store import ArtifactStore, read_content
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.tables import artifacts
 from service.scenes.models.scene import SceneSummary
 from service.scenes.record_cache import RecentScenes
 from service.scenes.records import scenes
 from service.scenes.resource import scene_text
 from service.scenes.store import SceneStore
 from service.scenes.tasks import Library, LoadedScene
+from tests.service.jobs.databases import FullDisk
+from tests.service.jobs.hosts import put
 
 DOCUMENT = {"robots": [{"name": "arm", "model": "ur5e"}], "margin": 0.1 + 0.2}
 UNCHECKED = Encoded(encode([{"bodies": ["a", "b"], "reason": "welded", "evidence": "w"}]))
 
-LIBRARY = Library(model_roots=[], allow_paths=False, copies="")
+LIBRARY = Library(model_roots=[], allow_paths=False)
 
 
 def loaded(name, digest, document=None, summary=None):
@@ -57,7 +62,7 @@ def stores(engine, tmp_path):
     with start_blocking_portal() as portal:
 
         def opened(of=engine):
-            store = Blocking(portal, SceneStore(of, tmp_path / "documents", LIBRARY))
+            store = Blocking(portal, SceneStore(of, tmp_path, LIBRARY))
             store.open()
             return store
 
@@ -74,6 +79,17 @@ def engine(tmp_path):
 @pytest.fixture
 def store(stores):
     return stores()
+
+
+@pytest.fixture
+def written(engine):
+    """Read the artifact of a scene."""
+
+    def read(record):
+        with engine.connect() as connection:
+            return json.loads(read_content(connection, record.artifact))
+
+    return read
 
 
 def test_what_is_added_is_found_by_another_store(store, stores):
@@ -103,31 +119,47 @@ def test_pages_have_every_scene_once_newest_first(store):
     assert seen == names[::-1]
 
 
-def test_deleted_scenes_are_gone_but_their_file_stays(store):
+def test_deleted_scenes_are_gone_but_their_artifact_stays(store, written):
     files = {"arm": {"named": "ur5e", "main": "a.urdf", "card": "", "sha256": {}}}
     added = store.add(loaded("a", "d1", summary={"files": files}))
-    file = store.file(added)
     store.delete(added.id)
     with pytest.raises(UnknownResource):
         store.get(added.id)
-    assert json.loads(file.read_text()) == {"document": DOCUMENT, "files": files}
+    assert written(added) == {"document": DOCUMENT, "files": files}
 
 
-def test_a_lost_file_is_written_again_bit_for_bit(store):
-    added = store.add(loaded("a", "d1"))
-    before = store.file(added).read_bytes()
-    store.file(added).unlink()
-    assert store.file(added).read_bytes() == before
+def test_the_files_of_a_scene_are_stored_with_it(store, engine, tmp_path):
+    """What a worker copied into the host's folder is in the database, once."""
+    contents = [b"<robot/>", b"mesh", b"mesh"]
+    digests = [put(tmp_path, content) for content in contents]
+    kept = {"named": "ur5e", "main": "a.urdf", "card": ""}
+    sha256 = dict(zip(("a.urdf", "b.obj", "c.obj"), digests, strict=True))
+    for name in "ab":
+        store.add(loaded(name, name, summary={"files": {"arm": {**kept, "sha256": sha256}}}))
+    for path in (tmp_path / "files" / "bytes").iterdir():
+        path.unlink()
+    assert asyncio.run(ArtifactStore(engine).contents(digests)) == dict(
+        zip(digests, contents, strict=True)
+    )
 
 
-def test_revisions_follow_one_another_and_stay_readable(store):
+def test_a_scene_whose_files_cannot_be_read_is_not_stored(store, engine):
+    kept = {"named": "ur5e", "main": "a.urdf", "card": "", "sha256": {"a.urdf": "0" * 64}}
+    with pytest.raises(OSError, match="No such file"):
+        store.add(loaded("a", "d1", summary={"files": {"arm": kept}}))
+    assert store.page(9, None) == ([], None)
+    with engine.connect() as connection:
+        assert connection.execute(select(artifacts.c.digest)).all() == []
+
+
+def test_revisions_follow_one_another_and_stay_readable(store, written):
     first = store.add(loaded("a", "d1"))
     second = store.revise(first, loaded("a", "d2", {**DOCUMENT, "margin": 1.0}, {"groups": []}))
     assert (second.id, second.revision) == (first.id, 2)
     assert store.get(first.id) == second
     assert store.get(first.id, 1) == first
-    assert json.loads(store.file(first).read_text())["document"] == DOCUMENT
-    assert json.loads(store.file(second).read_text())["document"]["margin"] == 1.0
+    assert written(first)["document"] == DOCUMENT
+    assert written(second)["document"]["margin"] == 1.0
     store.delete(first.id)
     for revision in (None, 1, 2):
         with pytest.raises(UnknownResource):
@@ -185,34 +217,22 @@ def test_pages_have_the_latest_revision_at_the_place_of_the_first(store):
     assert revised.serial > made[4].serial
 
 
-def test_what_finds_no_room_leaves_nothing_behind(store, tmp_path):
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1, before[1]))
-    try:
-        with pytest.raises(OSError, match="File too large"):
-            store.add(loaded("a", "d1"))
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert list((tmp_path / "documents").iterdir()) == []
-    assert store.file(store.add(loaded("a", "d1"))).is_file()
-
-
-def test_there_is_no_row_without_its_file(store, monkeypatch):
-    """They are written side by side, and the row is not committed before the file is there."""
-    first, begun = store.add(loaded("a", "d1")), Event()
-
-    def fail(_):
-        assert begun.wait(60)
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(store.store, "_write_file", fail)
-    event.listen(store._engine, "before_cursor_execute", lambda *_: begun.set())
-    with pytest.raises(OSError, match="No space left"):
-        store.add(loaded("b", "d2"))
-    with pytest.raises(OSError, match="No space left"):
-        store.revise(first, loaded("a", "d3"))
+def test_what_finds_no_room_leaves_nothing_behind(tmp_path, stores):
+    engine = open_engine(f"sqlite:///{tmp_path / 'scenes.sqlite'}")
+    disk, store = FullDisk(engine), stores(engine)
+    first = store.add(loaded("a", "d1"))
+    disk.fill()
+    large = {**DOCUMENT, "name": "x" * 100_000}
+    with pytest.raises(DBAPIError, match="full"):
+        store.add(loaded("b", "d2", large))
+    with pytest.raises(DBAPIError, match="full"):
+        store.revise(first, loaded("a", "d3", large))
+    disk.free()
     assert [record.name for record in store.page(9, None)[0]] == ["a"]
     assert store.get(first.id) == first
+    with engine.connect() as connection:
+        assert len(connection.execute(select(artifacts.c.digest)).all()) == 1
+    engine.dispose()
 
 
 def test_records_are_read_again_only_when_they_were_put_aside(store, monkeypatch):
@@ -244,15 +264,15 @@ def test_a_scene_of_an_older_server_is_read_and_told(store, engine):
     told = {"groups": [group], "frames": ["f"], "bodies": [], "num_pairs": 0, "assumed": []}
     told |= {"warnings": [], "unchecked": json.loads(UNCHECKED.text), "no_longer": "told"}
     row = {"id": "scn_old", "revision": 1, "digest": "d", "name": "old"}
-    row |= {"created_at": "2026-01-02T03:04:05+00:00", "document": DOCUMENT, "summary": told}
+    row |= {"created_at": "2026-01-02T03:04:05+00:00", "summary": told}
+    former = encode_in_parts({"files": None, "document": Encoded(encode(DOCUMENT))})
     with engine.begin() as connection:
+        row["artifact"] = ArtifactStore(engine).put(connection, Artifact(former.encode()), "d")
         connection.execute(insert(scenes).values(row))
     record = store.get("scn_old")
     assert record.document == DOCUMENT
     assert record.summary.frames == ["f"]
     assert record.summary.files is None
-    file = json.loads(store.file(record).read_text())
-    assert file == {"document": DOCUMENT}
     answer = json.loads(scene_text(record).text)
     assert answer["document"] == DOCUMENT
     assert answer["unchecked"] == told["unchecked"]

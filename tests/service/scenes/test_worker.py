@@ -9,8 +9,10 @@ from service.queries.tasks import QueryWork
 from service.queries.worker import check
 from service.scenes import document_text as scene_text
 from service.scenes import world_cache as worlds
+from service.scenes.document_artifact import artifact_of
 from service.scenes.tasks import EditWork, LoadWork
 from service.scenes.worker import load_scene, revise_scene
+from tests.service.jobs.hosts import on_host, put
 
 # More than Drake's model takes: an edit changes rows of tables (docs/decisions/0034).
 BOXES = [
@@ -32,18 +34,14 @@ ASKED = {"group": "arm", "configurations": [[0, -1.2, 1.9, -2.2, -1.5, 0], [1, -
 @pytest.fixture
 def task(tmp_path):
     """Call tasks about the scene in a folder."""
-    library = {"model_roots": [], "allow_paths": False, "copies": str(tmp_path / "files")}
+    library = {"model_roots": [], "allow_paths": False}
 
     def call(work, found=None, **more):
         payload = {"library": library, **more}
         if found is not None:
-            file = tmp_path / "scene.json"
-            document = json.loads(found.document.text)
-            files = {name: kept.model_dump() for name, kept in found.summary.files.items()}
-            written = {"document": document, "files": files}
-            file.write_text(json.dumps(written), "utf-8")
-            payload["scene"] = {"digest": found.digest, "document": str(file)}
-        return work(WORK[work].model_validate(payload), None)
+            digest = put(tmp_path, artifact_of(found).content)
+            payload["scene"] = {"digest": found.digest, "document": digest}
+        return on_host(tmp_path, work, WORK[work].model_validate(payload), None)
 
     return call
 

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 from service.jobs.states import JobState
 from service.telemetry.ids import bind_ids, bound_ids, with_ids
-from service.telemetry.logs import LineFormatter, masked
+from service.telemetry.logs import LineFormatter
+from service.telemetry.masking import masked
 from tests.service.jobs.conftest import GUARD, running, spec
 
 HERE = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])}

@@ -80,7 +80,8 @@ def test_every_error_has_a_model_of_its_evidence():
     assert set(CODES.values()) <= set(problems())
     # Those that no client reads.
     unread = {"database_in_use", "database_too_new", "database_unrecognized", "backup_invalid"}
-    unread |= {"records_exist", "client_left"}
+    unread |= {"records_exist", "client_left", "key_exists", "unguarded"}
+    unread |= {"backup_impossible"}
     assert set(failures()) | set(problems()) | unread == known
     assert set(failures()) == {
         error.code for error in EVIDENCE if issubclass(error, StageFailure | InputError)

@@ -22,9 +22,12 @@ from service.jobs.store.job_store import JobStore
 from service.jobs.store.migrations.upgrade import head, upgrade
 from service.jobs.store.schema import NEWEST, bring_up_to_date, stored_revision
 from service.scenes import records
+from service.security import keys
 from tests.golden.service.stored import DUMP, load
 from tests.service.jobs.databases import make_released
 from tests.service.jobs.postgres import cluster
+
+METADATA = (tables.metadata, records.metadata, keys.metadata)
 
 
 @pytest.fixture
@@ -46,7 +49,7 @@ def released(tmp_path):
 def every_table():
     """All that the code reads and writes."""
     all_of_them = MetaData()
-    for metadata in (tables.metadata, records.metadata):
+    for metadata in METADATA:
         for table in metadata.sorted_tables:
             table.to_metadata(all_of_them)
     return all_of_them
@@ -74,7 +77,7 @@ def test_an_empty_database_gets_what_the_code_has(engine, tmp_path):
     assert stored_revision(engine) == NEWEST
     assert_as_the_code_has_it(engine)
     direct = create_engine(f"sqlite:///{tmp_path / 'direct.sqlite'}")
-    for metadata in (tables.metadata, records.metadata):
+    for metadata in METADATA:
         metadata.create_all(direct)
     assert definitions(engine) == definitions(direct)
     direct.dispose()

@@ -12,11 +12,11 @@ revision = "0001"
 down_revision = None
 
 _SERIAL = sa.BigInteger().with_variant(sa.Integer, "sqlite")
-_metadata = sa.MetaData()
+metadata = sa.MetaData()
 
 sa.Table(
     "jobs",
-    _metadata,
+    metadata,
     sa.Column("serial", _SERIAL, primary_key=True),
     sa.Column("id", sa.String(64), nullable=False, unique=True),
     sa.Column("lane", sa.String(20), nullable=False),
@@ -47,7 +47,7 @@ sa.Table(
 for _name in ("job_bodies", "job_briefs"):
     sa.Table(
         _name,
-        _metadata,
+        metadata,
         sa.Column("job", sa.String(64), primary_key=True),
         sa.Column("payload", sa.Text, nullable=False),
         sa.Column("result", sa.Text, nullable=True),
@@ -55,7 +55,7 @@ for _name in ("job_bodies", "job_briefs"):
     )
 sa.Table(
     "job_events",
-    _metadata,
+    metadata,
     sa.Column("job", sa.String(64), primary_key=True),
     sa.Column("number", sa.Integer, primary_key=True, autoincrement=False),
     sa.Column("type", sa.String(64), nullable=False),
@@ -64,20 +64,20 @@ sa.Table(
 )
 sa.Table(
     "job_makers",
-    _metadata,
+    metadata,
     sa.Column("job", sa.String(64), primary_key=True),
     sa.Column("made_by", sa.Text, nullable=False),
 )
 sa.Table(
     "job_owner",
-    _metadata,
+    metadata,
     sa.Column("id", sa.Integer, primary_key=True, autoincrement=False),
     sa.Column("epoch", sa.BigInteger, nullable=False),
     sa.Column("is_released", sa.Boolean, nullable=False),
 )
 sa.Table(
     "scenes",
-    _metadata,
+    metadata,
     sa.Column("serial", _SERIAL, primary_key=True),
     sa.Column("id", sa.String(64), nullable=False, index=True),
     sa.Column("revision", sa.Integer, nullable=False),
@@ -100,7 +100,7 @@ def upgrade() -> None:
     connection = op.get_bind()
     inspector = sa.inspect(connection)
     known = set(inspector.get_table_names())
-    for table in _metadata.sorted_tables:
+    for table in metadata.sorted_tables:
         if table.name not in known:
             table.create(connection)
             continue

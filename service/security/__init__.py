@@ -1,0 +1,1 @@
+"""Who may ask the service for what, how often, and what is written down of it."""
