@@ -9,7 +9,8 @@ from datetime import datetime
 from functools import partial
 from typing import Any
 
-from planning.errors import Canceled, WayproofError
+from planning.errors import Canceled
+from service.jobs.dispatch.ending import Ending
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.dispatch.spans import run_traced
@@ -18,17 +19,12 @@ from service.jobs.event_buffer import EventBuffer
 from service.jobs.job import Job, JobText, PendingEvent
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import (
-    Crashed,
     Failed,
     Outcome,
     Raised,
     Returned,
-    Silent,
     Terminated,
-    error_of,
-    interrupted,
     is_deterministic,
-    with_stage,
 )
 from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition, ended_job
@@ -273,13 +269,14 @@ class Attempt:
             end = await self._apply(succeed, is_durable=self._must_be_durable(summary))
             self._keep_end(end, result, summary)
             return False
-        requeue = self._requeue(outcome, attempts)
-        if requeue is not None:
-            queued = await self._apply(requeue)
+        again = self._ending(outcome, attempts).requeue
+        if again is not None:
+            queued = await self._apply(partial(store.requeue, identifier, **again))
             if queued is None or not (queued.is_cancel_requested or self._is_cancel_requested):
                 return queued is not None
             outcome = Terminated()
-        error = self._error(outcome, attempts)
+        stage_event = self.latest("stage") or {}
+        error = self._ending(outcome, attempts).error(stage_event, self._seconds)
         is_canceled = isinstance(error, Canceled)
         cancel = partial(store.cancel, identifier, error) if is_canceled else None
         self._keep_end(await self._apply(cancel or partial(store.fail, identifier, error)))
@@ -298,28 +295,9 @@ class Attempt:
             made_by = self._recorder.store.versions
             self.ended = ended_job(end, self.job.payload, made_by, result, summary)
 
-    def _requeue(self, outcome: Failed, attempts: int) -> Callable[[], Transition | None] | None:
-        """Return how to queue the job again if it is to run again, else None."""
-        requeue = partial(self._recorder.store.requeue, self.job.id)
-        if self._is_cancel_requested:
-            return None
-        if self._interruption:
-            again = partial(requeue, self._interruption, refund=1)
-            return again if self.job.max_attempts > 1 else None
-        if isinstance(outcome, Crashed | Silent) and attempts < self.job.max_attempts:
-            return partial(requeue, error_of(outcome, attempts).detail)
-        return None
-
-    def _error(self, outcome: Failed, attempts: int) -> WayproofError:
-        """Return what the job shows for an end without a result."""
-        may_repeat = self.job.max_attempts > 1
-        if self._is_cancel_requested and may_repeat and isinstance(outcome, Crashed | Silent):
-            outcome = Terminated()
-        stage_event = self.latest("stage") or {}
-        error = with_stage(error_of(outcome, attempts), stage_event, self._seconds)
-        if not self._interruption or self._is_cancel_requested:
-            return error
-        return interrupted(outcome, error, self._interruption, attempts)
+    def _ending(self, outcome: Failed, attempts: int) -> Ending:
+        may = self.job.max_attempts
+        return Ending(outcome, attempts, may, self._is_cancel_requested, self._interruption)
 
     async def _apply(
         self, change: Callable[[], Transition | None], *, is_durable: bool = True
