@@ -78,8 +78,10 @@ def check_log(file):
     assert greeting.startswith("Wayproof listens on")
     assert rest == []
     told = [json.loads(line) for line in lines if line.startswith("{")]
-    (late,) = [line for line in told if line.get("request_id") == "late"]
-    assert (late["method"], late["path"], late["status"]) == ("POST", "/v1/plans", 503)
+    late = {line["event"]: line for line in told if line.get("request_id") == "late"}
+    assert set(late) == {"request", "audit"}
+    for line in late.values():
+        assert (line["method"], line["path"], line["status"]) == ("POST", "/v1/plans", 503)
     assert {"uvicorn.error", "uvicorn.access", "service.cli.server"} <= {
         line["logger"] for line in told
     }
