@@ -17,6 +17,7 @@ from service.jobs.worker.protocol import HEADER_SIZE, Message, unpack_header
 # multiprocessing's bookkeeping of children is not thread-safe, and starting one takes
 # milliseconds: one thread of its own does all of it.
 _PROCESSES = ThreadPoolExecutor(1, "worker-processes")
+type _Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 # A process that has closed its end is about to end; one that does not is made to.
 _LINGER = 0.5
 
@@ -38,7 +39,7 @@ def forkserver(preload: Sequence[str]) -> Any:
 class WorkerProcess:
     """A process at the other end of a socket, watched until it ends."""
 
-    def __init__(self, process: Any, lifeline: Any) -> None:
+    def __init__(self, process: Any, lifeline: Any, streams: _Streams) -> None:
         """Watch a process that has been started; use `start`."""
         self.pid: int = process.pid
         self.ended = asyncio.Event()
@@ -46,8 +47,7 @@ class WorkerProcess:
         self._process = process
         self._lifeline = lifeline
         self._is_gone = False
-        self._reader: asyncio.StreamReader
-        self._writer: asyncio.StreamWriter
+        self._reader, self._writer = streams
         self._reaping: asyncio.Task[None] | None = None
         self._sentinel: int = process.sentinel
         asyncio.get_running_loop().add_reader(self._sentinel, self._on_exit)
@@ -72,6 +72,8 @@ class WorkerProcess:
                 name="wayproof-worker",
             )
             await asyncio.get_running_loop().run_in_executor(_PROCESSES, process.start)
+            # Before it is watched: what has ended already is looked after with its writer.
+            streams = await asyncio.open_unix_connection(sock=near)
         except BaseException:
             near.close()
             lifeline.close()
@@ -79,9 +81,7 @@ class WorkerProcess:
         finally:
             far.close()
             held.close()
-        worker = cls(process, lifeline)
-        worker._reader, worker._writer = await asyncio.open_unix_connection(sock=near)
-        return worker
+        return cls(process, lifeline, streams)
 
     def send(self, message: Message) -> None:
         """Send a message; to a process that is gone it is lost."""
