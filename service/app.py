@@ -20,6 +20,7 @@ from service.catalog import routes as catalog
 from service.executions import replay
 from service.executions import routes as executions
 from service.lifespan import open_services
+from service.plans import batch_routes as batches
 from service.plans import outputs
 from service.plans import routes as plans
 from service.queries import routes as queries
@@ -35,6 +36,7 @@ from service.settings import Settings
 from service.telemetry.traces import request_telemetry
 from service.trajectories import routes as trajectories
 from service.versions import versions
+from service.webhooks import routes as webhooks
 
 _DESCRIPTION = (
     "Plans robot motion and proves it. SI units, radians, quaternions as `[w, x, y, z]`. Unknown "
@@ -49,11 +51,13 @@ PARTS = (
     queries,
     regions,
     catalog,
+    batches,
     plans,
     outputs,
     trajectories,
     executions,
     replay,
+    webhooks,
     operations,
 )
 
@@ -82,10 +86,11 @@ def create_app(
         try:
             require_guarded(chosen)
             async with (
-                open_services(chosen, on_taken, metrics) as (jobs, scenes),
+                open_services(chosen, on_taken, metrics) as services,
                 open_key_ring(chosen.url) if chosen.auth == "keys" else nullcontext() as keys,
             ):
-                app.state.jobs, app.state.scenes, app.state.keys = jobs, scenes, keys
+                app.state.jobs, app.state.scenes, app.state.webhooks = services
+                app.state.keys = keys
                 has_started = True
                 yield
         except Exception as fault:

@@ -85,6 +85,13 @@ class UnknownResource(Refusal):
         return cls(f"there {verb} no {kind} {shown!r}", {"kind": kind, "id": shown})
 
 
+class AddressNotAllowed(Refusal):
+    """A webhook leads where the server sends nothing; evidence: `host`, `pointer`."""
+
+    code = "address_not_allowed"
+    status = 422
+
+
 class MethodNotAllowed(Refusal):
     """The resource is there, but does not do that."""
 
@@ -254,6 +261,7 @@ _STATUS: dict[type[WayproofError], int] = {
     planning_errors.PlanningFailure: 409,
     planning_errors.DeadlineExceeded: 503,
     job_errors.IdempotencyConflict: 409,
+    job_errors.JobInUse: 409,
     job_errors.QueueFull: 429,
     job_errors.QueueTimeout: 503,
     job_errors.UnknownJob: 404,

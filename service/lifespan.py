@@ -16,9 +16,10 @@ from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.queue import JobQueue, Share
 from service.jobs.dispatch.worker_pool import WorkerPool
-from service.jobs.service import CallTerms, JobService
+from service.jobs.service import JobService
 from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.task_calls import CallTerms
 from service.jobs.worker.assignment import Worker
 from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker
@@ -30,6 +31,8 @@ from service.scenes.store import SceneStore
 from service.scenes.tasks import Library
 from service.settings import Settings
 from service.versions import versions
+from service.webhooks.delivery import DeliveryTerms, WebhookDelivery
+from service.webhooks.store import WebhookStore
 from service.workers import PRELOAD, WARM_UP, import_tasks
 
 # In the order in which they are counted.
@@ -43,7 +46,7 @@ async def open_services(
     settings: Settings,
     on_taken: Callable[[], None],
     observer: Observer | None = None,
-) -> AsyncGenerator[tuple[JobService, SceneStore]]:
+) -> AsyncGenerator[tuple[JobService, SceneStore, WebhookStore]]:
     """Run jobs from here on; what an earlier server left is taken up again.
 
     Args:
@@ -64,19 +67,22 @@ async def open_services(
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.folder, _library(settings))
+    webhooks = WebhookStore(engine)
+    delivery = WebhookDelivery(webhooks, _delivery_terms(settings))
+    store.on_event = delivery.note  # what recovery ends is told as well
     try:
         await dispatcher.start(WARM_UP if settings.engine == "process" else None)
         try:
             await scenes.open()  # behind the lock: others may not change the database meanwhile
-            terms = CallTerms(settings.query_timeout, settings.query_patience, call_for_client)
+            terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
             scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
-            scenes.on_delete = sweeper.ask
+            scenes.on_delete = jobs.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
-            async with _meanwhile(sweeper.run(), retention.run()):
-                yield jobs, scenes
+            async with _meanwhile(sweeper.run(), retention.run(), delivery.run()):
+                yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()
     finally:
@@ -93,6 +99,10 @@ async def _meanwhile(*work: Coroutine[Any, Any, None]) -> AsyncGenerator[None]:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _delivery_terms(settings: Settings) -> DeliveryTerms:
+    return DeliveryTerms(settings.webhook_private_addresses, settings.webhook_failure_days)
 
 
 def _library(settings: Settings) -> Library:

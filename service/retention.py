@@ -6,29 +6,24 @@ robot is; regions of the content of a scene; whatever a job that waits or runs n
 
 import asyncio
 import logging
-import re
 import threading
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 
 from anyio import to_thread
-from sqlalchemy import ColumnElement, Connection, delete, func, select
+from sqlalchemy import ColumnElement, Connection, func, select
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.jobs.errors import DatabaseTaken
-from service.jobs.json_text import encode
-from service.jobs.states import JobState
+from service.jobs.store.deletion import ENDED, delete_job, named_by_open
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.tables import bodies, events, jobs, makers, summaries
+from service.jobs.store.tables import jobs
 from service.scenes.records import scenes
 
 # Between two sweeps [s].
 _PERIOD = 3600.0
 # Others write meanwhile: no transaction takes long.
 _JOBS_AT_ONCE = 50
-_EVENTS_AT_ONCE = 2000
-_ENDED = [state.value for state in JobState if state.is_final]
-_NAMED = re.compile(r'"((?:pln|exe|reg)_[0-9a-f]+)"')
 _log = logging.getLogger(__name__)
 
 
@@ -82,28 +77,14 @@ class Retention:
             if not old:
                 break
             for identifier in old:
-                self._delete(identifier)
+                delete_job(self._store, identifier)
             count += len(old)
         return count
-
-    def _delete(self, identifier: str) -> None:
-        """Delete a job, its events first and in portions: an hour of motion has 70,000."""
-        number = 0
-        while True:
-            number += _EVENTS_AT_ONCE
-            these = (events.c.job == identifier) & (events.c.number <= number)
-            with self._store.transaction(is_durable=False) as connection:
-                gone = connection.execute(delete(events).where(these)).rowcount
-                if gone == 0:
-                    for table in (bodies, summaries, makers):
-                        connection.execute(delete(table).where(table.c.job == identifier))
-                    connection.execute(delete(jobs).where(jobs.c.id == identifier))
-                    return
 
 
 def _old(connection: Connection, before: datetime, most: int) -> list[str]:
     """Return jobs that ended before an instant and are not needed, oldest first."""
-    is_old = jobs.c.state.in_(_ENDED) & (jobs.c.finished_at < before.isoformat())
+    is_old = jobs.c.state.in_(ENDED) & (jobs.c.finished_at < before.isoformat())
     query = select(jobs.c.id).where(is_old, ~_is_needed(connection)).order_by(jobs.c.sequence)
     return list(connection.execute(query.limit(most)).scalars())
 
@@ -115,12 +96,5 @@ def _is_needed(connection: Connection) -> ColumnElement[bool]:
     return (
         jobs.c.sequence.in_(last)
         | ((jobs.c.queue == "regions") & is_of_scene)
-        | jobs.c.id.in_(_named_by_open(connection))
+        | jobs.c.id.in_(named_by_open(connection))
     )
-
-
-def _named_by_open(connection: Connection) -> set[str]:
-    """Return the ids in what jobs that wait or run were asked for."""
-    query = select(summaries.c.payload).join(jobs, jobs.c.id == summaries.c.job)
-    found = connection.execute(query.where(jobs.c.state.not_in(_ENDED))).scalars()
-    return {name for payload in found for name in _NAMED.findall(encode(payload))}

@@ -161,7 +161,7 @@ class Settings(BaseSettings):
     query_timeout: float = Field(
         default=60.0, gt=0, description="For checks, IK and so on, once they run [s]"
     )
-    query_patience: float = Field(
+    queue_timeout: float = Field(
         default=30.0, gt=0, description="How long a question may wait for a worker [s]"
     )
     best_grace: float = Field(
@@ -200,6 +200,15 @@ class Settings(BaseSettings):
         """Arguments win over the environment, and that over the file that it names."""
         in_file = InitSettingsSource(settings_cls, read_config_file(os.environ))
         return init_settings, env_settings, in_file
+
+    webhook_private_addresses: bool = Field(
+        default=False,
+        description="Whether webhooks may lead to loopback and private addresses, which the world "
+        "does not reach but this server does",
+    )
+    webhook_failure_days: float = Field(
+        default=5.0, gt=0, description="After which a webhook that takes nothing is disabled"
+    )
 
     @field_validator("rate_limit")
     @classmethod

@@ -20,7 +20,9 @@ class FaultKind(StrEnum):
     """What can go wrong."""
 
     WORKER_KILLED = "worker -9"
+    WORKER_CRASHED = "worker -11"
     WORKER_STOPPED = "worker stopped"
+    WORKER_HUNG = "worker hung"
     FORKSERVER_KILLED = "forkserver -9"
     SERVER_KILLED = "server -9"
     SERVER_TOLD = "server TERM"
@@ -32,7 +34,9 @@ class FaultKind(StrEnum):
 
 _WEIGHTS = {
     FaultKind.WORKER_KILLED: 9,
+    FaultKind.WORKER_CRASHED: 4,
     FaultKind.WORKER_STOPPED: 4,
+    FaultKind.WORKER_HUNG: 1,
     FaultKind.FORKSERVER_KILLED: 1,
     FaultKind.SERVER_KILLED: 2,
     FaultKind.SERVER_TOLD: 2,
@@ -44,6 +48,9 @@ _WEIGHTS = {
 # How long what does not happen at once lasts [s].
 _LASTS = {
     FaultKind.WORKER_STOPPED: (0.2, 8.0),
+    # Longer than any plan may take: native code that does not return looks like this from outside,
+    # to a cancel and to a time limit, which both have to end the process.
+    FaultKind.WORKER_HUNG: (80.0, 100.0),
     # Robots need a second to come to rest.
     FaultKind.SERVER_HURRIED: (0.0, 1.5),
     FaultKind.DISK_FULL: (0.5, 12.0),
@@ -119,6 +126,8 @@ class Havoc:
         match fault.kind:
             case FaultKind.WORKER_KILLED:
                 self._kill(fault.kind, self._chosen(fault))
+            case FaultKind.WORKER_CRASHED:
+                self._kill(fault.kind, self._chosen(fault), signal.SIGSEGV)
             case FaultKind.FORKSERVER_KILLED:
                 self._kill(fault.kind, self._keeper.forkserver())
             case FaultKind.SERVER_KILLED | FaultKind.SERVER_TOLD | FaultKind.SERVER_HURRIED:
@@ -140,7 +149,7 @@ class Havoc:
     def _last(self, fault: Fault) -> None:
         lock = self._one[fault.kind]
         # One worker is stopped beside another; a disk is not full twice.
-        is_alone = fault.kind is not FaultKind.WORKER_STOPPED
+        is_alone = fault.kind not in {FaultKind.WORKER_STOPPED, FaultKind.WORKER_HUNG}
         with ExitStack() as stack:
             if is_alone:
                 stack.enter_context(lock)
@@ -154,7 +163,7 @@ class Havoc:
 
     def _trouble(self, fault: Fault) -> AbstractContextManager[None]:
         match fault.kind:
-            case FaultKind.WORKER_STOPPED:
+            case FaultKind.WORKER_STOPPED | FaultKind.WORKER_HUNG:
                 return stopped(self._chosen(fault))
             case FaultKind.DISK_FULL:
                 pid = self._keeper.pid
@@ -164,9 +173,11 @@ class Havoc:
             case _:
                 return self._database.away()
 
-    def _kill(self, kind: FaultKind, process: Process | None) -> None:
+    def _kill(
+        self, kind: FaultKind, process: Process | None, by: signal.Signals = signal.SIGKILL
+    ) -> None:
         if process is not None:
-            process.send(signal.SIGKILL)
+            process.send(by)
             self.done[kind] += 1
 
     def _chosen(self, fault: Fault) -> Process | None:

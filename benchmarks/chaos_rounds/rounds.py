@@ -97,7 +97,7 @@ class Site:
                 keeper.end()
             keeper.check_gone()
         journal.violations += check_rows(self.database, self._ends)
-        kills = sum(done[kind] for kind in FaultKind if kind.endswith("-9"))
+        kills = sum(done[kind] for kind in FaultKind if kind.endswith(("-9", "-11")))
         journal.violations += check_files(self.data, self._rest, kills)
         seconds = time.monotonic() - began
         answers, violations = journal.answers, journal.violations

@@ -9,6 +9,7 @@ import httpx
 
 from benchmarks.service_load.host import ARM, Host, arm_plan, timed
 from benchmarks.service_load.measure import Measure
+from benchmarks.service_load.rate import own_seconds
 
 _WALL = {"name": "wall", "shape": {"box": [0.02, 9, 0.2]}, "pose": {"position": [0, 0, 0]}}
 _WALLED = {
@@ -24,13 +25,19 @@ _ENDLESS = {
 }
 
 
-def starts(host: Host, count: int) -> Iterator[Measure]:
-    """Start servers; yield how long each step takes, from the start of the process on."""
+def starts(host: Host, count: int, workers: int) -> Iterator[Measure]:
+    """Start servers; yield how long each step takes, from the start of the process on.
+
+    Args:
+        host: Of the servers.
+        count: How many.
+        workers: That each of them plans with.
+    """
     names = ("listens", "is ready", "has answered its first plan")
-    steps = [Measure(f"start: until it {name}") for name in names]
+    steps = [Measure(f"start, {workers} workers: until it {name}") for name in names]
     for _ in range(count):
         began = time.perf_counter()
-        server = host.start()
+        server = host.start({"WAYPROOF_PLAN_SLOTS": str(workers)})
         steps[0].seconds.append(time.perf_counter() - began)
         server.be_ready()
         steps[1].seconds.append(time.perf_counter() - began)
@@ -52,9 +59,7 @@ def waits(host: Host, count: int) -> Iterator[Measure]:
         job = timed(whole, host, lambda: _plan(host, scene))
         if job is None:
             break
-        timings: dict[str, float] = job["timings"]
-        own = sum(timings.get(part, 0.0) for part in ("load", "total", "samples"))
-        over.seconds.append(whole.seconds[-1] - own)
+        over.seconds.append(whole.seconds[-1] - own_seconds(job))
     over.faults += whole.faults
     yield from (whole, over)
 

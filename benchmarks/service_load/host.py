@@ -2,6 +2,7 @@
 
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -51,13 +52,17 @@ class Host:
         self._end()
         self._folder.cleanup()
 
-    def start(self) -> Server:
-        """Start a new server on an empty data folder, in place of the one before; wait for it."""
+    def start(self, chosen: Mapping[str, str] | None = None) -> Server:
+        """Start a new server on an empty data folder, in place of the one before; wait for it.
+
+        Args:
+            chosen: Variables of its settings.
+        """
         self._end()
         self._num_started += 1
         folder = Path(self._folder.name)
         name = f"{self._num_started}"
-        environment = {"WAYPROOF_QUERY_TIMEOUT": str(self._limit)}
+        environment = {"WAYPROOF_QUERY_TIMEOUT": str(self._limit), **(chosen or {})}
         self._server = Server(folder / name, folder / f"{name}.log", environment)
         self._server.listen()
         self.url = self._server.url

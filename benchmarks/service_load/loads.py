@@ -35,16 +35,21 @@ def loads(host: Host, users: int, seconds: int) -> Iterator[Measure]:
     host.need()
     request = arm_plan(host.post("/v1/scenes", ARM)["id"])
     plan = host.post("/v1/plans?wait=30", request)
-    environment = {
-        "WAYPROOF_BENCH_SECONDS": str(seconds),
-        "WAYPROOF_BENCH_PLAN": f"/v1/plans/{plan['id']}",
-        "WAYPROOF_BENCH_REQUEST": json.dumps(request),
-    }
+    told_to_users = for_users(plan["id"], request, seconds)
     for kind, what in _KINDS.items():
         for number in sorted({1, users}):
             measure = Measure(f"{what}, {number} at once")
-            [told] = _run(host.url, kind, number, seconds, environment)
+            [told] = run_locust(host.url, kind, number, seconds, told_to_users)
             yield read(measure, told)
+
+
+def for_users(plan: str, request: dict[str, Any], seconds: int) -> dict[str, str]:
+    """Return the variables that `users.py` reads."""
+    return {
+        "WAYPROOF_BENCH_SECONDS": str(seconds),
+        "WAYPROOF_BENCH_PLAN": f"/v1/plans/{plan}",
+        "WAYPROOF_BENCH_REQUEST": json.dumps(request),
+    }
 
 
 def read(measure: Measure, told: dict[str, Any]) -> Measure:
@@ -65,7 +70,7 @@ def read(measure: Measure, told: dict[str, Any]) -> Measure:
     return measure
 
 
-def _run(
+def run_locust(
     url: str, kind: str, users: int, seconds: int, environment: dict[str, str]
 ) -> list[dict[str, Any]]:
     """Run locust and return its statistics."""

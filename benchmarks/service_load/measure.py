@@ -19,6 +19,7 @@ class Measure:
         rate: How often it is done a second, if that is what counts [1/s].
         faults: Why there is no number, once for each time that there is none.
         limit: What takes longer is a fault [s].
+        mebibytes: Of memory, if that is what counts [MiB].
     """
 
     what: str
@@ -26,6 +27,7 @@ class Measure:
     rate: float | None = None
     faults: list[str] = field(default_factory=list)
     limit: float | None = None
+    mebibytes: float | None = None
 
     @property
     def num_done(self) -> int:
@@ -36,7 +38,8 @@ class Measure:
         """Return the numbers, JSON-compatible."""
         known = {"what": self.what, "done": self.num_done, "faults": self.faults}
         milliseconds = {name: _or_none(self._at(share)) for name, share in _SHARES.items()}
-        return {**known, "rate": self.rate, "limit": self.limit, "ms": milliseconds}
+        counts = {"rate": self.rate, "limit": self.limit, "mebibytes": self.mebibytes}
+        return {**known, **counts, "ms": milliseconds}
 
     def cells(self) -> list[str]:
         """Return the row of a table."""
@@ -44,14 +47,15 @@ class Measure:
         rate = "" if self.rate is None else f"{self.rate:.0f}"
         faults = sorted({fault[:90] for fault in self.faults})
         told = f"{len(self.faults)}: {'; '.join(faults)}" if faults else "0"
-        return [self.what, str(self.num_done), *at, rate, told]
+        memory = "" if self.mebibytes is None else f"{self.mebibytes:.0f}"
+        return [self.what, str(self.num_done), *at, rate, memory, told]
 
     def _at(self, share: float) -> float:
         """Return the milliseconds that a share of all are done within."""
         return 1e3 * quantile(self.seconds, share)
 
 
-_SHARES = {"median": 0.5, "p95": 0.95, "worst": 1.0}
+_SHARES = {"median": 0.5, "p95": 0.95, "p99": 0.99, "worst": 1.0}
 
 
 def quantile(numbers: Sequence[float], share: float) -> float:
@@ -71,7 +75,7 @@ def table(measures: Iterable[Measure]) -> Table:
     """Return all measures, a row each."""
     made = Table(title="the service over HTTP; milliseconds")
     made.add_column("what")
-    for head in ("done", *_SHARES, "a second", "failed"):
+    for head in ("done", *_SHARES, "a second", "MiB", "failed"):
         made.add_column(head, justify="left" if head == "failed" else "right")
     for measure in measures:
         made.add_row(*measure.cells())

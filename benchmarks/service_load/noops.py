@@ -4,25 +4,34 @@ import asyncio
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 from benchmarks.service_load.measure import Measure
+from service.jobs.context import TaskContext
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.task import Task, TaskModel
 from service.jobs.worker.process_worker import ProcessWorker
 
 _HERE = __name__
+
+
+class Nothing(TaskModel):
+    """What the job is given and gives."""
+
+
+NOOP = Task("benchmark_noop", Nothing, Nothing, queue="plan")
 _LONGEST = 300.0
 
 
-def noop(payload: dict[str, Any], channel: object) -> dict[str, Any]:
+@NOOP.runs
+def noop(payload: Nothing, context: TaskContext) -> Nothing:
     """Do nothing, in a worker."""
-    del payload, channel
-    return {}
+    del context
+    return payload
 
 
 def noops(count: int, slots: int) -> Measure:
@@ -45,7 +54,7 @@ async def _done(folder: Path, count: int, slots: int) -> Measure:
 
     async def one() -> None:
         began = time.perf_counter()
-        job = await dispatcher.submit(JobSpec("plan", f"{_HERE}:noop", {}))
+        job = await dispatcher.submit(JobSpec("plan", NOOP.name, {}))
         ended = await dispatcher.wait(job.id, _LONGEST)
         if ended.state == "succeeded":
             measure.seconds.append(time.perf_counter() - began)

@@ -7,11 +7,12 @@ import json
 import os
 import time
 
-from locust import FastHttpUser, task
+from locust import FastHttpUser, constant_pacing, task
 
 # What `loads.py` says they ask for, and for how long [s].
 _PLAN = os.environ["WAYPROOF_BENCH_PLAN"]
 _REQUEST = json.loads(os.environ["WAYPROOF_BENCH_REQUEST"])
+_PERIOD = float(os.environ.get("WAYPROOF_BENCH_PERIOD", "1"))
 _SECONDS = float(os.environ["WAYPROOF_BENCH_SECONDS"])
 
 
@@ -38,6 +39,12 @@ class Polls(Timed):
         """Ask once."""
         self.look()
         self.client.get(_PLAN, name="poll")
+
+
+class Crowd(Polls):
+    """Looks at a plan that has ended, every few seconds."""
+
+    wait_time = constant_pacing(_PERIOD)
 
 
 class Plans(Timed):

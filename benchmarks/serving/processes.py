@@ -61,6 +61,17 @@ def open_files(pid: int) -> Counter[str]:
     return kinds
 
 
+def resident(pid: int) -> float:
+    """Return the memory of a process and of those below it, shared pages by their share [MiB]."""
+    total = 0
+    for one in (pid, *(process.pid for process, _ in descendants(pid))):
+        with suppress(OSError):
+            for line in Path(f"/proc/{one}/smaps_rollup").read_text().splitlines():
+                if line.startswith("Pss:"):
+                    total += int(line.split()[1])
+    return total / 1024
+
+
 def cpu_seconds(pid: int) -> float:
     """Return the processor time that a living process has used [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()

@@ -52,7 +52,7 @@ def find_goals(
         DeadlineExceeded: Time ran out before a configuration was found.
         Canceled: Cancellation was requested.
     """
-    deadline = _with_time_limit(deadline, query.options.time_limit)
+    deadline = _with_time_limit(deadline, query.options.allowed_time)
     match query.goal:
         case LineGoal():
             message = "a line goal has no goal configurations; trace it with `trace_line`"

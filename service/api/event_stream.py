@@ -6,7 +6,7 @@ from typing import Any
 from fastapi.sse import ServerSentEvent
 
 from service.api.events import JobEvent
-from service.jobs.job import JobSummary
+from service.jobs.job import JobSummary, LoggedEvent
 from service.jobs.service import JobService
 
 EVENTS: dict[str, Any] = {
@@ -22,5 +22,9 @@ async def server_sent(
     # An id that is not ours is from another stream: then everything is sent.
     is_ours = last_event_id is not None and last_event_id.isdecimal()
     async for event in jobs.events(job, int(last_event_id) if is_ours and last_event_id else 0):
-        data = {"at": event.at.replace("+00:00", "Z"), **event.data}
-        yield ServerSentEvent(id=str(event.number), event=event.type, data=data)
+        yield ServerSentEvent(id=str(event.number), event=event.type, data=data_of(event))
+
+
+def data_of(event: LoggedEvent) -> dict[str, Any]:
+    """Return what a stream tells of an event."""
+    return {"at": event.at.replace("+00:00", "Z"), **event.data}

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 from pydantic import Field, Json
 
 from service.api.failures.failure import Failure
-from service.api.models import ResponseModel
+from service.api.models import ResponseModel, Timings
+from service.api.open_enums import Stage
 
 type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
 
@@ -15,6 +16,9 @@ class EventData(ResponseModel):
     """What every event says."""
 
     at: datetime = Field(description="When it happened (UTC)")
+    plan: str | None = Field(
+        default=None, description="To which plan, in the stream of a batch; absent in other streams"
+    )
 
 
 class RequeuedData(EventData):
@@ -26,7 +30,7 @@ class RequeuedData(EventData):
 class ProgressData(EventData):
     """How far a job is."""
 
-    stage: str = Field(description="The stage that it is in")
+    stage: Stage = Field(description="The stage that it is in")
     progress: float = Field(description="Of the whole job, 0 to 1")
     detail: str = Field(description="For a person, or empty")
 
@@ -34,7 +38,7 @@ class ProgressData(EventData):
 class StageData(ProgressData):
     """Which stage begins."""
 
-    timings: dict[str, float] = Field(description="Seconds of the stages before it")
+    timings: Timings = Field(description="Seconds of the stages before it")
 
 
 class BestPathData(EventData):

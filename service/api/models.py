@@ -6,7 +6,7 @@ Numbers are finite, never text, never booleans; 1.0 is an integer, as JSON has i
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
     AllowInfNan,
@@ -48,6 +48,24 @@ type Interval = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
 type Positions = Annotated[list[Coordinate], Field(min_length=1, max_length=256)]
 type Name = Annotated[str, StringConstraints(min_length=1, max_length=256)]
 type Identifier = Annotated[str, StringConstraints(min_length=1, max_length=128)]
+# Named, so that a generated client has one type of each.
+type Timings = Annotated[dict[str, float], Field(description="Seconds by stage [s]")]
+type Versions = Annotated[
+    dict[str, str], Field(description="Of everything that the numbers depend on, by name")
+]
+type LineLeg = Annotated[
+    Literal["approach", "retreat"], Field(description="Straight line to a goal, or away from it")
+]
+type LineStopReason = Annotated[
+    Literal["limit", "singularity", "collision", "unreachable"],
+    Field(description="Why a straight line stops"),
+]
+type SampleRejection = Annotated[
+    Literal[
+        "not_converged", "outside_limits", "collision", "path_constraint", "approach", "duplicate"
+    ],
+    Field(description="Which test an IK sample fails"),
+]
 # "no" and 0 are refused: some clients mean false by them, and JSON has a word for it.
 type Boolean = Annotated[bool, Strict()]
 
@@ -80,6 +98,16 @@ UNRECORDED = (
     "What has happened and the database does not hold yet, because it is full, locked or away: "
     "`cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked for "
     "is done all the same"
+)
+
+
+ATTEMPTS = (
+    "How often a worker has begun with it, this time included: more than once where a worker or "
+    "the server ended under it"
+)
+CANCEL_REQUESTED_AT = (
+    "When its end was first requested (UTC), whatever became of that; null if it was not, or by "
+    "a version that did not keep it"
 )
 
 

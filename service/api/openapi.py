@@ -8,6 +8,7 @@ from fastapi.openapi.utils import get_openapi
 
 from planning.world.documents.scene_document import SceneDocument
 from service.api.failures.problem import Problem
+from service.api.links import declare_links
 
 _REF = "#/components/schemas/{model}"
 _TAGS = [
@@ -16,9 +17,11 @@ _TAGS = [
     {"name": "queries", "description": "Questions to a scene, answered at once"},
     {"name": "planners", "description": "OMPL's planners"},
     {"name": "plans", "description": "Certified motions, made by durable jobs"},
+    {"name": "batches", "description": "Many plans in one request"},
     {"name": "regions", "description": "Convex regions of free configurations, for GCS"},
     {"name": "trajectories", "description": "Paths and motions of your own, timed and proven"},
     {"name": "executions", "description": "Motions that are being carried out"},
+    {"name": "webhooks", "description": "Addresses that are told what happens to jobs"},
     {"name": "operations", "description": "The server itself"},
 ]
 
@@ -56,6 +59,7 @@ def _document(app: FastAPI, add: Callable[[dict[str, Any]], None]) -> dict[str, 
         schemas[model.__name__] = schema
     _declare_events(document)
     add(document)
+    declare_links(document)
     inlined: dict[str, Any] = _inlined(document, schemas)
     return inlined
 
@@ -82,6 +86,8 @@ def _inlined(part: Any, schemas: dict[str, Any]) -> Any:
         key: _inlined(child, schemas)
         for key, child in part.items()
         if not (child in schemas.values() and key in schemas and not _is_type(child))
+        # what goes without saying; where it is said, types in TypeScript have every name
+        and not (key == "additionalProperties" and child is True and "properties" in part)
     }
 
 

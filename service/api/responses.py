@@ -3,7 +3,7 @@
 A result goes out as the text that the database has: it is not read here.
 """
 
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Collection, Mapping
 from typing import Any
 
 from anyio import to_thread
@@ -11,7 +11,7 @@ from fastapi import Response
 from fastapi.responses import StreamingResponse
 
 from service.api.models import ResponseModel
-from service.jobs.json_steps import STEP, member_of
+from service.jobs.json_steps import STEP, member_of, without_members
 from service.jobs.json_text import Encoded
 
 _JSON = "application/json"
@@ -72,7 +72,10 @@ def accepted(
 
 
 async def whole(
-    brief: ResponseModel, found: Encoded | None, told: Response | None = None
+    brief: ResponseModel,
+    found: Encoded | None,
+    told: Response | None = None,
+    left_out: Collection[str] = (),
 ) -> Response:
     """Return the answer of a job in full.
 
@@ -80,12 +83,13 @@ async def whole(
         brief: The job without its result.
         found: What the task gave, whose member `result` is the job's.
         told: Status and headers of the answer, if they are not the usual ones.
+        left_out: Members of the job's result that the answer does not carry.
     """
     text = "" if found is None else found.text
     if len(text) <= STEP:
-        result = member_of(text, "result")
+        result = _result_in(text, left_out)
     else:
-        result = await to_thread.run_sync(member_of, text, "result")
+        result = await to_thread.run_sync(_result_in, text, left_out)
     head = f'{brief.model_dump_json()[:-1]},"result":'.encode()
     result = result or "null"
     status = 200 if told is None else told.status_code or 202
@@ -94,6 +98,13 @@ async def whole(
         return Response(head + result.encode() + b"}", status, headers, _JSON)
     headers["content-length"] = str(len(head) + len(result) + 1)
     return StreamingResponse(_in_pieces(head, result), status, headers, _JSON)
+
+
+def _result_in(text: str, left_out: Collection[str]) -> str | None:
+    result = member_of(text, "result")
+    if result is None or result == "null" or not left_out:
+        return result
+    return without_members(result, left_out)
 
 
 def passed_on(

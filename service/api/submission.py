@@ -4,6 +4,7 @@
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -29,13 +30,13 @@ type Prefer = Annotated[
     str | None,
     Header(max_length=200, description="`wait=S` does what `?wait=S` does (RFC 7240)"),
 ]
-type IdempotencyKey = Annotated[
+type KeyHeader = Annotated[
     str | None,
     Header(
         alias="Idempotency-Key",
         min_length=1,
         max_length=200,
-        description="The same key and request give the same job, however often they are sent",
+        description="The same key and request give the same resource, however often they are sent",
     ),
 ]
 
@@ -70,6 +71,17 @@ class Submission:
             self.response.status_code = 200
         return found
 
+    async def all_awaited(self, jobs: Sequence[str], address: str) -> None:
+        """Wait until jobs have ended, for as long as the client waits; the answer says which it is.
+
+        Args:
+            jobs: Their ids.
+            address: Where to poll all of them.
+        """
+        self.response.headers["Location"] = address
+        if await self.jobs.wait_for_all(jobs, self._seconds):
+            self.response.status_code = 200
+
 
 async def _submission(
     response: Response,
@@ -78,7 +90,7 @@ async def _submission(
     *,
     wait: Wait = None,
     prefer: Prefer = None,
-    idempotency_key: IdempotencyKey = None,
+    idempotency_key: KeyHeader = None,
 ) -> Submission:
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
     return Submission(jobs, idempotency_key, response, settings, seconds)

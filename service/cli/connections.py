@@ -1,7 +1,8 @@
-"""Connections: how many there are, and how long each may take to say what it wants.
+"""Connections: how many there are, and how long and how large the headers of a request may be.
 
-Uvicorn waits without end for the rest of a request's headers, and takes connections until the
-process has no more files: a few hundred half-sent requests then deafen it.
+Uvicorn waits without end for the rest of a request's headers, keeps all of them in memory, and
+takes connections until the process has no more files: a few hundred half-sent requests then deafen
+it.
 """
 
 import asyncio
@@ -12,7 +13,13 @@ from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 # Files that are no connections: the database, workers' sockets, the log.
 _OTHER_FILES = 128
+# Of headers that have not ended; what comes in one piece with their end is not counted.
+_MAX_HEADER_BYTES = 64 * 2**10
 _LATE = b"HTTP/1.1 408 Request Timeout\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+_LARGE = (
+    b"HTTP/1.1 431 Request Header Fields Too Large\r\nContent-Length: 0\r\n"
+    b"Connection: close\r\n\r\n"
+)
 _FULL = (
     b"HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 1\r\n"
     b"Connection: close\r\n\r\n"
@@ -76,6 +83,8 @@ class _Bounded:
     transport: asyncio.Transport
     cycle: Any
     _timer: asyncio.TimerHandle | None = None
+    _in_headers = False
+    _num_header_bytes = 0
 
     def connection_made(self, transport: Any) -> None:
         cast("Any", super()).connection_made(transport)
@@ -92,6 +101,19 @@ class _Bounded:
             self.bounds.mark(self, silent=False)
         else:
             self._begin()
+        if self._in_headers:
+            self._num_header_bytes += len(data)
+            if self._num_header_bytes > _MAX_HEADER_BYTES and not self.transport.is_closing():
+                self.transport.write(_LARGE)
+                self.transport.close()
+
+    def on_message_begin(self) -> None:
+        self._in_headers, self._num_header_bytes = True, 0
+        cast("Any", super()).on_message_begin()
+
+    def on_headers_complete(self) -> None:
+        self._in_headers = False
+        cast("Any", super()).on_headers_complete()
 
     def on_response_complete(self) -> None:
         cast("Any", super()).on_response_complete()

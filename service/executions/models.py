@@ -16,7 +16,16 @@ from service.api.events import (
     StartedEvent,
 )
 from service.api.failures.failure import Failure
-from service.api.models import UNRECORDED, Identifier, Real, RequestModel, ResponseModel
+from service.api.models import (
+    ATTEMPTS,
+    CANCEL_REQUESTED_AT,
+    UNRECORDED,
+    Identifier,
+    Real,
+    RequestModel,
+    ResponseModel,
+    Timings,
+)
 
 
 class ExecutionState(StrEnum):
@@ -142,12 +151,14 @@ class Execution(ResponseModel):
     created_at: datetime = Field(description="When it was asked for (UTC)")
     started_at: datetime | None = Field(description="When it began to move (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
+    cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
+    attempts: int = Field(description=ATTEMPTS)
     request: ExecutionRequest = Field(description="The request, defaults filled in")
     scene: str = Field(description="Id of the scene it moves in")
     group: str = Field(description="Group that moves")
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         default={},
         description="Seconds of the stages `load` and `execute`, once it has ended; of a failure "
         "those of `failure` [s]",

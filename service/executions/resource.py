@@ -39,6 +39,8 @@ async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
         created_at=job.created_at,
         started_at=job.started_at,
         finished_at=job.finished_at,
+        cancel_requested_at=job.cancel_requested_at,
+        attempts=job.attempts,
         request=work.request,
         scene=work.scene_id,
         group=work.group,

@@ -21,9 +21,18 @@ class QueueTimeout(WayproofError):
 
 
 class IdempotencyConflict(WayproofError):
-    """An idempotency key came again with another request; evidence: `key`, `job`."""
+    """An idempotency key came again with another request.
+
+    Evidence: `key`, and what it made: `job`, `scene` or `batch`.
+    """
 
     code = "idempotency_conflict"
+
+    @classmethod
+    def of(cls, key: str, kind: str, identifier: str) -> "IdempotencyConflict":
+        """Build the error for a key and what it made."""
+        message = f"the idempotency key {key!r} was used for another request: {identifier}"
+        return cls(message, {"key": key, kind: identifier})
 
 
 class Overtaken(Exception):
@@ -40,6 +49,18 @@ class UnknownJob(WayproofError):
         """Build the error for an id."""
         shown = identifier[:80]
         return cls(f"there is no job {shown!r}", {"id": shown})
+
+
+class JobInUse(WayproofError):
+    """A job that has not ended names this one; evidence: `id`, `used_by`."""
+
+    code = "resource_in_use"
+
+    @classmethod
+    def of(cls, identifier: str, user: str) -> "JobInUse":
+        """Build the error for a job and the one that names it."""
+        message = f"{user} has not ended, and was asked to use {identifier}"
+        return cls(message, {"id": identifier, "used_by": user})
 
 
 class DatabaseInUse(WayproofError):

@@ -51,6 +51,7 @@ class JobSpec:
         max_attempts: How often it may be run if its process dies.
         key: Idempotency key within the queue, or None.
         request_digest: What a second request with the same key must match.
+        batch: Id of the batch that it is of, or None.
         follows: Sequence of the newest job of its queue in its scene, 0 for none, as the request
             knows it: the job is refused if there is another one by now. None if that is no matter.
     """
@@ -66,6 +67,7 @@ class JobSpec:
     max_attempts: int = 2
     key: str | None = None
     request_digest: str = ""
+    batch: str | None = None
     follows: int | None = None
 
 
@@ -86,10 +88,12 @@ class JobSummary:
     attempts: int
     key: str | None
     request_digest: str
+    batch: str | None
     state: JobState
     stage: str
     progress: float
     is_cancel_requested: bool
+    cancel_requested_at: datetime | None
     num_events: int
     created_at: datetime
     started_at: datetime | None
@@ -102,6 +106,16 @@ class JobSummary:
 @dataclass(frozen=True)
 class Job(JobSummary):
     """A job as the tables have it, whole."""
+
+
+@dataclass(frozen=True)
+class BatchMember:
+    """A job of a batch, and when it was asked for and has ended."""
+
+    id: str
+    state: JobState
+    created_at: datetime
+    finished_at: datetime | None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ enclose is decoded in portions.
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 # Takes some milliseconds to decode.
@@ -46,6 +46,12 @@ def member_of(text: str, wanted: str) -> str | None:
     begin = at + len(before)
     end = text.find("\n", begin)
     return text[begin : (len(text) if end < 0 else end) - 1]
+
+
+def without_members(text: str, names: Collection[str]) -> str:
+    """Return the text of an object without the members of some names; what stays is not read."""
+    kept = [f"{json.dumps(name)}:{part}" for name, part in members_of(text) if name not in names]
+    return f"{{{','.join(kept)}}}"
 
 
 def members_of(text: str) -> Iterator[tuple[str, str]]:

@@ -1,47 +1,33 @@
 """JobService: durable jobs for coroutines of one event loop, by way of store and dispatcher."""
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping, Sequence
-from dataclasses import dataclass
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 from anyio import to_thread
-from pydantic import BaseModel
 
 from service.errors import NotReady, ServerStopping, UnknownResource
 from service.jobs.artifacts import Artifact
-from service.jobs.dispatch.calls import Call, CallResult
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
-from service.jobs.job import Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
-from service.jobs.json_text import Encoded
+from service.jobs.job import BatchMember, Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.states import JobState
+from service.jobs.store.deletion import delete_on_request
 from service.jobs.store.job_store import JobStore
-from service.jobs.task import Task
+from service.jobs.task_calls import CallTerms, TaskCalls
 
 _CHUNK = 20
 
 
-@dataclass(frozen=True)
-class CallTerms:
-    """On what terms short tasks are called.
-
-    Attributes:
-        time_limit: For the work [s].
-        worker_timeout: How long a call may wait for a worker [s].
-        answer: Awaits a call for the client of the request; None to await it as it is.
-    """
-
-    time_limit: float = 60.0
-    worker_timeout: float = 30.0
-    answer: Callable[[Coroutine[Any, Any, CallResult]], Awaitable[CallResult]] | None = None
-
-
-class JobService:
+class JobService(TaskCalls):
     """Submits, reads, follows, controls and cancels jobs, and calls short tasks.
 
     An id has the prefix of its queue, so that an id of another queue is unknown without a look.
+
+    Attributes:
+        on_delete: Called after jobs were deleted on request.
     """
 
     def __init__(
@@ -62,48 +48,11 @@ class JobService:
             queues: The names of all queues, in the order in which they are counted.
             terms: On which short tasks are called.
         """
+        super().__init__(dispatcher, terms or CallTerms())
         self._store = store
-        self._dispatcher = dispatcher
         self._prefixes = prefixes
         self._queues = queues
-        self._terms = terms or CallTerms()
-
-    async def call[In: BaseModel, Out: BaseModel](
-        self, task: Task[In, Out], work: In, size: int = 0
-    ) -> Out:
-        """Have a worker carry out a short task and return its answer; it ends if the client leaves.
-
-        Args:
-            task: Of a queue of calls.
-            work: What it is given.
-            size: Number of items: twice as many take longer.
-
-        Raises:
-            WayproofError: What the task raised, or that it took too long, or that it crashed, or
-                that no worker was free in time.
-        """
-        return task.result.model_validate(await self._call(task, work, size=size))
-
-    async def call_text[In: BaseModel, Out: BaseModel](
-        self, task: Task[In, Out], work: In, size: int = 0
-    ) -> Encoded:
-        """Call as `call` does, for an answer that is passed on as it is."""
-        text: Encoded = await self._call(task, work, size=size, is_raw=True)
-        return text
-
-    async def call_loading[In: BaseModel, Out: BaseModel](
-        self, task: Task[In, Out], work: In, size: int = 0
-    ) -> Out:
-        """Call as `call` does, for a task that loads the world whose `digest` it returns."""
-        more = {"digest_field": "digest", "is_partly_raw": True}
-        return task.result.model_validate(await self._call(task, work, size=size, **more))
-
-    async def _call(self, task: Task[Any, Any], work: BaseModel, **more: Any) -> Any:
-        payload, terms = work.model_dump(mode="json"), self._terms
-        digest = payload["scene"]["digest"] if "scene" in payload else None
-        limits = (terms.time_limit, terms.worker_timeout)
-        call = self._dispatcher.call(Call(task.name, payload, task.queue, *limits, digest, **more))
-        return (await (call if terms.answer is None else terms.answer(call))).content
+        self.on_delete: Callable[[], None] | None = None
 
     async def submit(self, spec: JobSpec) -> Job:
         """Queue a job; it is durable when this returns.
@@ -113,6 +62,21 @@ class JobService:
             IdempotencyConflict: Its key was used for another request.
         """
         return await self._dispatcher.submit(spec)
+
+    async def submit_all(self, specs: Sequence[JobSpec]) -> list[Job]:
+        """Queue jobs of one queue, all of them or none; they are durable when this returns.
+
+        Where the key of the first one was used before, the job that it names is returned alone.
+
+        Raises:
+            QueueFull: Its queue would have more waiting jobs than it may.
+            IdempotencyConflict: The key was used for another request.
+        """
+        return await self._dispatcher.submit_all(specs)
+
+    async def members_of(self, batch: str) -> list[BatchMember]:
+        """Return the jobs of a batch in the order in which they were asked for; none if unknown."""
+        return await to_thread.run_sync(self._store.members_of, batch)
 
     async def keep_artifact(self, artifact: Artifact, world_digest: str) -> str:
         """Store an artifact for as long as a job or a scene has a content; return its digest."""
@@ -168,12 +132,12 @@ class JobService:
         *,
         state: str | None = None,
         scene: str | None = None,
-        world_digest: str | None = None,
+        batch: str | None = None,
     ) -> JobPage:
         """Return jobs of a queue, newest first, of those before a number of the list."""
 
         def read() -> list[JobSummary]:
-            wanted = {"state": state, "scene": scene, "world_digest": world_digest}
+            wanted = {"state": state, "scene": scene, "batch": batch}
             return self._store.page(queue, wanted, before=before, limit=limit + 1)
 
         found = await to_thread.run_sync(read)
@@ -203,12 +167,23 @@ class JobService:
             return await self._dispatcher.wait_text(job.id, seconds)
         return await self.text_of(job)
 
+    async def wait_for_all(self, jobs: Sequence[str], seconds: float) -> bool:
+        """Wait until jobs have ended, at most some seconds, and return whether all have."""
+        clock = asyncio.get_running_loop().time
+        end = clock() + seconds
+        for identifier in jobs:
+            left = max(0.0, end - clock())
+            found = await self._dispatcher.wait_text(identifier, left) if left else None
+            if found is None or not found.summary.state.is_final:
+                return False
+        return True
+
     async def text_of(self, job: JobSummary) -> JobText:
         """Return a job with its result, if it has one."""
         has_one = job.state is JobState.SUCCEEDED
         return await self.job_text(job.queue, job.id) if has_one else JobText(job, None)
 
-    async def cancel(self, job: JobSummary) -> JobSummary:
+    async def cancel(self, job: JobSummary | BatchMember) -> JobSummary:
         """End a job, whatever its state; no database is waited for."""
         return await self._dispatcher.cancel(job.id)
 
@@ -219,6 +194,21 @@ class JobService:
             IllegalTransition: It has ended, or is to end.
         """
         return await self._dispatcher.control(job.id, controls)
+
+    async def delete(self, *found: JobSummary | BatchMember) -> None:
+        """Delete jobs that have ended, all of them or none, with all that was recorded of them.
+
+        Raises:
+            IllegalTransition: One has not ended.
+            JobInUse: A job that has not ended names it.
+            UnknownResource: Another request was quicker.
+        """
+        try:
+            await to_thread.run_sync(delete_on_request, self._store, *(job.id for job in found))
+        except UnknownJob as fault:
+            raise UnknownResource.of("job", fault.evidence["id"]) from fault
+        if self.on_delete is not None:
+            self.on_delete()
 
     def unrecorded(self, job: JobSummary) -> list[str]:
         """Return what has happened to a job and is not in the database yet."""
@@ -233,7 +223,7 @@ class JobService:
         """Begin nothing more, and tell what runs to end, before `Dispatcher.stop` waits for it."""
         self._dispatcher.begin_to_stop()
 
-    async def events(self, job: JobSummary, after: int) -> AsyncIterator[LoggedEvent]:
+    async def events(self, job: JobSummary | BatchMember, after: int) -> AsyncIterator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, until it has ended."""
         async for event in self._dispatcher.subscribe(job.id, after):
             yield event

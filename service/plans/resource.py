@@ -76,6 +76,7 @@ async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
     best = await jobs.latest_event(job, "best-so-far") if is_running else None
     return PlanSummary.model_validate({
         "id": job.id,
+        "batch": job.batch,
         "state": job.state,
         "stage": job.stage,
         "progress": 1.0 if job.state == "succeeded" else job.progress,
@@ -83,6 +84,8 @@ async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
         "created_at": job.created_at,
         "started_at": job.started_at,
         "finished_at": job.finished_at,
+        "cancel_requested_at": job.cancel_requested_at,
+        "attempts": job.attempts,
         "request": request,
         "failure": without(job.failure, outline_of(job.task).failure),
         "seed": request["seed"],

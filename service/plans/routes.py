@@ -2,7 +2,7 @@
 
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Collection
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
@@ -19,6 +19,7 @@ from service.jobs.job import JobText
 from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.plans.dependencies import OpenPlan, PlanJob, PlanText
+from service.plans.included_parts import LeftOut
 from service.plans.models.plan import Plan, PlanPage
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
@@ -27,6 +28,7 @@ from service.plans.submit import submit_plan, submit_reversed
 from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans", tags=["plans"])
+type OfBatch = Annotated[str | None, Query(max_length=128, description="Only those of this batch")]
 type State = Annotated[JobState | None, Query(description="Only those in this state")]
 
 
@@ -38,12 +40,12 @@ type State = Annotated[JobState | None, Query(description="Only those in this st
     responses=accepted(Plan, "the plan", 400, 404, 409, 413, 422, 429, 503),
 )
 async def create_plan(
-    request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep
+    request: PlanRequest, submission: SubmissionDep, scenes: ScenesDep, left_out: LeftOut
 ) -> Response:
     """Request a plan: a job that is polled, streamed or waited for."""
     job = await submit_plan(request, submission, scenes)
     found = await submission.awaited(job, "/v1/plans")
-    return await _whole(submission.jobs, found, submission.response)
+    return await _whole(submission.jobs, found, submission.response, left_out)
 
 
 @router.get("", operation_id="listPlans", responses=problems(422))
@@ -51,19 +53,31 @@ async def list_plans(
     jobs: JobsDep,
     state: State = None,
     scene: OfScene = None,
+    batch: OfBatch = None,
     limit: Limit = 50,
     cursor: Cursor = None,
 ) -> PlanPage:
     """List plans, newest first, without their results."""
-    page = await jobs.page("plan", limit, before(cursor), state=state, scene=scene)
+    page = await jobs.page("plan", limit, before(cursor), state=state, scene=scene, batch=batch)
     plans = [await plan_resource(jobs, job) for job in page.jobs]
     return PlanPage(items=plans, next=cursor_of(page.following))
 
 
 @router.get("/{plan}", operation_id="getPlan", response_model=Plan, responses=problems(404, 422))
-async def get_plan(found: PlanText, jobs: JobsDep) -> Response:
+async def get_plan(found: PlanText, jobs: JobsDep, left_out: LeftOut) -> Response:
     """Show a plan: how far it is, and its result once it succeeded."""
-    return await _whole(jobs, found)
+    return await _whole(jobs, found, left_out=left_out)
+
+
+@router.delete(
+    "/{plan}", operation_id="deletePlan", status_code=204, responses=problems(404, 409, 422)
+)
+async def delete_plan(job: OpenPlan, jobs: JobsDep) -> None:
+    """Delete a plan that has ended; its address is unknown then, and its idempotency key free.
+
+    Executions and reversed plans that were made of it stay, for they have its motion themselves.
+    """
+    await jobs.delete(job)
 
 
 @router.get(
@@ -97,11 +111,13 @@ async def get_planner_graph(job: PlanJob) -> PlannerGraph:
     response_model=Plan,
     responses=accepted(Plan, "the plan", 404, 409, 422, 429, 503),
 )
-async def reverse_plan(job: PlanJob, submission: SubmissionDep, scenes: ScenesDep) -> Response:
+async def reverse_plan(
+    job: PlanJob, submission: SubmissionDep, scenes: ScenesDep, left_out: LeftOut
+) -> Response:
     """Request the same motion from its end to its start: a plan of its own, proven anew."""
     reverse = await submit_reversed(job, submission.key, scenes, submission.jobs)
     found = await submission.awaited(reverse, "/v1/plans")
-    return await _whole(submission.jobs, found, submission.response)
+    return await _whole(submission.jobs, found, submission.response, left_out)
 
 
 @router.post(
@@ -115,6 +131,11 @@ async def cancel_plan(job: OpenPlan, jobs: JobsDep) -> Response:
     return await _whole(jobs, await jobs.text_of(await jobs.cancel(job)))
 
 
-async def _whole(jobs: JobService, found: JobText, answer: Response | None = None) -> Response:
-    """Return a plan in full."""
-    return await whole(await plan_resource(jobs, found.summary), found.result, answer)
+async def _whole(
+    jobs: JobService,
+    found: JobText,
+    answer: Response | None = None,
+    left_out: Collection[str] = (),
+) -> Response:
+    """Return a plan in full, or without some parts of its result."""
+    return await whole(await plan_resource(jobs, found.summary), found.result, answer, left_out)

@@ -1,6 +1,7 @@
 """Plans and reversed plans become jobs, once everything that they name is there."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
@@ -8,7 +9,7 @@ from planning.errors import UnknownName
 from service.api.submission import Submission
 from service.catalog.models import Planner
 from service.catalog.planners import known_planners
-from service.jobs.job import IdempotencyKey, Job
+from service.jobs.job import IdempotencyKey, Job, JobSpec
 from service.jobs.service import JobService
 from service.jobs.task import Task
 from service.plans.models.goals import JointGoal
@@ -40,12 +41,32 @@ SLACK = 15.0
 
 
 async def submit_plan(request: PlanRequest, submission: Submission, scenes: SceneStore) -> Job:
-    """Queue a plan.
+    """Queue a plan; raises as `plan_spec`, and if it cannot be queued.
 
     Args:
         request: What to plan.
         submission: How it is submitted.
         scenes: Where its scene is.
+
+    Raises:
+        IdempotencyConflict: The key was used for another request.
+        QueueFull: The queue is full.
+    """
+    key = IdempotencyKey(submission.key, _fingerprint(request))
+    return await submission.jobs.submit(await plan_spec(request, key, submission, scenes))
+
+
+def _fingerprint(request: PlanRequest) -> dict[str, Any]:
+    """Return what a request says, as version 0.1 wrote it: keys are older than names of fields."""
+    fingerprint = request.model_dump(mode="json")
+    fingerprint["ik"]["time_limit"] = fingerprint["ik"].pop("allowed_time")
+    return fingerprint
+
+
+async def plan_spec(
+    request: PlanRequest, key: IdempotencyKey, submission: Submission, scenes: SceneStore
+) -> JobSpec:
+    """Return the job that makes a plan, once all that the request names is there.
 
     Raises:
         UnknownResource: There is no such scene or revision.
@@ -54,9 +75,7 @@ async def submit_plan(request: PlanRequest, submission: Submission, scenes: Scen
         ProblemInvalid: A base cannot drive as requested, or a planner cannot search for that, or
             regions are named and no planner needs them, or the request says twice how to sample.
         WrongCount: A list of positions does not fit the group.
-        IdempotencyConflict: The key was used for another request.
         NoRegions: The planner is GCS, and no regions fit.
-        QueueFull: The queue is full.
     """
     jobs, settings = submission.jobs, submission.settings
     record = await scenes.get(request.scene, request.revision)
@@ -74,8 +93,7 @@ async def submit_plan(request: PlanRequest, submission: Submission, scenes: Scen
         regions=regions and await keep_regions(regions, record, jobs),
         cancel_grace=settings.best_grace if request.search.on_cancel == "best" else None,
     )
-    key = IdempotencyKey(submission.key, request.model_dump(mode="json"))
-    return await _queue(jobs, PLAN, work, record, key)
+    return _spec(PLAN, work, record, key)
 
 
 def _cores(settings: Settings) -> Cores | None:
@@ -110,14 +128,15 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, jobs: 
         ),
     )
     # Two plans with the same ends have the same reversed request, but not the same motion.
-    return await _queue(jobs, REVERSE, work, record, IdempotencyKey(key, {"reverse": plan.id}))
+    fingerprint = {"reverse": plan.id}
+    return await jobs.submit(_spec(REVERSE, work, record, IdempotencyKey(key, fingerprint)))
 
 
-async def _queue[W: MotionWork](
-    jobs: JobService, task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
-) -> Job:
+def _spec[W: MotionWork](
+    task: Task[W, PlanOutcome], work: W, record: SceneRecord, key: IdempotencyKey
+) -> JobSpec:
     time_limit = work.request.search.allowed_planning_time + SLACK
-    return await jobs.submit(spec_of(task, work, record, key, time_limit))
+    return spec_of(task, work, record, key, time_limit)
 
 
 def _settled(

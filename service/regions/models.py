@@ -8,6 +8,8 @@ from pydantic import ConfigDict, Field, Strict
 from planning.domain.planner import regions as domain
 from service.api.failures.failure import Failure
 from service.api.models import (
+    ATTEMPTS,
+    CANCEL_REQUESTED_AT,
     UNRECORDED,
     WHOLE,
     Interval,
@@ -17,8 +19,20 @@ from service.api.models import (
     Real,
     RequestModel,
     ResponseModel,
+    Timings,
+    Versions,
 )
+from service.api.open_enums import AnyStage, OneOf
 from service.jobs.states import JobState
+
+StopReason = Annotated[
+    str,
+    OneOf(
+        "RegionsStopReason",
+        "Why there are no more regions.",
+        ("coverage", "num_regions", "deadline", "exhausted"),
+    ),
+]
 
 
 class RegionsRequest(RequestModel):
@@ -119,7 +133,7 @@ class RegionsSummary(ResponseModel):
         description="Share of the domain's free configurations that some region holds, by sampling"
     )
     coverage_error: float = Field(description="Standard error of `coverage`")
-    stopped_by: str = Field(
+    stopped_by: StopReason = Field(
         description="Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`"
     )
     lower: list[float] = Field(description="Lowest configuration of the domain [rad or m]")
@@ -155,20 +169,22 @@ class RegionsBrief(ResponseModel):
     state: JobState = Field(
         description="State of the growth; succeeded, failed and canceled are final"
     )
-    stage: str = Field(description="`load` or `regions`, or empty")
+    stage: AnyStage = Field(description="`load` or `regions`, or empty")
     progress: float = Field(description="0 to 1", ge=0, le=1)
     created_at: datetime = Field(description="When they were asked for (UTC)")
     started_at: datetime | None = Field(description="When a worker began (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
+    cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
+    attempts: int = Field(description=ATTEMPTS)
     scene: str = Field(description="Id of the scene")
     revision: int = Field(description="Revision of the scene")
     request: RegionsRequest = Field(description="The request, defaults filled in")
     failure: Failure | None = Field(description="Why there is no result")
-    versions: dict[str, str] = Field(
+    versions: Versions = Field(
         description="Of everything that the numbers depend on, in the server that ran it last; "
         "empty before it runs, and for regions of versions that did not keep it"
     )
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         description="Seconds per stage, once it has ended; of a failure those of `failure` [s]"
     )
     unrecorded: list[str] = Field(description=UNRECORDED)

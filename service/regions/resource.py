@@ -25,6 +25,8 @@ def regions_brief(jobs: JobService, job: JobSummary) -> RegionsBrief:
         created_at=job.created_at,
         started_at=job.started_at,
         finished_at=job.finished_at,
+        cancel_requested_at=job.cancel_requested_at,
+        attempts=job.attempts,
         scene=job.scene or "",
         revision=work.revision,
         request=work.request,

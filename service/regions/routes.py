@@ -89,6 +89,17 @@ async def get_regions(found: RegionsText, jobs: JobsDep) -> Response:
     return await regions_in_full(jobs, found)
 
 
+@router.delete(
+    "/regions/{regions}",
+    operation_id="deleteRegions",
+    status_code=204,
+    responses=problems(404, 409, 422),
+)
+async def delete_regions(job: OpenRegions, jobs: JobsDep) -> None:
+    """Delete regions that have ended; plans that were made in them stay."""
+    await jobs.delete(job)
+
+
 @router.get(
     "/regions/{regions}/events",
     operation_id="streamRegionsEvents",

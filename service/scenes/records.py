@@ -34,8 +34,12 @@ scenes = Table(
     Column("name", String(256), nullable=False),
     Column("created_at", String(40), nullable=False),
     Column("summary", JSON, nullable=False),
+    # Of the request that posted it, in the row of the first revision alone.
+    Column("key", String(200), nullable=True),
+    Column("request_digest", String(64), nullable=True),
     UniqueConstraint("id", "revision"),
     Index("scenes_by_revision", "revision", "serial"),
+    Index("scenes_by_key", "key", unique=True),
 )
 
 

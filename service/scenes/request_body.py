@@ -1,11 +1,13 @@
 """The body of a posted scene: which language it is in, its text, and how it is documented."""
 
+import hashlib
 from typing import Any
 
 from fastapi import Request
 
 from service.api.strict_route import kind_of
 from service.errors import BodyTooLarge, UnreadableBody, UnsupportedMediaType
+from service.jobs.job import IdempotencyKey
 from service.scenes.tasks import Media
 
 YAML_TYPES = ("application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml")
@@ -91,6 +93,12 @@ async def read_scene_body(request: Request) -> tuple[str, Media]:
     except UnicodeDecodeError as fault:
         message = f"the body is not UTF-8: {fault.reason} at byte {fault.start}"
         raise UnreadableBody(message, {"position": fault.start}) from fault
+
+
+def key_of(key: str, text: str, media: Media) -> IdempotencyKey:
+    """Return an idempotency key with all that tells a posted scene from another one."""
+    sha256 = hashlib.sha256(text.encode()).hexdigest()
+    return IdempotencyKey(key, {"media": media, "sha256": sha256})
 
 
 def media_of(content_type: str) -> Media:

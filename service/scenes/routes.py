@@ -7,6 +7,7 @@ from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.params import Revision, SceneId
 from service.api.responses import problems
 from service.api.strict_route import StrictRoute
+from service.api.submission import KeyHeader
 from service.errors import RevisionConflict
 from service.scenes.dependencies import ScenesDep
 from service.scenes.edits import apply_edits
@@ -20,7 +21,7 @@ from service.scenes.etags import (
 )
 from service.scenes.models.edits import SceneEdit
 from service.scenes.models.scene import Scene, SceneBrief, ScenePage
-from service.scenes.request_body import REQUEST_BODY, read_scene_body
+from service.scenes.request_body import REQUEST_BODY, key_of, read_scene_body
 from service.scenes.resource import scene_response
 from service.scenes.tasks import LOAD_SCENE, LoadWork
 
@@ -36,14 +37,20 @@ _UNCHANGED = {"description": "`If-None-Match` names this revision", "headers": E
     status_code=201,
     response_model=Scene,
     response_model_exclude_none=True,
-    responses={201: _WITH_ETAG, **problems(400, 413, 415, 422, 429, 503)},
+    responses={201: _WITH_ETAG, **problems(400, 409, 413, 415, 422, 429, 503)},
     openapi_extra={"requestBody": REQUEST_BODY},
 )
-async def create_scene(request: Request, scenes: ScenesDep, jobs: JobsDep) -> Response:
+async def create_scene(
+    request: Request, scenes: ScenesDep, jobs: JobsDep, idempotency_key: KeyHeader = None
+) -> Response:
     """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
     text, media = await read_scene_body(request)
-    work = LoadWork(library=scenes.library, text=text, media=media)
-    record = await scenes.add(await jobs.call_loading(LOAD_SCENE, work, size=len(text)))
+    key = None if idempotency_key is None else key_of(idempotency_key, text, media)
+    record = None if key is None else await scenes.find_by_key(key)
+    if record is None:
+        work = LoadWork(library=scenes.library, text=text, media=media)
+        loaded = await jobs.call_loading(LOAD_SCENE, work, size=len(text))
+        record = await scenes.add(loaded, key)
     return scene_response(record, 201, f"/v1/scenes/{record.id}")
 
 
@@ -91,7 +98,11 @@ async def edit_scene(
 
 
 @router.delete(
-    "/{scene}", operation_id="deleteScene", status_code=204, responses=problems(404, 412, 422)
+    "/{scene}",
+    operation_id="deleteScene",
+    status_code=204,
+    response_class=Response,  # which has no content type
+    responses=problems(404, 412, 422),
 )
 async def delete_scene(scene: SceneId, scenes: ScenesDep, if_match: IfMatch = None) -> None:
     """Forget a scene; plans that were made in it stay."""

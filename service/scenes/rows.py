@@ -16,9 +16,12 @@ from sqlalchemy import (
     insert,
     literal,
     select,
+    update,
 )
 
 from service.errors import UnknownResource
+from service.jobs.errors import IdempotencyConflict
+from service.jobs.job import IdempotencyKey
 from service.jobs.json_text import Encoded, encode
 from service.jobs.store.artifact_store import read_content
 from service.scenes.document_artifact import document_of
@@ -28,7 +31,8 @@ from service.scenes.tasks import LoadedScene
 
 # Member of a row's summary: the revision that has what this row leaves out.
 _HELD = "unchecked_in"
-_BRIEF = tuple(column for column in scenes.c if column is not scenes.c.summary)
+_LEFT_OUT = {scenes.c.summary, scenes.c.key, scenes.c.request_digest}
+_BRIEF = tuple(column for column in scenes.c if column not in _LEFT_OUT)
 
 
 def insert_revision(
@@ -62,6 +66,29 @@ def insert_revision(
     content = loaded.digest, artifact, loaded.name
     brief = SceneBrief(serial, identifier, revision, *content, created_at)
     return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=unchecked_in)
+
+
+def write_key(connection: Connection, identifier: str, key: IdempotencyKey) -> None:
+    """Write the idempotency key of the request that posted a scene.
+
+    Raises:
+        IntegrityError: Another scene has the key.
+    """
+    row = update(scenes).where(scenes.c.id == identifier)
+    connection.execute(row.values(key=key.text, request_digest=key.digest))
+
+
+def find_by_key(connection: Connection, key: IdempotencyKey) -> str | None:
+    """Return the id of the scene that an idempotency key names, None if there is none.
+
+    Raises:
+        IdempotencyConflict: The key was used for another request.
+    """
+    query = select(scenes.c.id, scenes.c.request_digest).where(scenes.c.key == key.text)
+    found = connection.execute(query).first()
+    if found is not None and found.request_digest != key.digest:
+        raise IdempotencyConflict.of(key.text or "", "scene", found.id)
+    return None if found is None else found.id
 
 
 def latest_revision(connection: Connection, identifier: str) -> int | None:

@@ -9,9 +9,11 @@ from pathlib import Path
 
 from anyio import to_thread
 from sqlalchemy import Connection, Engine
+from sqlalchemy.exc import IntegrityError
 
 from service.errors import RevisionConflict, UnknownResource
 from service.jobs.errors import DatabaseUnavailable
+from service.jobs.job import IdempotencyKey
 from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import set_durability
 from service.jobs.store.schema import bring_up_to_date
@@ -62,9 +64,28 @@ class SceneStore:
         """Create what is missing, and bring the database to the newest revision."""
         await to_thread.run_sync(self._open)
 
-    async def add(self, loaded: LoadedScene) -> SceneRecord:
-        """Record a new scene."""
-        return await self._write(self._add, loaded)
+    async def add(self, loaded: LoadedScene, key: IdempotencyKey | None = None) -> SceneRecord:
+        """Record a new scene, or return the one that a key names by now.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+        """
+        try:
+            return await self._write(self._add, loaded, key)
+        except IntegrityError:
+            known = None if key is None else await self.find_by_key(key)
+            if known is None:
+                raise
+            return known
+
+    async def find_by_key(self, key: IdempotencyKey) -> SceneRecord | None:
+        """Return the scene that an idempotency key names, as it is now; None if there is none.
+
+        Raises:
+            IdempotencyConflict: The key was used for another request.
+        """
+        known = await to_thread.run_sync(self._id_of_key, key)
+        return None if known is None else await self.get(known)
 
     async def revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
         """Record the revision that follows `base`.
@@ -157,11 +178,17 @@ class SceneStore:
         with self._durable() as connection:
             adopt_files(connection, self._artifacts, self._folder)
 
-    def _add(self, loaded: LoadedScene) -> SceneRecord:
+    def _id_of_key(self, key: IdempotencyKey) -> str | None:
+        with self._engine.connect() as connection:
+            return rows.find_by_key(connection, key)
+
+    def _add(self, loaded: LoadedScene, key: IdempotencyKey | None) -> SceneRecord:
         with self._durable() as connection:
             artifact = self._keep_artifact(connection, loaded)
             identifier = f"scn_{secrets.token_hex(8)}"
             record = rows.insert_revision(connection, identifier, 1, loaded, artifact)
+            if key is not None:
+                rows.write_key(connection, identifier, key)
         self._recent.put(record)
         return record
 

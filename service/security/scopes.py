@@ -9,7 +9,8 @@ from enum import StrEnum
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 _OPEN = frozenset({"/", "/healthz", "/readyz", "/docs", "/openapi.json"})
 _ASSETS = "/docs/"
-_ADMIN = "/metrics"
+_METRICS = "/metrics"
+_WEBHOOKS = "/v1/webhooks"
 _EXECUTIONS = "/v1/executions"
 
 
@@ -19,7 +20,7 @@ class Scope(StrEnum):
     READ = "read"  # show and list resources, stream events
     PLAN = "plan"  # post, edit and delete scenes; questions, plans, regions, own motions
     EXECUTE = "execute"  # move robots, and stop them
-    ADMIN = "admin"  # metrics, and all of the above
+    ADMIN = "admin"  # metrics, webhooks, and all of the above
 
 
 def required_scope(method: str, path: str) -> Scope | None:
@@ -33,9 +34,12 @@ def required_scope(method: str, path: str) -> Scope | None:
     path = path.removesuffix("\n")
     if path in _OPEN or path.startswith(_ASSETS):
         return None
-    if path == _ADMIN:
+    if path == _METRICS or _is_below(_WEBHOOKS, path):
         return Scope.ADMIN
     if method in SAFE_METHODS:
         return Scope.READ
-    is_execution = path == _EXECUTIONS or path.startswith(f"{_EXECUTIONS}/")
-    return Scope.EXECUTE if is_execution else Scope.PLAN
+    return Scope.EXECUTE if _is_below(_EXECUTIONS, path) else Scope.PLAN
+
+
+def _is_below(collection: str, path: str) -> bool:
+    return path == collection or path.startswith(f"{collection}/")

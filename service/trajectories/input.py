@@ -18,9 +18,15 @@ type Instants = Annotated[list[NonNegative], Field(min_length=2, max_length=20_0
 type Pieces = Annotated[list[Positions], Field(min_length=1, max_length=20_000)]
 type Powers = Annotated[list[Positions], Field(min_length=1, max_length=16)]
 
-# What samples may be taken for; no `type`, which would be a schema of its own in OpenAPI.
-SampleInterpolation = Literal["quintic", "cubic", "cubic_spline", "linear"]
-Interpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"]
+# What samples may be taken for; named, so that a generated client has one type of each.
+type SampleInterpolation = Annotated[
+    Literal["quintic", "cubic", "cubic_spline", "linear"],
+    Field(description="What is between two samples"),
+]
+type MotionInterpolation = Annotated[
+    Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"],
+    Field(description="What a motion is between its instants"),
+]
 
 
 class PolynomialInput(RequestModel):
@@ -113,7 +119,7 @@ class TrajectoryInput(RequestModel):
 
     def to_domain(
         self, group: JointGroup, field: str = "trajectory"
-    ) -> tuple[TimedTrajectory, Interpolation]:
+    ) -> tuple[TimedTrajectory, MotionInterpolation]:
         """Return the motion of a group, and the interpolation that its samples stand for.
 
         Args:

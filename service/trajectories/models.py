@@ -23,7 +23,7 @@ from service.plans.models.request import Certify, Retime
 from service.plans.models.result import Certificate
 from service.plans.models.sampling import Sampling
 from service.plans.models.trajectory import Trajectory
-from service.trajectories.input import Interpolation, TrajectoryInput
+from service.trajectories.input import MotionInterpolation, TrajectoryInput
 
 _SCENE = {"scene": "scn_3f0c5b1e9a7d4c62", "group": "arm"}
 _WAYPOINTS = [[0, -1.57, 1.57, -1.57, -1.57, 0], [0.5, -1.4, 1.4, -1.57, -1.57, 0]]
@@ -140,7 +140,7 @@ class CertifyMotionResponse(ResponseModel):
     """The verdict on the motion, between its samples too."""
 
     certificate: Certificate = Field(description="Checks that passed and checks that failed")
-    interpolation: Interpolation = Field(description="What the samples were taken for")
+    interpolation: MotionInterpolation = Field(description="What the samples were taken for")
     unchecked: list[str] = Field(
         default=[],
         description="Checks that straight lines are not held to, as their velocity jumps",
@@ -202,7 +202,7 @@ class StopMotionResponse(ResponseModel):
     )
     certificate: Certificate | None = Field(description="The proof; null if there is none")
     stage: CertifyReport | None = Field(description="Report of the proof; null if there is none")
-    interpolation: Interpolation = Field(
+    interpolation: MotionInterpolation = Field(
         description="What the samples of the running motion were taken for"
     )
     failure: Failure | None = Field(
@@ -214,6 +214,6 @@ class StopMotionResponse(ResponseModel):
 class SpliceMotionResponse(StopMotionResponse):
     """A certified motion from the instant on to the end of the other one, or why there is none."""
 
-    onto_interpolation: Interpolation = Field(
+    onto_interpolation: MotionInterpolation = Field(
         description="What the samples of the other motion were taken for"
     )

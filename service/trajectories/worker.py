@@ -32,7 +32,7 @@ from service.plans.models.result import Certificate
 from service.plans.models.sampling import IN_QUESTION, require_few
 from service.plans.models.trajectory import Trajectory
 from service.scenes.world_cache import borrow_world
-from service.trajectories.input import Interpolation, TrajectoryInput
+from service.trajectories.input import MotionInterpolation, TrajectoryInput
 from service.trajectories.models import (
     CertifyMotionRequest,
     CertifyMotionResponse,
@@ -235,7 +235,7 @@ class _Transition:
 
 def _smooth(
     trajectory: TrajectoryInput, group: JointGroup, field: str
-) -> tuple[TimedTrajectory, Interpolation]:
+) -> tuple[TimedTrajectory, MotionInterpolation]:
     """Return a motion that can be left or joined, and the interpolation of its samples.
 
     Raises:

@@ -9,8 +9,9 @@ import sys
 import pytest
 
 from benchmarks.chaos import main, parser, table
+from benchmarks.chaos_rounds import keeper
 from benchmarks.chaos_rounds.faults import FaultKind, draw, stopped
-from benchmarks.chaos_rounds.journal import Violation
+from benchmarks.chaos_rounds.journal import Journal, Violation
 from benchmarks.chaos_rounds.rounds import Round
 from benchmarks.serving.processes import descendants
 from tests.profiles import only_campaign, seeds
@@ -44,6 +45,41 @@ def test_a_process_is_stopped_and_goes_on_and_its_end_is_seen() -> None:
         process.send(signal.SIGKILL)
         assert child.wait() == -signal.SIGKILL
         assert not process.is_alive
+
+
+class Ended:
+    """A server that has ended, whose processes are those of the tests."""
+
+    pid = os.getpid()
+
+    def end(self) -> int:
+        return 0
+
+
+def test_a_process_that_outlives_its_server_is_blamed(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(keeper, "_GONE_WITHIN", 0.1)
+    journal = Journal()
+    kept = keeper.Keeper(tmp_path, tmp_path / "log", {}, journal)
+    with subprocess.Popen(SLEEP, stdin=subprocess.PIPE) as child:
+        kept._server = Ended()
+        kept.end()
+        kept.check_gone()
+        assert child.poll() is None
+        child.kill()
+    blamed = [one for one in journal.violations if one.job == f"process {child.pid}"]
+    assert [one.rule for one in blamed] == ["nothing is left running"]
+
+
+def test_a_process_that_ends_with_its_server_is_not_blamed(tmp_path) -> None:
+    journal = Journal()
+    kept = keeper.Keeper(tmp_path, tmp_path / "log", {}, journal)
+    with subprocess.Popen(SLEEP, stdin=subprocess.PIPE) as child:
+        kept._server = Ended()
+        kept.end()
+        child.kill()
+        child.wait()
+        kept.check_gone()
+    assert [one for one in journal.violations if one.job == f"process {child.pid}"] == []
 
 
 def test_the_table_has_what_happened() -> None:

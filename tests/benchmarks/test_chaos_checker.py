@@ -85,6 +85,9 @@ WRONG = [
     ("every log is whole", replaced(0, events=[*DONE[:2], Event(4, "finished", DONE[2].data)])),
     ("every log is whole", replaced(0, events=[*DONE, Event(4, "finished", DONE[2].data)])),
     ("every log is whole", replaced(0, events=[*DONE, Event(4, "stage", {})])),
+    # it ran again, and succeeded twice
+    ("every log is whole", replaced(0, events=[*DONE, Event(4, "started", {}), Event(
+        5, "finished", DONE[2].data)])),
     ("every log is whole", replaced(0, events=DONE[:2])),
     ("every log is whole", told(0, state="failed", failure=CRASHED)),
     ("a stream tells what the log has", asked(0, streamed=DONE[:2])),

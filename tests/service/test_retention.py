@@ -7,9 +7,11 @@ from sqlalchemy import create_engine, func, insert, select, update
 
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded
+from service.jobs.store.deletion import _EVENTS_AT_ONCE
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.schema import bring_up_to_date
 from service.jobs.store.tables import bodies, events, jobs, makers, summaries
-from service.retention import _EVENTS_AT_ONCE, Retention
+from service.retention import Retention
 from service.scenes.records import scenes
 
 NOW = datetime(2020, 1, 1, tzinfo=UTC)
@@ -19,6 +21,7 @@ DAY = timedelta(days=1)
 @pytest.fixture
 def engine(tmp_path):
     made = create_engine(f"sqlite:///{tmp_path / 'jobs.sqlite'}")
+    bring_up_to_date(made)
     yield made
     made.dispose()
 

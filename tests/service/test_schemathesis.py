@@ -1,8 +1,5 @@
 """Schemathesis: whatever is sent, the answers are as declared and never a 5xx."""
 
-import functools
-import warnings
-
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
@@ -10,6 +7,7 @@ from hypothesis import strategies as st
 from tests.profiles import PROFILE, num_cases
 from tests.service.api_routes import api_routes, takes_data
 from tests.service.conftest import BLOCK_SCENE
+from tests.service.declared import ask, checks, library
 
 # Replays are megabytes.
 NOT_CALLED = {"getReplay"}
@@ -33,15 +31,6 @@ def cases():
                 yield route.operation_id, "negative"
 
 
-@functools.cache
-def library():
-    """Schemathesis, imported when the first test needs it: that takes a second."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import schemathesis
-    return schemathesis
-
-
 @pytest.fixture(scope="module")
 def operations(document):
     schema = library().openapi.from_dict(document)
@@ -53,19 +42,6 @@ def operations(document):
 def own_scene(client):
     """A scene that no other test needs: what is called here edits it."""
     return client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
-
-
-@pytest.fixture(scope="module")
-def checks():
-    not_a_server_error = library().checks.not_a_server_error
-    from schemathesis.specs.openapi import checks as declared
-
-    return [
-        not_a_server_error,
-        declared.status_code_conformance,
-        declared.content_type_conformance,
-        declared.response_schema_conformance,
-    ]
 
 
 def test_every_operation_of_the_document_is_called(operations):
@@ -83,7 +59,7 @@ def test_every_operation_of_the_document_is_called(operations):
 @pytest.mark.campaign
 @pytest.mark.parametrize(("name", "mode"), list(cases()))
 def test_answers_are_as_declared(  # noqa: PLR0913, PLR0917  (what it knows of are fixtures)
-    client, own_scene, solved, few_regions, operations, checks, name, mode
+    client, own_scene, solved, few_regions, operations, name, mode
 ):
     if name == "deleteScene":
         own_scene = client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
@@ -96,11 +72,6 @@ def test_answers_are_as_declared(  # noqa: PLR0913, PLR0917  (what it knows of a
         if is_known:
             for parameter in set(case.path_parameters) & set(known):
                 case.path_parameters[parameter] = known[parameter]
-        sent = case.as_transport_kwargs(base_url="http://testserver")
-        sent.pop("cookies", None)
-        if isinstance(sent.get("data"), bytes | str):
-            sent["content"] = sent.pop("data")
-        answer = client.request(**sent)
-        case.validate_response(answer, checks=checks)
+        case.validate_response(ask(client, case), checks=checks())
 
     check()

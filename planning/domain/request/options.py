@@ -36,15 +36,15 @@ class IkOptions(Value):
         joint_weights: Factor on each joint's part of the distance from the start, by full name;
             1 for joints that are not named.
         pose_metric: Metric for the nearest pose to an unreachable one.
-        time_limit: For inverse kinematics, and for the diagnosis if there is no solution [s]; None
-            for no limit.
+        allowed_time: For inverse kinematics, and for the diagnosis if there is no solution [s];
+            None for no limit.
     """
 
     max_configurations: int = 100
     max_trials: int = 300
     joint_weights: Mapping[str, float] = field(default_factory=dict)
     pose_metric: PoseMetric = field(default_factory=PoseMetric)
-    time_limit: float | None = None
+    allowed_time: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

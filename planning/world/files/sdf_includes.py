@@ -13,7 +13,10 @@ _MAX_INCLUDES = 200
 
 
 def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) -> list[ET.Element]:
-    """Return the roots of all included descriptions; missing ones are left to Drake's error.
+    """Return the roots of all included descriptions.
+
+    A missing one is refused here: Drake's parser would look for it from the working folder of the
+    process, and leave out what it finds there and cannot read.
 
     Args:
         file: The SDF.
@@ -21,18 +24,19 @@ def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) 
         packages: Folders of the packages that Drake has.
 
     Raises:
-        ModelInvalid: A file includes itself, directly or through others, or too many are included.
+        ModelInvalid: A file includes itself, directly or through others, or what is no description,
+            or too many are included.
     """
     found: list[ET.Element] = []
     pending: list[tuple[tuple[Path, ...], ET.Element]] = [((file.resolve(),), root)]
     while pending:
         chain, current = pending.pop()
         for uri in current.iterfind(".//include/uri"):
-            path = _model_at((uri.text or "").strip(), chain[-1].parent, packages)
-            inner = None if path is None else _root_of(path)
-            if path is None or inner is None:
-                continue
-            path = path.resolve()
+            named = (uri.text or "").strip()
+            path = _model_at(named, chain[-1].parent, packages)
+            if path is None:
+                raise _invalid(file, f"it includes {named!r}, which does not exist")
+            inner, path = _root_of(file, named, path), path.resolve()
             if path in chain:
                 cycle = " -> ".join(step.name for step in (*chain[chain.index(path) :], path))
                 raise _invalid(file, f"it includes itself: {cycle}")
@@ -43,11 +47,11 @@ def included_models(file: Path, root: ET.Element, packages: Mapping[str, Path]) 
     return found
 
 
-def _root_of(path: Path) -> ET.Element | None:
+def _root_of(file: Path, named: str, path: Path) -> ET.Element:
     try:
         return xml_root(path.read_bytes())
-    except (ValueError, OSError):
-        return None  # Drake reports it
+    except (ValueError, OSError) as fault:
+        raise _invalid(file, f"it includes {named!r}, which is no description: {fault}") from fault
 
 
 def _invalid(file: Path, reason: str) -> ModelInvalid:

@@ -12,13 +12,14 @@ from service.api.failures.parts import (
     ViolatedLimit,
     ViolatingPair,
 )
+from service.api.models import LineStopReason
 
 
 @with_config(OPEN)
 class LineStopEvidence(TypedDict):
     """Where and why a straight line stops."""
 
-    reason: Literal["limit", "collision", "singularity", "unreachable"]
+    reason: LineStopReason
     """Why"""
     fraction: float
     """The part of the line that is free [0 to 1]"""

@@ -10,6 +10,8 @@ from pydantic_core import CoreSchema
 from planning.errors import WayproofError
 from service.api.failures.table import EVIDENCE, failure_errors
 from service.api.failures.union import NoneOf, enum_of, member, union_schema
+from service.api.models import Timings
+from service.api.open_enums import AnyStage
 
 FailureCode = enum_of(
     "FailureCode",
@@ -48,13 +50,13 @@ class Failure(BaseModel):
     )
 
     code: str = Field(description="Stable machine-readable name of the kind")
-    stage: str = Field(
+    stage: AnyStage = Field(
         description="The stage that gave up, or in which the time ran out or the cancel came: a "
         "name in `timings`, for example `goals`; `worker` if it is not known; or empty"
     )
     detail: str = Field(description="What went wrong, for a person")
     evidence: dict[str, Any] = Field(description="Facts behind it [SI units, radians]")
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         default={},
         description="Seconds per stage, of those that ended and of the one that failed; empty "
         "where nothing was timed",

@@ -37,12 +37,26 @@ class QueueTimeoutEvidence(TypedDict):
 
 @with_config(OPEN)
 class IdempotencyEvidence(TypedDict):
-    """Which request used the key."""
+    """What the first request with the key made."""
 
     key: str
     """The key"""
-    job: str
-    """Id of the job of the first request"""
+    job: NotRequired[str]
+    """Id of the plan, the regions or the execution"""
+    scene: NotRequired[str]
+    """Id of the scene"""
+    batch: NotRequired[str]
+    """Id of the batch"""
+
+
+@with_config(OPEN)
+class InUseEvidence(TypedDict):
+    """What is not deleted, and because of what."""
+
+    id: str
+    """Of the resource"""
+    used_by: str
+    """Id of what names it, and has not ended"""
 
 
 @with_config(OPEN)

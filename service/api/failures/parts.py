@@ -4,9 +4,11 @@ Evidence is a JSON object as the error wrote it; these types say what is in it a
 OpenAPI document. Members may be added, so unknown ones are allowed everywhere.
 """
 
-from typing import Literal, NotRequired, TypedDict
+from typing import NotRequired, TypedDict
 
 from pydantic import ConfigDict, with_config
+
+from service.api.models import LineLeg, LineStopReason, SampleRejection
 
 OPEN = ConfigDict(extra="allow", use_attribute_docstrings=True)
 
@@ -95,9 +97,9 @@ class RejectedPair(TypedDict):
 class BlockedMoves(TypedDict):
     """How many approaches or retreats stopped for one reason."""
 
-    leg: Literal["approach", "retreat"]
+    leg: LineLeg
     """Which"""
-    reason: Literal["limit", "collision", "singularity", "unreachable"]
+    reason: LineStopReason
     """Why"""
     where: str
     """The pair of bodies or the joint, or empty"""
@@ -111,14 +113,7 @@ class BlockedMoves(TypedDict):
 class RejectedSamples(TypedDict):
     """Why some samples are no goal configurations."""
 
-    reason: Literal[
-        "not_converged",
-        "outside_limits",
-        "collision",
-        "path_constraint",
-        "approach",
-        "duplicate",
-    ]
+    reason: SampleRejection
     """Which test they failed"""
     count: int
     """Samples"""

@@ -60,6 +60,16 @@ class UnknownResourceEvidence(TypedDict):
 
 
 @with_config(OPEN)
+class AddressEvidence(TypedDict):
+    """Where a webhook may not lead."""
+
+    host: str
+    """As the URL has it"""
+    pointer: str
+    """Where the URL stands in the body"""
+
+
+@with_config(OPEN)
 class ReadinessEvidence(TypedDict):
     """Why the server is not ready."""
 

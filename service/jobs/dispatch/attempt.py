@@ -5,7 +5,7 @@ import json
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import partial
 from typing import Any
 
@@ -47,6 +47,7 @@ class Attempt:
         job: As it was queued.
         controls: That are set, to be passed to the task.
         has_begun: Whether it was given a worker.
+        cancel_requested_at: When its end was requested (UTC), if it was.
         concluded: Set once its end is in the table, or another server has the job.
         ended: The job as the table has it, once it has ended in this attempt.
         ids: Of the job, and of the request that it was made for, for the log.
@@ -69,6 +70,7 @@ class Attempt:
         self._is_confirmed = asyncio.Event()
         self._is_discarded = False
         self._is_cancel_requested = job.is_cancel_requested
+        self.cancel_requested_at = job.cancel_requested_at
         self._interruption = ""
         self._start: Transition | None = None
         self._start_is_decided = asyncio.Event()
@@ -114,6 +116,7 @@ class Attempt:
     def cancel(self) -> None:
         """End the run on request, whatever it does."""
         self._is_cancel_requested = True
+        self.cancel_requested_at = self.cancel_requested_at or datetime.now(UTC)
         self._terminate()
 
     def interrupt(self, reason: str) -> None:
@@ -134,7 +137,9 @@ class Attempt:
 
     def snapshot(self) -> Job:
         """Return the job as memory has it."""
-        job = replace(self.job, is_cancel_requested=self._is_cancel_requested)
+        at = self.cancel_requested_at
+        is_requested = self._is_cancel_requested
+        job = replace(self.job, is_cancel_requested=is_requested, cancel_requested_at=at)
         if self._start is None:
             return job
         started_at = datetime.fromisoformat(self._start.event.at)

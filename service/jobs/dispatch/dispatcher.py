@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, Callable, Mapping
+from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 from contextlib import aclosing
 from dataclasses import replace
 from typing import Any
@@ -164,22 +164,27 @@ class Dispatcher:
         return self._scheduler.faults()
 
     async def submit(self, spec: JobSpec) -> Job:
-        """Queue a job; it is durable when this returns; see `JobSubmission.submit`.
+        """Queue a job; it is durable when this returns; see `submit_all`."""
+        return (await self.submit_all([spec]))[0]
+
+    async def submit_all(self, specs: Sequence[JobSpec]) -> list[Job]:
+        """Queue jobs of one queue, all of them or none; see `JobSubmission.submit_all`.
 
         Raises:
-            QueueFull: Its queue has as many waiting jobs as it may.
+            QueueFull: Its queue would have more waiting jobs than it may.
             ServerStopping: The server is to end.
         """
-        if spec.key:
-            request = (spec.queue, spec.key, spec.request_digest)
+        first = specs[0]
+        if first.key:
+            request = (first.queue, first.key, first.request_digest)
             known = await asyncio.to_thread(self._store.find_by_key, *request)
             if known:
-                return known
+                return [known]
         if self.is_draining:
             message = "the server is about to end and takes no more jobs; ask again when it is back"
             raise ServerStopping(message)
-        self._scheduler.check_room(spec.queue)
-        return await self._submission.submit(spec)
+        self._scheduler.check_room(first.queue, len(specs))
+        return await self._submission.submit_all(specs)
 
     async def cancel(self, identifier: str) -> JobSummary:
         """End a job and return it; see `JobControl.cancel`."""
@@ -247,7 +252,11 @@ class Dispatcher:
         if attempt.ended is not None:
             self._observer.note_end(attempt.ended.summary)
         if is_queued_again:
-            job = replace(attempt.job, is_cancel_requested=attempt.is_cancel_requested)
+            job = replace(
+                attempt.job,
+                is_cancel_requested=attempt.is_cancel_requested,
+                cancel_requested_at=attempt.cancel_requested_at,
+            )
             self._enqueue(job, attempt.controls, place[0])
 
     async def _read_events(self, identifier: str, after: int) -> EventBatch[LoggedEvent]:

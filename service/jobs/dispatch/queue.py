@@ -196,10 +196,9 @@ class JobQueue:
         """How many workers it uses."""
         return len(self._running)
 
-    @property
-    def is_full(self) -> bool:
-        """Whether no more may wait."""
-        return len(self._waiting) >= self.max_waiting
+    def has_room(self, more: int = 1) -> bool:
+        """Return whether so many more may wait."""
+        return len(self._waiting) + more <= self.max_waiting
 
     @property
     def retry_after(self) -> int:

@@ -1,7 +1,8 @@
 """What clients request of jobs: that one runs, that it ends, or that it goes on in another way."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Mapping, MutableMapping
+from collections.abc import Callable, Coroutine, Mapping, MutableMapping, Sequence
+from datetime import datetime
 from functools import partial
 from typing import Any
 
@@ -48,7 +49,14 @@ class JobSubmission:
         self._within = within
 
     async def submit(self, spec: JobSpec) -> Job:
-        """Queue a job, or return the one that its key names; it is durable when this returns.
+        """Queue a job, or return the one that its key names; see `submit_all`."""
+        [job] = await self.submit_all([spec])
+        return job
+
+    async def submit_all(self, specs: Sequence[JobSpec]) -> list[Job]:
+        """Queue jobs, all of them or none; they are durable when this returns.
+
+        Where the key of the first one was used before, the job that it names is returned alone.
 
         Raises:
             IdempotencyConflict: Its key was used for another request.
@@ -56,23 +64,28 @@ class JobSubmission:
             DBAPIError: The database refuses it.
             TypeError: Its payload is not JSON-compatible.
         """
-        drafted = draft(spec)
+        drafts = [draft(spec) for spec in specs]
         # In time for what may run twice; a run of what may not waits for its start to be written.
-        attempt = self._schedule(drafted.job, {})
+        attempts = [self._schedule(drafted.job, {}) for drafted in drafts]
         try:
             # It is sent to its worker before the thread that writes takes part of the interpreter.
             await asyncio.sleep(0)
             # Not in this thread: while a locked database is waited for, others are to be stopped.
-            insert = partial(self._recorder.store.insert_draft, drafted)
-            job, is_new = await self._recorder.write(insert, within=self._within)
+            insert = partial(self._recorder.store.insert_drafts, drafts)
+            jobs, are_new = await self._recorder.write(insert, within=self._within)
         except BaseException:
-            self._unschedule(attempt)
+            self._take_back(attempts)
             raise
-        if is_new:
-            attempt.confirm(job)
+        if are_new:
+            for attempt, job in zip(attempts, jobs, strict=True):
+                attempt.confirm(job)
         else:
+            self._take_back(attempts)
+        return jobs
+
+    def _take_back(self, attempts: Sequence[Attempt]) -> None:
+        for attempt in reversed(attempts):  # what waits does not begin because of what ends
             self._unschedule(attempt)
-        return job
 
 
 class JobControl:
@@ -102,10 +115,11 @@ class JobControl:
         attempt = self._attempts.get(identifier)
         if attempt is None:
             job = await asyncio.to_thread(self._recorder.store.summary, identifier)
-            return job if job.state.is_final else await self._write_cancel(identifier)
+            return job if job.state.is_final else await self._write_cancel(identifier, None)
         attempt.cancel()
+        at = attempt.cancel_requested_at
         self._scheduler.queue(attempt.job.queue).remove(identifier)
-        job = await self._recorded(identifier, "cancel", lambda: self._write_cancel(identifier))
+        job = await self._recorded(identifier, "cancel", lambda: self._write_cancel(identifier, at))
         return job or attempt.snapshot()
 
     async def control(self, identifier: str, controls: Mapping[str, Any]) -> Job:
@@ -140,8 +154,8 @@ class JobControl:
         done, _ = await asyncio.wait({work}, timeout=_PROMPT)
         return work.result() if done else None
 
-    async def _write_cancel(self, identifier: str) -> Job:
-        job, ended = await self._recorder.write(partial(self._cancel_in_store, identifier))
+    async def _write_cancel(self, identifier: str, at: datetime | None) -> Job:
+        job, ended = await self._recorder.write(partial(self._cancel_in_store, identifier, at))
         if ended is not None:
             self._recorder.publish(identifier, [ended.event])
             attempt = self._attempts.get(identifier)
@@ -153,10 +167,12 @@ class JobControl:
                     attempt.concluded.set()
         return job
 
-    def _cancel_in_store(self, identifier: str) -> tuple[Job, Transition | None]:
+    def _cancel_in_store(
+        self, identifier: str, at: datetime | None
+    ) -> tuple[Job, Transition | None]:
         store = self._recorder.store
         with store.transaction(is_durable=True):
-            job = store.request_cancel(identifier)
+            job = store.request_cancel(identifier, at)
             if job.state is not JobState.QUEUED:
                 return job, None
             ended = store.cancel_queued(identifier, Canceled("canceled on request"))

@@ -109,15 +109,16 @@ class Scheduler:
             for name, queue in self._queues.items()
         }
 
-    def check_room(self, name: str) -> None:
-        """Go on only if one more may wait in a queue.
+    def check_room(self, name: str, more: int = 1) -> None:
+        """Go on only if so many more may wait in a queue.
 
         Raises:
             QueueFull: It may not.
         """
         queue = self._queues[name]
-        if queue.is_full:
-            message = f"{queue.num_waiting} jobs wait for {name} already; try again later"
+        if not queue.has_room(more):
+            asked = "" if more == 1 else f", and {more} more would be too many"
+            message = f"{queue.num_waiting} jobs wait for {name} already{asked}; try again later"
             evidence = {
                 "lane": name,
                 "queued": queue.num_waiting,

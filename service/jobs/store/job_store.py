@@ -5,10 +5,12 @@ is decided on what another has changed meanwhile; the statements are the same on
 """
 
 import threading
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
+from datetime import datetime
+from typing import Any
 
-from sqlalchemy import Connection, Engine, bindparam, delete, insert, select, update
+from sqlalchemy import Connection, Engine, bindparam, delete, func, insert, select, update
 
 from planning.errors import Canceled, WayproofError
 from service.jobs.errors import DatabaseTaken
@@ -45,7 +47,11 @@ _END = {
     for part in ("result", "failure")
 }
 _IF_OPEN = update(jobs).where(jobs.c.id == _JOB_ID, jobs.c.state.in_(_OPEN))
-_CANCEL = _IF_OPEN.values(is_cancel_requested=True)
+# The first request counts.
+_CANCEL = _IF_OPEN.values(
+    is_cancel_requested=True,
+    cancel_requested_at=func.coalesce(jobs.c.cancel_requested_at, bindparam("requested_at")),
+)
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
@@ -54,6 +60,8 @@ class JobStore(JobQueries):
 
     Attributes:
         versions: Of what runs them, by name.
+        on_event: Called with each change of a state in the transaction that records it: what it
+            writes is committed with it. From any thread.
         artifacts: That jobs read.
     """
 
@@ -66,6 +74,7 @@ class JobStore(JobQueries):
         """
         super().__init__(engine)
         self.versions = dict(versions or {})
+        self.on_event: Callable[[Connection, LoggedEvent], None] | None = None
         self.artifacts = ArtifactStore(engine)
         self._made_by = encode(self.versions)
         self._epoch: int | None = None
@@ -131,21 +140,27 @@ class JobStore(JobQueries):
             Overtaken: Another job of its queue has entered its scene.
             TypeError: The payload is not JSON-compatible.
         """
-        return self.insert_draft(draft(spec))
+        [job], is_new = self.insert_drafts([draft(spec)])
+        return job, is_new
 
-    def insert_draft(self, drafted: Draft) -> tuple[Job, bool]:
-        """Write a job that was drafted; returns and raises as `insert`."""
+    def insert_drafts(self, drafts: Sequence[Draft]) -> tuple[list[Job], bool]:
+        """Write jobs that were drafted, all of them or none; only the first may have a key.
+
+        Returns the new jobs and True, or the one that the key names and False; raises as `insert`.
+        """
+        first, *others = drafts
         with self.transaction(is_durable=True) as connection:
-            while (known := find_by_idempotency_key(connection, drafted.job)) is None:
-                if (job := insert_job(connection, drafted)) is not None:
-                    return job, True
-            return known, False
+            while (known := find_by_idempotency_key(connection, first.job)) is None:
+                if (job := insert_job(connection, first)) is not None:
+                    more = [insert_job(connection, drafted) for drafted in others]
+                    return [job, *(other for other in more if other is not None)], True
+            return [known], False
 
     def start(self, identifier: str) -> Transition | None:
         """Let a queued job run; None if it is not queued any more; so for all transitions."""
         changes = {"started_at": now(), "more_attempts": 1}
         with self.transaction(is_durable=False) as connection:
-            transition = apply_event(connection, identifier, JobEvent.START, changes, {})
+            transition = self._apply(connection, identifier, JobEvent.START, changes, {})
             if transition is not None:
                 if transition.event.number > 2:  # it is not the first event after `queued`
                     connection.execute(_FORGET_MAKER, {"job_id": identifier})
@@ -162,7 +177,7 @@ class JobStore(JobQueries):
         """
         changes = {"more_attempts": -refund}
         with self.transaction(is_durable=False) as connection:
-            return apply_event(
+            return self._apply(
                 connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason}
             )
 
@@ -177,7 +192,7 @@ class JobStore(JobQueries):
             summary: What lists show of it; None for all.
         """
         with self.transaction(is_durable=True) as connection:
-            transition = apply_event(
+            transition = self._apply(
                 connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {}
             )
             if transition is not None:
@@ -196,14 +211,19 @@ class JobStore(JobQueries):
         """End a job whose cancel was requested, if it is still queued."""
         return self._end_without_result(identifier, JobEvent.CANCEL, error, only=JobState.QUEUED)
 
-    def request_cancel(self, identifier: str) -> Job:
+    def request_cancel(self, identifier: str, at: datetime | None = None) -> Job:
         """Note that the end of a job is requested, if it has not ended, and return it.
+
+        Args:
+            identifier: Of the job.
+            at: When that was (UTC); None for now.
 
         Raises:
             UnknownJob: There is none.
         """
         with self.transaction(is_durable=True) as connection:
-            connection.execute(_CANCEL, {"job_id": identifier})
+            given = {"job_id": identifier, "requested_at": at.isoformat() if at else now()}
+            connection.execute(_CANCEL, given)
             return read_job(connection, identifier)
 
     def append_events(
@@ -241,11 +261,20 @@ class JobStore(JobQueries):
     ) -> Transition | None:
         failure = failure_of(error)
         with self.transaction(is_durable=True) as connection:
-            transition = apply_event(connection, identifier, event, {}, {"failure": failure}, only)
+            transition = self._apply(connection, identifier, event, {}, {"failure": failure}, only)
             if transition is not None:
                 kept = without(failure, outline_of(transition.columns["task"]).failure)
                 _end(connection, identifier, "failure", encode(failure), encode(kept))
             return transition
+
+    def _apply(
+        self, connection: Connection, identifier: str, event: JobEvent, *more: Any
+    ) -> Transition | None:
+        """Apply an event as `apply_event` does, and tell `on_event`."""
+        transition = apply_event(connection, identifier, event, *more)
+        if transition is not None and self.on_event is not None:
+            self.on_event(connection, transition.event)
+        return transition
 
     def _check_ownership(self, connection: Connection) -> None:
         """Go on to the commit only if no other server has taken the database; it cannot before it.

@@ -21,12 +21,13 @@ from sqlalchemy import (
 
 from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.event_bus import EventBatch
-from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.job import BatchMember, Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 from service.jobs.store.tables import bodies, events, jobs, makers, summaries
 
 _EVENTS_AT_ONCE = 500
+_INSTANTS = {"created_at", "started_at", "finished_at", "cancel_requested_at"}
 
 
 def _jobs_with(content: Table) -> Select[Any]:
@@ -111,6 +112,14 @@ class JobQueries:
             rows = connection.execute(query.order_by(jobs.c.sequence.desc()).limit(limit))
             return [summary_of(columns_of(row)) for row in rows]
 
+    def members_of(self, batch: str) -> list[BatchMember]:
+        """Return the jobs of a batch in the order in which they were asked for."""
+        columns = (jobs.c.id, jobs.c.state, jobs.c.created_at, jobs.c.finished_at)
+        query = select(*columns).where(jobs.c.batch == batch).order_by(jobs.c.sequence)
+        with self._engine.connect() as connection:
+            rows = connection.execute(query)
+            return [BatchMember(**with_values({**row})) for row in rows.mappings()]
+
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, oldest first."""
         states = [state.value for state in JobState if not state.is_final]
@@ -161,9 +170,7 @@ def find_by_idempotency_key(connection: Connection, spec: JobSpec | Job) -> Job 
         return None
     found = _jobs_where(connection, (jobs.c.queue == spec.queue) & (jobs.c.key == spec.key))
     if found and found[0].request_digest != spec.request_digest:
-        known = found[0].id
-        message = f"the idempotency key {spec.key!r} was used for another request: {known}"
-        raise IdempotencyConflict(message, {"key": spec.key, "job": known})
+        raise IdempotencyConflict.of(spec.key, "job", found[0].id)
     return found[0] if found else None
 
 
@@ -188,12 +195,12 @@ def decoded(data: Encoded | dict[str, Any]) -> dict[str, Any]:
 
 def job_of(columns: Mapping[str, Any]) -> Job:
     """Return the job of the columns of its tables."""
-    return Job(**_fields(columns))
+    return Job(**with_values(columns))
 
 
 def summary_of(columns: Mapping[str, Any]) -> JobSummary:
     """Return the job of the columns of its tables, as lists have it."""
-    return JobSummary(**_fields(columns))
+    return JobSummary(**with_values(columns))
 
 
 def columns_of(row: Row[Any]) -> dict[str, Any]:
@@ -201,9 +208,10 @@ def columns_of(row: Row[Any]) -> dict[str, Any]:
     return dict(row._mapping)  # noqa: SLF001  # pyright: ignore[reportPrivateUsage]  (public)
 
 
-def _fields(columns: Mapping[str, Any]) -> dict[str, Any]:
+def with_values(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Return columns of a job with its state and its instants as values."""
     fields = dict(columns)
-    for name in ("created_at", "started_at", "finished_at"):
+    for name in _INSTANTS & fields.keys():
         fields[name] = datetime.fromisoformat(fields[name]) if fields[name] else None
     fields["state"] = JobState(fields["state"])
     return fields

@@ -46,12 +46,15 @@ jobs = Table(
     Column("created_at", String(40), nullable=False),
     Column("started_at", String(40), nullable=True),
     Column("finished_at", String(40), nullable=True),
+    Column("cancel_requested_at", String(40), nullable=True),
+    Column("batch", String(64), nullable=True),
     UniqueConstraint("queue", "key"),
     Index("jobs_by_state", "queue", "state", "sequence"),
     # One for each filter of lists: a page reads its own rows and no others.
     Index("jobs_of_queue", "queue", "sequence"),
     Index("jobs_of_scene", "queue", "scene", "sequence"),
     Index("jobs_of_scene_by_state", "queue", "scene", "state", "sequence"),
+    Index("jobs_of_batch", "batch", "sequence"),
     Index("jobs_of_content", "queue", "world_digest", "sequence"),
     Index(
         "one_open_execution_of_scene",

@@ -38,7 +38,14 @@ _EVENT_NAMES = {
 # Fields of a spec that are columns.
 _NO_COLUMNS = {"payload", "prefix", "follows"}
 _COPIED = [field.name for field in fields(JobSpec) if field.name not in _NO_COLUMNS]
-_NOT_YET = ("started_at", "finished_at", "result", "failure", "made_by")
+_NOT_YET = (
+    "started_at",
+    "finished_at",
+    "cancel_requested_at",
+    "result",
+    "failure",
+    "made_by",
+)
 _COUNTED = ("sequence", *_NOT_YET)
 # Nothing is inserted where an index says that there is such a job; SQLite says it alike.
 _ADD_JOB = Prepared(

@@ -1,6 +1,6 @@
 """How a plan or a query looks for goal configurations, and what became of its samples."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, Strict
 
@@ -8,10 +8,13 @@ from planning.domain.request import options as domain
 from service.api.models import (
     WHOLE,
     JointName,
+    LineLeg,
+    LineStopReason,
     NonNegative,
     Real,
     RequestModel,
     ResponseModel,
+    SampleRejection,
 )
 
 
@@ -52,7 +55,7 @@ class Ik(RequestModel):
         default_factory=PoseMetric,
         description="Which pose is the nearest to one that no configuration reaches",
     )
-    time_limit: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
+    allowed_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
         default=None,
         description="For finding them, or saying why there is none [s]; null for as long as there "
         "is",
@@ -65,7 +68,7 @@ class Ik(RequestModel):
             max_trials=self.max_trials,
             joint_weights=dict(self.joint_weights),
             pose_metric=self.pose_metric.to_domain(),
-            time_limit=self.time_limit,
+            allowed_time=self.allowed_time,
         )
 
 
@@ -81,10 +84,8 @@ class CollidingPair(ResponseModel):
 class ApproachFailures(ResponseModel):
     """How often one thing stopped the approach or retreat of a configuration."""
 
-    leg: Literal["approach", "retreat"] = Field(description="Which of both")
-    reason: Literal["limit", "singularity", "collision", "unreachable"] = Field(
-        description="Why it stopped"
-    )
+    leg: LineLeg = Field(description="Which of both")
+    reason: LineStopReason = Field(description="Why it stopped")
     where: str = Field(description="The pair of bodies or the joint, or empty")
     count: int = Field(description="Configurations")
     max_fraction: float = Field(
@@ -123,14 +124,7 @@ class Funnel(ResponseModel):
 class Rejection(ResponseModel):
     """Why some samples are no goal configurations."""
 
-    reason: Literal[
-        "not_converged",
-        "outside_limits",
-        "collision",
-        "path_constraint",
-        "approach",
-        "duplicate",
-    ] = Field(description="What is wrong with them")
+    reason: SampleRejection = Field(description="What is wrong with them")
     count: int = Field(description="How many; with `distinct` the counts add up to `tried`")
     share: float = Field(description="Of `tried`, 0 to 1")
     bodies: tuple[str, str] | None = Field(

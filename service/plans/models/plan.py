@@ -5,7 +5,15 @@ from datetime import datetime
 from pydantic import Field
 
 from service.api.failures.failure import Failure
-from service.api.models import UNRECORDED, ResponseModel
+from service.api.models import (
+    ATTEMPTS,
+    CANCEL_REQUESTED_AT,
+    UNRECORDED,
+    ResponseModel,
+    Timings,
+    Versions,
+)
+from service.api.open_enums import AnyStage
 from service.jobs.states import JobState
 from service.plans.models.request import PlanRequest
 from service.plans.models.result import PlanResult
@@ -25,8 +33,9 @@ class PlanSummary(ResponseModel):
     """A plan without its result."""
 
     id: str = Field(description="Of the plan")
+    batch: str | None = Field(description="Id of the batch that it is of; null for none")
     state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
-    stage: str = Field(description="The stage that it is in or ended in, or empty")
+    stage: AnyStage = Field(description="The stage that it is in or ended in, or empty")
     progress: float = Field(
         description="Of the whole plan, 0 to 1: within a stage it grows with the share of the "
         "allowed time that is used; of a plan that failed or was canceled, how far it came",
@@ -41,6 +50,8 @@ class PlanSummary(ResponseModel):
     created_at: datetime = Field(description="When it was requested (UTC)")
     started_at: datetime | None = Field(description="When a worker took it (UTC)")
     finished_at: datetime | None = Field(description="When it ended (UTC)")
+    cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
+    attempts: int = Field(description=ATTEMPTS)
     request: PlanRequest = Field(
         description="The request with its defaults, and the scene's latest `revision` and the "
         "newest `search.regions` where they were left open: posted again, it gives the same plan"
@@ -48,11 +59,11 @@ class PlanSummary(ResponseModel):
     failure: Failure | None = Field(description="Why there is no result")
     seed: int = Field(description="Of all randomness")
     digest: str | None = Field(description="sha256 over the delivered numbers")
-    versions: dict[str, str] = Field(
+    versions: Versions = Field(
         description="Of everything that the numbers depend on, in the server that ran it last; "
         "empty before it runs, and for plans of versions that did not keep it"
     )
-    timings: dict[str, float] = Field(
+    timings: Timings = Field(
         description="Seconds per stage, once it has ended; of a failure those of `failure` [s]"
     )
     unrecorded: list[str] = Field(description=UNRECORDED)

@@ -1,12 +1,13 @@
 """What every stage of a plan says about its work."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
 from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.report.motion_plan import StageReports
 from service.api.models import ResponseModel
+from service.api.open_enums import OneOf
 from service.plans.models.ik import IkFunnel
 from service.plans.models.search_reports import SearchReport
 
@@ -40,12 +41,28 @@ class RefineReport(ResponseModel):
     )
 
 
+LIMITS = (
+    "velocity",
+    "acceleration",
+    "jerk",
+    "torque",
+    "tool_speed",
+    "tool_acceleration",
+    "speed_zone",
+    "acceleration_bounds",
+)
+Limit = Annotated[str, OneOf("Limit", "Limits on a motion.", LIMITS)]
+AnyLimit = Annotated[
+    str, OneOf("AnyLimit", "What keeps a motion from being quicker.", (*LIMITS, "duration", ""))
+]
+
+
 class BindingInterval(ResponseModel):
     """What keeps the motion from being quicker for a while."""
 
     begin: float = Field(description="[s]")
     end: float = Field(description="[s]")
-    limit: str = Field(
+    limit: AnyLimit = Field(
         description="velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, "
         "speed_zone or acceleration_bounds: the one that is used the most; duration where the "
         "motion takes longer than it must because the request says so; empty while nothing moves"
@@ -59,7 +76,7 @@ class BindingInterval(ResponseModel):
 class Saving(ResponseModel):
     """How much shorter the motion would be with one limit relaxed."""
 
-    limit: str = Field(description="Which, as in the intervals")
+    limit: Limit = Field(description="Which, as in the intervals")
     where: str = Field(description="The joint, block, frame or zone whose limit it is")
     seconds: float = Field(description="How much shorter [s]")
 

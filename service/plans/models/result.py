@@ -1,7 +1,7 @@
 """PlanResult: a certified motion and everything that is known of it."""
 
 from collections.abc import Iterable
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import ConfigDict, Field
 
@@ -89,8 +89,21 @@ class Part(ResponseModel):
     num_waypoints: int = Field(description="Of its part of `path`, both ends included")
 
 
+# What `?include=` may leave out of an answer: it grows with the motion and the scene.
+LARGE_PARTS = ("path", "trajectory", "certificate", "stages")
+
+
+def _may_lack_large_parts(schema: dict[str, Any]) -> None:
+    schema["required"] = [name for name in schema["required"] if name not in LARGE_PARTS]
+
+
 class PlanResult(ResponseModel):
-    """What a solved problem gives."""
+    """What a solved problem gives; `?include=` leaves out `path, trajectory, certificate, stages`.
+
+    A part that is left out is absent. Without `include` all are there.
+    """
+
+    model_config = ConfigDict(json_schema_extra=_may_lack_large_parts)
 
     goal_configuration: Row = Field(
         description="Where the motion reaches the goal: its end, but for a retreat [rad or m]"

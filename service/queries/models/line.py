@@ -1,6 +1,6 @@
 """Asking how far a tool can be moved in a straight line, and what stops it."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field
 
@@ -8,6 +8,7 @@ from planning.domain.goals import line_trace as domain
 from service.api.models import (
     Boolean,
     GroupPositions,
+    LineStopReason,
     Name,
     NonNegative,
     Pose,
@@ -62,7 +63,7 @@ class LineRequest(LineTarget):
 class LineStop(ResponseModel):
     """What ended a line before its end."""
 
-    reason: Literal["limit", "singularity", "collision", "unreachable"] = Field(
+    reason: LineStopReason = Field(
         description="`limit`: a joint would leave its range. `collision`: two bodies would be "
         "nearer than their margin. `singularity`: the joints would have to move without bound. "
         "`unreachable`: the joints cannot move the tool that way"

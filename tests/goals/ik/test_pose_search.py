@@ -122,7 +122,7 @@ def test_a_time_limit_for_goals_alone_tells_the_funnel() -> None:
     """Time goes by with every look at the clock, so it runs out after some of the trials."""
     world = world_by("ur5e_pickup", "kernel")
     inside = at(Pose.from_parts([0.45, 0.25, 0.0], rpy=[np.pi, 0, 0.3]))
-    options = IkOptions(100, 100_000, time_limit=3.0)
+    options = IkOptions(100, 100_000, allowed_time=3.0)
     group = world.group("arm")
     query = GoalQuery(group, inside, world.positions(group), world.margins(), options)
     ticks = itertools.count()

@@ -18,6 +18,7 @@ from tests.golden.service.motion_calls import LAST_CALLS, MOTION_CALLS
 from tests.golden.service.plan_calls import PLAN_CALLS
 from tests.golden.service.question_calls import QUESTION_CALLS
 from tests.golden.service.refused_calls import REFUSED_CALLS
+from tests.golden.service.resource_calls import RESOURCE_CALLS
 from tests.golden.service.scene_calls import FIRST_CALLS
 from tests.golden.service.summary import summary
 from tests.world.meshcat_messages import overlay
@@ -29,6 +30,7 @@ CALLS: tuple[Call, ...] = (
     *MOTION_CALLS,
     *REFUSED_CALLS,
     *LAST_CALLS,
+    *RESOURCE_CALLS,
 )
 _REPOSITORY = Path(__file__).parents[3]
 # What all answers have alike: tests/service/security/test_response_headers.py shows it.

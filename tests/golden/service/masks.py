@@ -2,6 +2,7 @@
 
 - Ids are numbered as they first come up (`pln_1`), so that answers still say which is which; so are
   sha256 digests (`sha256_1`), but for those of scenes and files, which are of what was posted.
+- Secrets are `<secret>`.
 - Instants are `<instant>`, members of `timings` and `retry_after` `<seconds>`, versions and the
   kernel `<version>`, and folders what they are for.
 - Of an execution, what the simulation measured is `<measured>`, and so is how far it is, unless it
@@ -17,9 +18,10 @@
 import re
 from typing import Any
 
-_ID = re.compile(r"\b(scn|pln|reg|exe)_([0-9a-f]{16,32})\b")
+_ID = re.compile(r"\b(scn|pln|reg|exe|bat|whk)_([0-9a-f]{16,32})\b")
 _SHA256 = re.compile(r"\b[0-9a-f]{64}\b")
 _INSTANT = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|\+00:00)")
+_SECRET = re.compile(r"\bwhsec_[A-Za-z0-9+/=]+")
 _CANCELED_AT = re.compile(r"canceled [0-9.]+ s into")
 _MEASURED = {"positions", "tracking_error", "max_tracking_error", "lateness"}
 _MOVING = {
@@ -28,6 +30,8 @@ _MOVING = {
     "progress",
     "best",
     "status",
+    "attempts",
+    "cancel_requested_at",
     "started_at",
     "finished_at",
     "unrecorded",
@@ -52,6 +56,7 @@ class Masks:
         for place, shown in self._places.items():
             text = text.replace(place, shown)
         text = _ID.sub(lambda found: self._named(found[0], found[1]), text)
+        text = _SECRET.sub("<secret>", text)
         text = _SHA256.sub(lambda found: self._named(found[0], "sha256"), text)
         return _CANCELED_AT.sub("canceled <measured> s into", _INSTANT.sub("<instant>", text))
 

@@ -1,6 +1,7 @@
 """Requests that never end are ended; a flood of them does not keep others out."""
 
 import asyncio
+import contextlib
 import socket
 import threading
 from contextlib import contextmanager
@@ -119,3 +120,24 @@ def test_a_body_that_does_not_end_is_answered_408(parts):
     assert told[0]["status"] == 408
     assert (b"connection", b"close") in told[0]["headers"]
     assert b"request_timeout" in told[1]["body"]
+
+
+def test_headers_that_are_too_large_are_not_kept():
+    with serving(most=10, header_timeout=GUARD) as connect:
+        large = connect()
+        large.sendall(HALF)
+        with contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            for _ in range(100):
+                large.sendall(b"X: " + b"a" * 4000 + b"\r\n")
+        assert large.recv(4096).startswith(b"HTTP/1.1 431")
+        large.close()
+
+
+def test_a_body_is_no_header_even_if_it_was_answered_before_it_ended():
+    with serving(most=10, header_timeout=GUARD) as connect:
+        kept = connect()
+        body = b"a" * 200_000
+        for _ in range(3):
+            kept.sendall(HALF + b"Content-Length: %d\r\n\r\n" % len(body) + body)
+            assert kept.recv(4096).startswith(b"HTTP/1.1 204")
+        kept.close()

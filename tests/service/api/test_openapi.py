@@ -70,6 +70,26 @@ def test_every_operation_declares_its_problems(document):
                 assert set(answer["content"]) == {"application/problem+json"}, (name, status)
 
 
+def test_what_is_made_leads_to_what_can_be_asked_of_it(document):
+    """Every link is to an operation with that one parameter, and every such operation has one."""
+    needed = {
+        operation["operationId"]: [
+            part["name"] for part in operation.get("parameters", []) if part["in"] == "path"
+        ]
+        for _, operation in operations(document)
+    }
+    made = {"createScene": "scene", "createPlan": "plan", "createExecution": "execution"}
+    made |= {"growRegions": "regions", "reversePlan": "plan"}
+    for _, operation in operations(document):
+        for status in {"201", "202"} & set(operation["responses"]):
+            links = operation["responses"][status]["links"]
+            named = made.pop(operation["operationId"])
+            assert set(links) == {to for to, parts in needed.items() if parts == [named]}
+            for to, link in links.items():
+                assert link == {"operationId": to, "parameters": {named: "$response.body#/id"}}
+    assert made == {}
+
+
 def test_every_body_has_an_example(document):
     schemas = document["components"]["schemas"]
     for name, operation in operations(document):

@@ -123,6 +123,7 @@ ROBOTS = {
     "SDF that doubles": (
         {
             **{f"{i}.sdf": sdf(twice(f"{i + 1}.sdf")) for i in range(12)},
+            "12.sdf": sdf(""),
             "r.sdf": sdf(include("0.sdf")),
         },
         INVALID, "more than 200",

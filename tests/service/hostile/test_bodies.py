@@ -53,9 +53,3 @@ def test_a_page_of_the_server_itself_may_ask(client, scene):
     headers = {"origin": "http://testserver"}
     body = {"group": "arm", "configurations": [[0.0] * 6]}
     assert client.post(f"/v1/scenes/{scene}/check", json=body, headers=headers).is_success
-
-
-def test_there_are_as_many_as_were_promised():
-    from tests.service.hostile.files import FILES
-
-    assert len(CASES) + len(FILES) >= 100

@@ -13,6 +13,7 @@ from planning.world.documents.scene_file import parse_scene
 from planning.world.files import trial_load as trial
 from planning.world.models.model_library import ModelLibrary
 from tests.service.hostile.files import FILES
+from tests.service.hostile.outside_files import OUTSIDE
 from tests.service.hostile.test_bodies import tells_of_the_server
 
 
@@ -47,13 +48,19 @@ def scene_of(folder, kind, name):
 
 def write(folder, files):
     for name, content in files.items():
-        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+        if callable(content):
+            content(folder / name)
+        else:
+            (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
     return name
 
 
-@pytest.mark.parametrize("name", FILES)
+TABLE = FILES | OUTSIDE
+
+
+@pytest.mark.parametrize("name", TABLE)
 def test_the_answer_is_right(worker, tmp_path, name):
-    files, code, word = FILES[name]
+    files, code, word = TABLE[name]
     main = write(tmp_path, files)
     answer = worker(scene_of(tmp_path, name.split(":")[0], main))
     if code is None:
@@ -64,6 +71,7 @@ def test_the_answer_is_right(worker, tmp_path, name):
     assert word in failure["detail"]
     assert main in json.dumps(failure) or {"robot.yaml", "r.srdf"} & set(files)
     assert not tells_of_the_server(answer["text"], worker.copies)
+    assert "root:" not in answer["text"]  # as in /etc/passwd
 
 
 @pytest.fixture

@@ -69,6 +69,10 @@ def make_released(engine):
     ]
     with engine.begin() as connection:
         for statement in (
+            "DROP TABLE webhooks",
+            "DROP TABLE webhook_notices",
+            "DROP INDEX jobs_of_batch",
+            *(f"ALTER TABLE jobs DROP COLUMN {name}" for name in ("cancel_requested_at", "batch")),
             "DROP TABLE api_keys",
             "DROP INDEX one_open_execution_of_scene",
             "DROP INDEX jobs_of_queue",

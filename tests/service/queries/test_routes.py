@@ -206,7 +206,7 @@ def test_ik_says_what_it_had_tried_when_time_was_over(client, scene):
         "pose": {"position": [0.6, 0, 0.05], "rpy": [np.pi, 0, 0]},
         "free_axes": ["rz"],
     }
-    ik = {"max_trials": 100_000, "time_limit": 0.05}
+    ik = {"max_trials": 100_000, "allowed_time": 0.05}
     found = ask(client, scene, "ik", goal=goal, ik=ik).json()
     assert found["configurations"] == []
     assert found["failure"]["code"] == "deadline_exceeded"

@@ -6,6 +6,7 @@ import pytest
 
 from planning import bundled_folder
 from tests.profiles import pairs
+from tests.service.conftest import BLOCK_SCENE
 from tests.service.pages import walk
 
 SCENES = sorted(bundled_folder("scenes").glob("*.scene.yaml"))
@@ -175,3 +176,11 @@ def test_unknown_models_are_not_found(client):
     answer = client.get("/v1/models/ur5")
     assert answer.status_code == 404
     assert "ur5e" in answer.json()["evidence"]["nearest"]
+
+
+def test_what_is_deleted_is_answered_without_a_content_type(client):
+    """There is no body, so no type of one."""
+    scene = client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
+    answer = client.delete(f"/v1/scenes/{scene}")
+    assert (answer.status_code, answer.content) == (204, b"")
+    assert "content-type" not in answer.headers

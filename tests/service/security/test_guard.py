@@ -123,6 +123,11 @@ def test_a_key_comes_in_one_way(guarded, keys, headers):
         ("DELETE", "/v1/scenes/x", "plan"),
         ("POST", "/v1/executions", "execute"),
         ("POST", "/v1/executions/x/speed", "execute"),
+        ("DELETE", "/v1/executions/x", "execute"),
+        ("POST", "/v1/plans/batch", "plan"),
+        ("GET", "/v1/batches/x", "read"),
+        ("GET", "/v1/webhooks", "admin"),
+        ("POST", "/v1/webhooks/x/enable", "admin"),
         ("GET", "/metrics", "admin"),
     ],
 )

@@ -11,12 +11,16 @@ CHANGES = {
     "createScene": "plan", "editScene": "plan", "deleteScene": "plan",
     "checkConfigurations": "plan", "computeForwardKinematics": "plan",
     "solveInverseKinematics": "plan", "traceLine": "plan",
-    "growRegions": "plan", "cancelRegions": "plan",
-    "createPlan": "plan", "reversePlan": "plan", "cancelPlan": "plan",
+    "growRegions": "plan", "cancelRegions": "plan", "deleteRegions": "plan",
+    "createPlan": "plan", "reversePlan": "plan", "cancelPlan": "plan", "deletePlan": "plan",
+    "createBatch": "plan", "cancelBatch": "plan", "deleteBatch": "plan",
     "retimePath": "plan", "certifyTrajectory": "plan", "stopMotion": "plan",
     "spliceMotion": "plan",
     "createExecution": "execute", "cancelExecution": "execute", "pauseExecution": "execute",
-    "resumeExecution": "execute", "setExecutionSpeed": "execute",
+    "resumeExecution": "execute", "setExecutionSpeed": "execute", "deleteExecution": "execute",
+    # Who registers an address is told of everything.
+    "createWebhook": "admin", "listWebhooks": "admin", "getWebhook": "admin",
+    "enableWebhook": "admin", "deleteWebhook": "admin",
 }  # fmt: skip
 OPEN = {"getHealth", "getReadiness"}
 

@@ -97,14 +97,14 @@ def test_admission_and_the_advice_when_to_come_again():
     queue = queue_of(2, idle=False)
     advice = []
     for i in range(10):
-        assert not queue.is_full
+        assert queue.has_room()
         wait(queue, str(i))
         advice.append(queue.retry_after)
-    assert queue.is_full
+    assert not queue.has_room()
     assert advice == sorted(advice)
     assert all(1 <= seconds <= 60 for seconds in advice)
     queue.remove("3")
-    assert not queue.is_full
+    assert queue.has_room()
 
 
 def lanes_of(**shares):

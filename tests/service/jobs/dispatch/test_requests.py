@@ -184,11 +184,11 @@ def test_a_job_is_on_its_way_to_a_worker_before_the_writer_is_asked():
         told, runs = [], []
 
         class Recording:
-            store = SimpleNamespace(insert_draft=print)
+            store = SimpleNamespace(insert_drafts=print)
 
             async def write(self, work, *, within):
                 told.append("asked to write")
-                return None, True
+                return [None], True
 
         class Run:
             def confirm(self, _):

@@ -23,11 +23,12 @@ from service.jobs.store.migrations.upgrade import head, upgrade
 from service.jobs.store.schema import NEWEST, bring_up_to_date, stored_revision
 from service.scenes import records
 from service.security import keys
+from service.webhooks import records as webhook_records
 from tests.golden.service.stored import DUMP, load
 from tests.service.jobs.databases import make_released
 from tests.service.jobs.postgres import cluster
 
-METADATA = (tables.metadata, records.metadata, keys.metadata)
+METADATA = (tables.metadata, records.metadata, keys.metadata, webhook_records.metadata)
 
 
 @pytest.fixture
@@ -61,11 +62,18 @@ def assert_as_the_code_has_it(engine):
 
 
 def definitions(engine):
-    """What a SQLite database says that it was made by, with one blank between words."""
+    """What a SQLite database says that it was made by: the parts in the order of the alphabet."""
     query = "SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL AND name != :version"
     with engine.connect() as connection:
         found = connection.execute(text(query), {"version": "alembic_version"})
-        return {name: re.sub(r"\s+", " ", sql.replace('"', "")) for name, sql in found}
+        return {name: parts_of(re.sub(r"\s+", " ", sql.replace('"', ""))) for name, sql in found}
+
+
+def parts_of(sql):
+    """What is made, and what it has between the brackets; columns that came later stand last."""
+    begin, end = sql.index("("), sql.rindex(")")
+    inner = re.split(r", (?![^()]*\))", sql[begin + 1 : end])
+    return sql[:begin].strip(), sorted(part.strip() for part in inner), sql[end + 1 :].strip()
 
 
 def test_the_newest_revision_is_the_last_file():

@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from alembic import op
 
 revision = "0008"
-down_revision = "0004"
+down_revision = "0006"
 
 # A path of version 0.1 in the payload of a job: its file was named by the content of the scene.
 _PATH = re.compile(r'("document": ?")[^"]*?([0-9a-f]{64})\.json(")')
@@ -122,7 +122,7 @@ def _alter_scenes(known: dict[int, tuple[str, str]]) -> None:
 
 def _rebuild_scenes(known: dict[int, tuple[str, str]]) -> None:
     """Make the table anew: SQLite cannot say of a column of a table that it is never null."""
-    for name in ("ix_scenes_id", "scenes_by_revision"):
+    for name in ("ix_scenes_id", "scenes_by_revision", "scenes_by_key"):
         op.drop_index(name, "scenes")
     op.rename_table("scenes", "former_scenes")
     op.create_table(
@@ -135,12 +135,15 @@ def _rebuild_scenes(known: dict[int, tuple[str, str]]) -> None:
         sa.Column("name", sa.String(256), nullable=False),
         sa.Column("created_at", sa.String(40), nullable=False),
         sa.Column("summary", sa.JSON, nullable=False),
+        sa.Column("key", sa.String(200), nullable=True),
+        sa.Column("request_digest", sa.String(64), nullable=True),
         sa.UniqueConstraint("id", "revision"),
     )
     move = "INSERT INTO scenes SELECT serial, id, revision, digest, :artifact, name, created_at, "
-    move += "summary FROM former_scenes WHERE serial = :serial"
+    move += 'summary, "key", request_digest FROM former_scenes WHERE serial = :serial'
     for serial, (_, digest) in known.items():
         op.get_bind().execute(sa.text(move), {"artifact": digest, "serial": serial})
     op.drop_table("former_scenes")
     op.create_index("ix_scenes_id", "scenes", ["id"])
     op.create_index("scenes_by_revision", "scenes", ["revision", "serial"])
+    op.create_index("scenes_by_key", "scenes", ["key"], unique=True)
