@@ -207,7 +207,7 @@ class Settings(BaseSettings):
         "does not reach but this server does",
     )
     webhook_failure_days: float = Field(
-        default=5.0, gt=0, description="After which a webhook that takes nothing is disabled"
+        default=5.0, gt=0, description="After which a webhook that takes nothing is disabled [days]"
     )
 
     @field_validator("rate_limit")
