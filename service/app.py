@@ -33,6 +33,7 @@ from service.security.guard import Guard
 from service.security.key_ring import open_key_ring
 from service.security.start import require_guarded
 from service.settings import Settings
+from service.telemetry.traces import request_telemetry
 from service.trajectories import routes as trajectories
 from service.versions import versions
 from service.webhooks import routes as webhooks
@@ -85,7 +86,7 @@ def create_app(
         try:
             require_guarded(chosen)
             async with (
-                open_services(chosen, on_taken, metrics.note_end) as services,
+                open_services(chosen, on_taken, metrics) as services,
                 open_key_ring(chosen.url) if chosen.auth == "keys" else nullcontext() as keys,
             ):
                 app.state.jobs, app.state.scenes, app.state.webhooks = services
@@ -106,6 +107,7 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        telemetry=request_telemetry(),
     )
     app.state.settings = chosen
     app.state.metrics = metrics

@@ -13,12 +13,12 @@ from service.executions.settlement import settled
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.queue import JobQueue, Share
 from service.jobs.dispatch.worker_pool import WorkerPool
 from service.jobs.hosts.plan import HostPlan, own_version
 from service.jobs.hosts.ray_hosts import RayHosts
 from service.jobs.hosts.remote_host import RemoteHost
-from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
@@ -48,7 +48,7 @@ _RESERVED = 1
 async def open_services(
     settings: Settings,
     on_taken: Callable[[], None],
-    on_end: Callable[[JobSummary], None] | None = None,
+    observer: Observer | None = None,
 ) -> AsyncGenerator[tuple[JobService, SceneStore, WebhookStore]]:
     """Run jobs from here on, or have the server run them that leads those of the database.
 
@@ -57,7 +57,7 @@ async def open_services(
     Args:
         settings: How the service runs.
         on_taken: Called when another server has taken the database over.
-        on_end: Called with each job that ended here.
+        observer: Hears of what the dispatcher does.
 
     Raises:
         DatabaseInUse: Another server works on this database, which cannot be shared.
@@ -68,7 +68,7 @@ async def open_services(
     store = JobStore(engine, versions())
     queues = _queues(settings, ArtifactCopies(settings.folder, store.artifacts))
     lock = DispatcherLock(engine)
-    dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, on_end=on_end)
+    dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, observer=observer)
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.folder, _library(settings))
@@ -143,9 +143,10 @@ def _queues(settings: Settings, copies: ArtifactCopies) -> dict[str, JobQueue]:
         "regions": Share(settings.regions_slots * hosts),
     }
     count = sum(share.max_running or 0 for share in shares.values())
-    planning = Terms(settings.niceness, settings.worker_memory, is_offline=True)
+    memory, logs, grace = settings.worker_memory, settings.logs, _CANCEL_GRACE["execution"]
+    planning = Terms(settings.niceness, memory, is_offline=True, logs=logs)
     # Executions go on while something is planned; OMPL and Drake take turns.
-    moving = Terms(0, settings.worker_memory, _CANCEL_GRACE["execution"], is_offline=True)
+    moving = Terms(0, memory, grace, is_offline=True, logs=logs)
     on_each = (count // hosts * [planning], settings.execution_slots * [moving])
     shared, own = _workers(settings, copies, *on_each)
     pool = WorkerPool(shared)

@@ -1,15 +1,28 @@
-"""Settings: what an operator may choose, from arguments or `WAYPROOF_*` in the environment."""
+"""Settings: what an operator may choose: by arguments, `WAYPROOF_*` in the environment, a file."""
 
 import ipaddress
 import os
+import tomllib
+from collections.abc import Mapping
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self, override
 
 from pydantic import Field, field_validator, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import (
+    BaseSettings,
+    InitSettingsSource,
+    PydanticBaseSettingsSource,
+    SettingsConfigDict,
+    SettingsError,
+)
 
+from service.telemetry.logs import LogFormat, LogLevel, LogTerms, usual_format
+
+PREFIX = "WAYPROOF_"
+# Names a file of settings.
+CONFIG_FILE = "WAYPROOF_CONFIG_FILE"
 _GIB = 2**30
 _TEST_HOSTS = {"inline": ("testserver",)}
 
@@ -36,10 +49,28 @@ def default_worker_memory() -> int:
     return min(8 * _GIB, max(_GIB, machine // 2))
 
 
+def read_config_file(environment: Mapping[str, str]) -> dict[str, Any]:
+    """Return what the file of settings says, by their names; nothing if none is named.
+
+    Raises:
+        SettingsError: It cannot be read, or is not TOML.
+    """
+    named = environment.get(CONFIG_FILE)
+    if not named:
+        return {}
+    try:
+        return tomllib.loads(Path(named).read_text(encoding="utf-8"))
+    except OSError as fault:
+        message = f"{CONFIG_FILE}: cannot read {named}: {fault.strerror or fault}"
+    except ValueError as fault:
+        message = f"{CONFIG_FILE}: {named} is not TOML: {fault}"
+    raise SettingsError(message)
+
+
 class Settings(BaseSettings):
     """How this server runs. Frozen: a running server does not change its mind."""
 
-    model_config = SettingsConfigDict(env_prefix="WAYPROOF_", frozen=True, extra="forbid")
+    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="forbid")
 
     host: str = Field(default="127.0.0.1", description="Address to listen on")
     port: int = Field(default=8470, ge=0, le=65535, description="Port; 0 for a free one")
@@ -103,8 +134,8 @@ class Settings(BaseSettings):
     retention_days: float = Field(
         default=30.0,
         ge=0,
-        description="For which plans, regions and executions are kept once they have ended; 0 "
-        "for all time",
+        description="How long plans, regions and executions are kept once they have ended "
+        "[days]; 0 for all time",
     )
     model_roots: tuple[Path, ...] = Field(default=(), description="More folders of robots")
     allow_model_paths: bool | None = Field(
@@ -140,7 +171,9 @@ class Settings(BaseSettings):
     max_connections: int = Field(
         default=1000, ge=1, description="Open connections; the one that says least makes room"
     )
-    max_body_bytes: int = Field(default=32 * 1024 * 1024, ge=1024)
+    max_body_bytes: int = Field(
+        default=32 * 1024 * 1024, ge=1024, description="Longest body of a posted scene [bytes]"
+    )
     max_wait: float = Field(default=60.0, gt=0, description="Longest `?wait=` [s]")
     query_timeout: float = Field(
         default=60.0, gt=0, description="For checks, IK and so on, once they run [s]"
@@ -153,6 +186,37 @@ class Settings(BaseSettings):
         gt=0,
         description="How long a canceled plan may time and prove its best path so far [s]",
     )
+    drain_seconds: float = Field(
+        default=5.0,
+        ge=0,
+        description="For plans and regions that run to end before the server does, once it is "
+        "told to [s]; the next server begins anew what does not",
+    )
+    otlp_endpoint: str | None = Field(
+        default=None,
+        description="Collector that gets traces (OTLP over HTTP), such as `http://localhost:4318`; "
+        "null for none. Needs the extra `telemetry`",
+    )
+    log_format: LogFormat | None = Field(
+        default=None, description="Of a line of the log; null for text on a terminal, else json"
+    )
+    log_level: LogLevel = Field(
+        default="warning", description="What is logged at least; info has a line for each request"
+    )
+
+    @classmethod
+    @override
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        *_: PydanticBaseSettingsSource,
+        **__: PydanticBaseSettingsSource,
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        """Arguments win over the environment, and that over the file that it names."""
+        in_file = InitSettingsSource(settings_cls, read_config_file(os.environ))
+        return init_settings, env_settings, in_file
 
     webhook_private_addresses: bool = Field(
         default=False,
@@ -160,7 +224,7 @@ class Settings(BaseSettings):
         "does not reach but this server does",
     )
     webhook_failure_days: float = Field(
-        default=5.0, gt=0, description="After which a webhook that takes nothing is disabled"
+        default=5.0, gt=0, description="After which a webhook that takes nothing is disabled [days]"
     )
 
     @model_validator(mode="after")
@@ -202,6 +266,11 @@ class Settings(BaseSettings):
         if self.database_url is None:
             return "the data folder"
         return self.database_url.rpartition("@")[2]
+
+    @cached_property
+    def logs(self) -> LogTerms:
+        """How the server and its workers log."""
+        return LogTerms(self.log_format or usual_format(), self.log_level)
 
     @property
     def is_loopback(self) -> bool:

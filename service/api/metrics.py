@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any, Literal, override
 
 from fastapi.routing import APIRoute
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
@@ -10,6 +10,7 @@ from prometheus_client import disable_created_metrics as leave_out_creation_time
 from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.scheduler import QueueLoad
 from service.jobs.job import JobSummary
 
@@ -20,7 +21,7 @@ _STAGES = (0.001, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 leave_out_creation_times()
 
 
-class Metrics:
+class Metrics(Observer):
     """What one app counts; nothing is shared with another one in the same process."""
 
     def __init__(self) -> None:
@@ -56,6 +57,23 @@ class Metrics:
             "wayproof_workers_ready", "Workers that may run what waits in a queue, busy or not.",
             ("queue",), registry=every,
         )  # fmt: skip
+        self._busy = Gauge(
+            "wayproof_workers_busy", "Workers that run something of a queue.", ("queue",),
+            registry=every,
+        )  # fmt: skip
+        self._waits = Histogram(
+            "wayproof_queue_wait_seconds",
+            "Seconds that a job or a question waited for a worker.",
+            ("queue",),
+            registry=every,
+            buckets=_STAGES,
+        )
+        self._worlds = Counter(
+            "wayproof_world_cache",
+            "Jobs and questions about a scene, by whether their worker had it loaded (hit) or not.",
+            ("queue", "outcome"),
+            registry=every,
+        )
 
     def note_request(self, scope: Scope, status: int, seconds: float) -> None:
         """Count a request that is answered."""
@@ -65,6 +83,14 @@ class Metrics:
             method, path = scope["method"], route.path_format
         self._requests.labels(method, path, str(status)).observe(seconds)
 
+    @override
+    def note_assignment(self, queue: str, waited: float, *, was_warm: bool | None) -> None:
+        """Count what has waited, and whether its scene is loaded where it runs."""
+        self._waits.labels(queue).observe(waited)
+        if was_warm is not None:
+            self._worlds.labels(queue, "hit" if was_warm else "miss").inc()
+
+    @override
     def note_end(self, job: JobSummary) -> None:
         """Count a job that has ended."""
         if job.failure is not None:
@@ -94,6 +120,7 @@ class Metrics:
         for queue, load in loads.items():
             self._lengths.labels(queue).set(load.num_waiting)
             self._workers.labels(queue).set(load.num_ready)
+            self._busy.labels(queue).set(load.num_running)
         return generate_latest(self._registry).decode()
 
 

@@ -2,6 +2,8 @@
 
 import gc
 import json
+import logging
+import os
 import socket
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,13 +12,21 @@ import typer
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
+from service.cli.variables import (
+    nearest_setting,
+    sentence_of,
+    unknown_variables,
+    variable_of,
+)
 from service.settings import Settings
+from service.telemetry.logs import configure_logs
 from service.workers import start_to_import
 
 EPILOG = (
     "Settings in the environment (docs/operations.md says what they are): "
     f"{', '.join(f'WAYPROOF_{name.upper()}' for name in Settings.model_fields)}."
 )
+_log = logging.getLogger(__name__)
 _WHERE = "Where records are kept; by default $XDG_STATE_HOME/wayproof or ~/.local/state/wayproof."
 
 
@@ -29,7 +39,9 @@ def serve(  # noqa: PLR0913  (one parameter per option)
     engine: Annotated[str | None, typer.Option(help="process, ray or inline.")] = None,
     announce: Annotated[Path | None, typer.Option(hidden=True)] = None,
     leashed: Annotated[bool, typer.Option("--leashed", hidden=True)] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", help="Log every request.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Log every request: WAYPROOF_LOG_LEVEL=info.")
+    ] = False,
 ) -> None:
     """Run the service. Settings come from options, else from WAYPROOF_* in the environment."""
     chosen: dict[str, Any] = {
@@ -38,8 +50,12 @@ def serve(  # noqa: PLR0913  (one parameter per option)
         "data_dir": data_dir,
         "plan_slots": plan_slots,
         "engine": engine,
+        "log_level": "info" if verbose else None,
     }
     settings = settings_of({name: item for name, item in chosen.items() if item is not None})
+    configure_logs(settings.logs)
+    for variable, nearest in unknown_variables(os.environ).items():
+        _log.warning(sentence_of(variable, nearest))
     bound = bind(settings.host, settings.port)
     url = url_of(bound)
     if settings.engine == "process":
@@ -55,10 +71,9 @@ def serve(  # noqa: PLR0913  (one parameter per option)
             announce.write_text(json.dumps({"url": url}), encoding="utf-8")
         typer.echo(f"Wayproof listens on {url}  (documentation: {url}/docs)", err=True)
 
-    level = "info" if verbose else "warning"
     try:
         with bound:
-            run(settings, bound, log_level=level, leashed=leashed, on_listening=tell)
+            run(settings, bound, leashed=leashed, on_listening=tell)
     except CannotStart as fault:
         typer.echo(f"the server does not start: {fault}", err=True)
         raise typer.Exit(1) from fault
@@ -75,7 +90,10 @@ def settings_of(chosen: dict[str, Any]) -> Settings:
     except ValidationError as fault:
         for one in fault.errors():
             name = ".".join(map(str, one["loc"]))
-            typer.echo(f"the setting {name} is wrong: {one['msg']}", err=True)
+            told = f"the setting {name} ({variable_of(str(one['loc'][0]))}) is wrong: {one['msg']}"
+            if one["type"] == "extra_forbidden":
+                told = f"there is no setting {name}; the nearest is {nearest_setting(name)}"
+            typer.echo(told, err=True)
         raise typer.Exit(2) from fault
     except SettingsError as fault:
         typer.echo(f"the settings are wrong: {fault}", err=True)

@@ -1,51 +1,34 @@
 """The server process: uvicorn around the app."""
 
+import asyncio
 import logging
 import os
 import socket
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any, override
+from types import FrameType
+from typing import override
 
 import uvicorn
-import uvicorn.config
 from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from planning.errors import WayproofError
-from service.api.middleware.request_id import RequestIdFilter
 from service.app import create_app
 from service.cli.connections import Connections, bounded_protocol, most_connections
-from service.security.redaction import KeyFilter
+from service.jobs.service import JobService
 from service.settings import Settings
+from service.telemetry.traces import TracingUnavailable, start_tracing, stop_tracing
+from service.versions import versions
 
-_HANDLERS = uvicorn.config.LOGGING_CONFIG["handlers"]
-_FORMATS = uvicorn.config.LOGGING_CONFIG["formatters"]
-# Uvicorn's, and the service's warnings beside them; records say to which request they belong.
-LOGGING: dict[str, Any] = {
-    **uvicorn.config.LOGGING_CONFIG,
-    "filters": {"request": {"()": RequestIdFilter}, "keys": {"()": KeyFilter}},
-    "formatters": {
-        name: {
-            **kind,
-            "fmt": kind["fmt"].replace("%(levelprefix)s ", "%(levelprefix)s %(request)s"),
-        }
-        for name, kind in _FORMATS.items()
-    },
-    "handlers": {
-        name: {**kind, "filters": ["request", "keys"]} for name, kind in _HANDLERS.items()
-    },
-    "loggers": {
-        **uvicorn.config.LOGGING_CONFIG["loggers"],
-        "wayproof.audit": {"handlers": ["default"], "level": "INFO"},
-        "service": {"handlers": ["default"], "level": "WARNING"},
-    },
-}
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
+# Between looks at whether what runs has ended [s].
+_PERIOD = 0.05
 # What the process ends with when another server has its database.
 TAKEN = 3
+_log = logging.getLogger(__name__)
 
 
 class CannotStart(Exception):
@@ -56,7 +39,6 @@ def run(
     settings: Settings,
     bound: socket.socket,
     *,
-    log_level: str,
     leashed: bool,
     on_listening: Callable[[], None],
 ) -> None:
@@ -65,7 +47,6 @@ def run(
     Args:
         settings: How the service runs.
         bound: Where it listens.
-        log_level: Of uvicorn.
         leashed: Whether to stop when stdin closes, that is, when what started it is gone.
         on_listening: Called once it takes requests.
 
@@ -77,12 +58,18 @@ def run(
     def give_up() -> None:
         server.give_up()
 
+    if settings.otlp_endpoint is not None:
+        try:
+            start_tracing(settings.otlp_endpoint, versions()["wayproof"])
+        except TracingUnavailable as fault:
+            raise CannotStart(str(fault)) from fault
     app = create_app(settings, give_up)
     most = most_connections(settings.max_connections)
     config = uvicorn.Config(
         app,
-        log_level=log_level,
-        log_config=LOGGING,
+        log_level=settings.log_level,
+        log_config=None,  # its records go where all others go
+        access_log=settings.log_level in {"debug", "info"},
         timeout_graceful_shutdown=_GRACE,
         loop="uvloop",
         http=bounded_protocol(Connections(most, settings.header_timeout)),
@@ -90,7 +77,10 @@ def run(
     server = _Server(config, app, on_listening)
     if leashed:
         threading.Thread(target=_stop_with_stdin, args=(server,), daemon=True).start()
-    server.run(sockets=[bound])
+    try:
+        server.run(sockets=[bound])
+    finally:
+        stop_tracing()
     if server.is_taken:
         raise SystemExit(TAKEN)
 
@@ -103,6 +93,7 @@ class _Server(uvicorn.Server):
     ) -> None:
         super().__init__(config)
         self.is_taken = False
+        self._is_hurried = False
         self._app = app
         self._on_listening = on_listening
 
@@ -133,14 +124,44 @@ class _Server(uvicorn.Server):
 
     @override
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        jobs: JobService | None = getattr(self._app.state, "jobs", None)
+        if jobs is not None:
+            await self._drain(jobs)
         self._app.state.is_stopping = True
-        if hasattr(self._app.state, "jobs"):
-            self._app.state.jobs.begin_to_stop()
+        if jobs is not None:
+            jobs.begin_to_stop()
         await super().shutdown(sockets)
+
+    @override
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Begin to stop; at the second signal, wait for no plan.
+
+        Uvicorn's way with a second one leaves robots and records as they are: it is not taken.
+        """
+        if self.should_exit:
+            self._is_hurried = True
+        else:
+            super().handle_exit(sig, frame)
+
+    def stop_now(self) -> None:
+        """Stop, and wait for no plan; may be called in any thread."""
+        self._is_hurried = self.should_exit = True
 
     def give_up(self) -> None:
         """Stop, because another server has the database."""
-        self.is_taken = self.should_exit = True
+        self.is_taken = True
+        self.stop_now()
+
+    async def _drain(self, jobs: JobService) -> None:
+        """Let what runs end by itself for a while; everything but a new job is answered."""
+        seconds, now = self._app.state.settings.drain_seconds, asyncio.get_running_loop().time
+        _log.info("the server is told to end: what runs has %g s to end by itself", seconds)
+        until = now() + seconds
+        drained = asyncio.ensure_future(jobs.drain())
+        while not (drained.done() or self._is_hurried or now() >= until):
+            await asyncio.wait({drained}, timeout=_PERIOD)
+        drained.cancel()
+        await asyncio.gather(drained, return_exceptions=True)
 
     def _is_news(self, _: logging.LogRecord) -> bool:
         """Uvicorn logs the whole traceback of a fault that takes one sentence."""
@@ -161,8 +182,8 @@ class _Server(uvicorn.Server):
                 return None
 
 
-def _stop_with_stdin(server: uvicorn.Server) -> None:
+def _stop_with_stdin(server: _Server) -> None:
     # Not by a buffered reader: an interpreter that ends cannot take its lock, and aborts.
     while os.read(sys.stdin.fileno(), 4096):
         pass
-    server.should_exit = True
+    server.stop_now()  # what started it does not wait for plans

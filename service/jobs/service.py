@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 
 from anyio import to_thread
 
-from service.errors import NotReady, UnknownResource
+from service.errors import NotReady, ServerStopping, UnknownResource
 from service.jobs.artifacts import Artifact
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.scheduler import QueueLoad
@@ -225,6 +225,10 @@ class JobService(TaskCalls):
         run = None if job.state.is_final else self._dispatcher.attempt_of(job.id)
         return [] if run is None else run.unrecorded
 
+    async def drain(self) -> None:
+        """Take and begin no more jobs, and wait for those that run; see `Dispatcher.drain`."""
+        await self._dispatcher.drain()
+
     def begin_to_stop(self) -> None:
         """Begin nothing more, and tell what runs to end, before `Dispatcher.stop` waits for it."""
         self._dispatcher.begin_to_stop()
@@ -247,7 +251,10 @@ class JobService(TaskCalls):
 
         Raises:
             NotReady: They are not, yet or any more.
+            ServerStopping: The server is to end.
         """
+        if self._dispatcher.is_draining:
+            raise ServerStopping("the server is about to end: what runs may end first")
         faults = self._dispatcher.faults()
         if faults:
             named = "; ".join(f"{queue}: {fault}" for queue, fault in faults.items())

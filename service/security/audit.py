@@ -15,8 +15,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.dependencies import CALLER
 from service.api.middleware.request_id import request_id
-from service.security.redaction import redacted
 from service.security.scopes import SAFE_METHODS
+from service.telemetry.masking import redacted
 
 _log = logging.getLogger("wayproof.audit")
 # Questions are posted, because they are long, and change nothing.

@@ -54,17 +54,15 @@ class Server:
 
 
 @contextmanager
-def server(folder, **environment):
-    """A server that keeps its records in `folder`."""
+def server(folder, log=subprocess.DEVNULL, **environment):
+    """A server that keeps its records in `folder`, and may write its log to an open file."""
     announce = folder / "announce.json"
     announce.unlink(missing_ok=True)
     command = [sys.executable, "-m", "service", "serve", "--port", "0", "--leashed"]
     command += ["--data-dir", str(folder / "state"), "--announce", str(announce)]
     # Beside other tests, plans that let everything else go before would hardly go on.
     chosen = os.environ | {"WAYPROOF_NICENESS": "0"} | environment
-    process = subprocess.Popen(
-        command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, env=chosen
-    )
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=log, env=chosen)
     try:
         url = until(lambda: ready_url(announce))
         with Client(url) as client:

@@ -1,22 +1,21 @@
 """RequestId: `X-Request-ID` in every answer, and in the log records that belong to a request."""
 
-import logging
 import re
 import uuid
-from contextvars import ContextVar
-from typing import override
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.telemetry.ids import REQUEST, bind_ids, bound_ids
+from service.telemetry.traces import trace_ids
+
 HEADER = "X-Request-ID"
 _SANE = re.compile(r"[A-Za-z0-9._-]{1,64}")
-_request_id: ContextVar[str] = ContextVar("request_id", default="")
 
 
 def request_id() -> str:
     """Return the id of the request that this task answers, "" outside of one."""
-    return _request_id.get()
+    return bound_ids().get(REQUEST, "")
 
 
 class RequestId:
@@ -36,7 +35,7 @@ class RequestId:
         name = given[0] if is_sane else uuid.uuid4().hex
         # Not reset: each request is answered by a task of its own, and what handles unexpected
         # errors and logs the access stands around this middleware.
-        _request_id.set(name)
+        bind_ids({REQUEST: name, **trace_ids()})
 
         async def send_named(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -44,14 +43,3 @@ class RequestId:
             await send(message)
 
         await self._app(scope, receive, send_named)
-
-
-class RequestIdFilter(logging.Filter):
-    """Adds `request_id` to log records, and `request` to put before a message."""
-
-    @override
-    def filter(self, record: logging.LogRecord) -> bool:
-        """Let every record pass."""
-        name = request_id()
-        record.__dict__ |= {"request_id": name, "request": f"[{name}] " if name else ""}
-        return True

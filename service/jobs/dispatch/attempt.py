@@ -13,6 +13,7 @@ from planning.errors import Canceled
 from service.jobs.dispatch.attempt_end import AttemptEnd, StopRequest
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.spans import run_traced
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.event_buffer import EventBuffer
 from service.jobs.job import Job, JobText, PendingEvent
@@ -21,6 +22,7 @@ from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition
 from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
+from service.telemetry.ids import JOB, bind_ids, bound_ids
 
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
@@ -40,6 +42,7 @@ class Attempt:
         concluded: Set once its end is in the table, or another server has the job.
         ended: The job as the table has it, once it has ended in this attempt.
         num_lost_hosts: How many machines were lost under the job since this server took it up.
+        ids: Of the job, and of the request that it was made for, for the log.
     """
 
     def __init__(
@@ -52,6 +55,7 @@ class Attempt:
         self.concluded = asyncio.Event()
         self.ended: JobText | None = None
         self.num_lost_hosts = 0
+        self.ids = {**bound_ids(), JOB: job.id}
         self._recorder = recorder
         self._scheduler = scheduler
         self._events = EventBuffer(self._write_events)
@@ -138,7 +142,11 @@ class Attempt:
         return replace(job, state=JobState.RUNNING, started_at=started_at, attempts=attempts)
 
     async def run(self, worker: Worker) -> bool:
-        """Run the job in a worker, which is given back; return whether it is queued again."""
+        """Run the job in a worker, which is given back; return whether it is queued again.
+
+        Called in a task of its own: the ids of the job are bound in it from here on.
+        """
+        bind_ids(self.ids)
         if not await self._bring_artifacts(worker):
             return True
         start = asyncio.get_running_loop().create_task(self._write_start())
@@ -227,7 +235,7 @@ class Attempt:
             if self._may_begin:
                 self._worker = worker
                 task = (job.task, job.payload, self._events, job.time_limit, self.controls)
-                outcome = await worker.run(Assignment(*task))
+                outcome = await run_traced(worker, Assignment(*task, ids=self.ids))
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
             _log.exception("the worker failed under %s", job.id)
             outcome = Raised(InternalError(f"the worker failed: {type(fault).__name__}"))

@@ -1,14 +1,15 @@
 """Attempts: the jobs of a dispatcher that wait or run here, each until it has ended."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
 from service.jobs.dispatch.attempt import Attempt
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.dispatch.waiting import Place, QueueEntry
-from service.jobs.job import Job, JobSummary
+from service.jobs.job import Job
 from service.jobs.worker.assignment import Worker
 
 
@@ -19,19 +20,19 @@ class Attempts(dict[str, Attempt]):
         self,
         recorder: JobRecorder,
         scheduler: Scheduler,
-        on_end: Callable[[JobSummary], None] | None,
+        observer: Observer,
     ) -> None:
         """Have none yet.
 
         Args:
             recorder: Of what happens to jobs.
             scheduler: Where they run.
-            on_end: Called with each job that ended here.
+            observer: Hears of each job that ended here.
         """
         super().__init__()
         self._recorder = recorder
         self._scheduler = scheduler
-        self._on_end = on_end
+        self._observer = observer
 
     def enqueue(self, job: Job, controls: Mapping[str, Any], place: Place | None = None) -> None:
         """Run a queued job of the table when it has a worker."""
@@ -75,13 +76,6 @@ class Attempts(dict[str, Attempt]):
         every = [other for other in self.values() if other.job.queue == queue]
         return sum(other.is_starting and other.job.id not in but for other in every)
 
-    def interrupt(self, reason: str) -> None:
-        """Begin nothing more, and end what runs."""
-        self._scheduler.pause()
-        for attempt in self.values():
-            if attempt.has_begun:
-                attempt.interrupt(reason)
-
     async def _run(self, attempt: Attempt, worker: Worker, place: Place) -> None:
         is_queued_again = False
         try:
@@ -89,8 +83,8 @@ class Attempts(dict[str, Attempt]):
         finally:
             self.pop(attempt.job.id, None)
             attempt.concluded.set()
-        if attempt.ended is not None and self._on_end is not None:
-            self._on_end(attempt.ended.summary)
+        if attempt.ended is not None:
+            self._observer.note_end(attempt.ended.summary)
         if is_queued_again:
             job = replace(
                 attempt.job,

@@ -8,6 +8,7 @@ from typing import Any
 from planning.errors import DeadlineExceeded
 from service.jobs.dispatch.durations import CallKind
 from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.spans import run_traced
 from service.jobs.dispatch.waiting import QueueEntry
 from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.event_buffer import NullSink
@@ -16,6 +17,7 @@ from service.jobs.json_text import Encoded, decode_parts
 from service.jobs.outcome import Crashed, Lost, Outcome, Returned, TimedOut, error_of
 from service.jobs.task import artifacts_of
 from service.jobs.worker.assignment import Assignment, Worker
+from service.telemetry.ids import bound_ids
 
 _ATTEMPTS = 2
 
@@ -159,11 +161,11 @@ class Calls:
     async def _run_in(self, call: Call, worker: Worker) -> _Finished:
         loop = asyncio.get_running_loop()
         began = loop.time()
-        run = Assignment(call.task, call.payload, NullSink(), call.time_limit)
+        run = Assignment(call.task, call.payload, NullSink(), call.time_limit, ids=bound_ids())
         content: Any = None
         try:
             await worker.bring(artifacts_of(call.task, call.payload))
-            outcome = await worker.run(run)
+            outcome = await run_traced(worker, run)
             if isinstance(outcome, Returned):
                 content = await self._content(call, outcome.result)
             return _Finished(outcome, content, loop.time() - began)

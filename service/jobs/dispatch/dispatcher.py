@@ -6,16 +6,19 @@ from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 from contextlib import aclosing
 from typing import Any, Literal
 
+from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.calls import Call, CallResult, Calls
 from service.jobs.dispatch.leader import DispatcherLock
 from service.jobs.dispatch.lock_watch import LockWatch, Standby
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
+from service.jobs.dispatch.shutdown import STOPPED, Shutdown
 from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.uptake import Uptake
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
@@ -24,8 +27,6 @@ from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.store.job_store import JobStore
 
-# To record the ends of what ran when the server stops [s].
-_WRITING = 5.0
 # Between two looks at tables that another server is about to make [s].
 _LOOK = 0.1
 _log = logging.getLogger(__name__)
@@ -53,7 +54,7 @@ class Dispatcher:
         queues: Mapping[str, JobQueue],
         *,
         on_taken: Callable[[], None] = _nothing,
-        on_end: Callable[[JobSummary], None] | None = None,
+        observer: Observer | None = None,
         timeouts: DatabaseTimeouts | None = None,
     ) -> None:
         """Put the parts together; `start` begins.
@@ -63,21 +64,22 @@ class Dispatcher:
             lock: On the database.
             queues: Where jobs wait, by name.
             on_taken: Called once when another server has taken the database over.
-            on_end: Called with each job that ended here.
+            observer: Hears of what gets a worker, and of what has ended here.
             timeouts: How long a database may be out of reach.
         """
         self.is_taken = False
         self.leads = asyncio.Event()
         self._on_taken = on_taken
-        self._on_end = on_end
+        self._observer = observer or Observer()
         self._timeouts = timeouts or DatabaseTimeouts()
         self._store = store
         self._lock = lock
-        self._scheduler = Scheduler(queues)
+        self._scheduler = Scheduler(queues, self._observer)
         self._bus: EventBus[LoggedEvent] = EventBus(self._read_events)
         self._calls = Calls(self._scheduler)
         self._recorder: JobRecorder
         self._attempts: Attempts
+        self._shutdown: Shutdown
         self._waits: JobWaits
         self._control: JobControl
         self._submission: JobSubmission
@@ -148,7 +150,8 @@ class Dispatcher:
         """Make what belongs to the running event loop."""
         store, scheduler, within = self._store, self._scheduler, self._timeouts.record
         recorder = self._recorder = JobRecorder(store, self._bus, self.give_up)
-        attempts = self._attempts = Attempts(recorder, scheduler, self._on_end)
+        attempts = self._attempts = Attempts(recorder, scheduler, self._observer)
+        self._shutdown = Shutdown(attempts, scheduler)
         self._waits = JobWaits(attempts, self._bus, store)
         self._control = JobControl(attempts, recorder, scheduler, within)
         self._submission = JobSubmission(recorder, attempts, scheduler, within)
@@ -181,19 +184,22 @@ class Dispatcher:
         What was interrupted is queued again if it may run again; that does not count as an attempt.
         """
         self.begin_to_stop()
-        running = [attempt for attempt in self._attempts.values() if attempt.has_begun]
-        longest = max((attempt.grace for attempt in running), default=0.0) + _WRITING
-        waits = [asyncio.ensure_future(attempt.concluded.wait()) for attempt in running]
-        if waits:
-            _, late = await asyncio.wait(waits, timeout=longest)
-            for wait in late:
-                wait.cancel()
-            if late:
-                _log.error("the ends of %d jobs could not be recorded", len(late))
+        if late := await self._shutdown.concluded():
+            _log.error("the ends of %d jobs could not be recorded", late)
         self._bus.close()
         await self._scheduler.close()
         await self._recorder.close()
         await asyncio.to_thread(self._lock.release)
+
+    @property
+    def is_draining(self) -> bool:
+        """Whether no job may begin any more, because the server is to end."""
+        return self._shutdown.is_draining
+
+    async def drain(self) -> None:
+        """Take and begin no more jobs, and wait for those that run; robots come to rest at once."""
+        self._shutdown.begin_to_drain()
+        await self._shutdown.drained()
 
     def begin_to_stop(self) -> None:
         """Begin nothing more, and tell what runs to end: a robot comes to rest on its path.
@@ -201,11 +207,12 @@ class Dispatcher:
         Every wait for a job is answered at once: what waited would be cut off.
         """
         self._waits.end()
-        self._attempts.interrupt("the server stopped")
+        self._shutdown.begin_to_drain()
+        self._shutdown.interrupt_all(STOPPED)
 
     def suspend(self) -> None:
         """Begin nothing, and end what runs: the database may be another's by now."""
-        self._attempts.interrupt("the database was out of reach")
+        self._shutdown.interrupt_all("the database was out of reach")
 
     def resume(self) -> None:
         """Work again after `suspend`."""
@@ -216,7 +223,7 @@ class Dispatcher:
         if not self.is_taken:
             self.is_taken = True
             _log.critical("another server has taken the database over: this one gives up")
-            self._attempts.interrupt("another server took the database over")
+            self._shutdown.interrupt_all("another server took the database over")
             self._on_taken()
 
     def attempt_of(self, identifier: str) -> Attempt | None:
@@ -240,6 +247,7 @@ class Dispatcher:
 
         Raises:
             QueueFull: Its queue would have more waiting jobs than it may.
+            ServerStopping: The server is to end.
         """
         first = specs[0]
         if first.key:
@@ -247,6 +255,9 @@ class Dispatcher:
             known = await asyncio.to_thread(self._store.find_by_key, *request)
             if known:
                 return [known]
+        if self.is_draining:
+            message = "the server is about to end and takes no more jobs; ask again when it is back"
+            raise ServerStopping(message)
         self._scheduler.check_room(first.queue, len(specs))
         if self.leads.is_set():
             return await self._submission.submit_all(specs)

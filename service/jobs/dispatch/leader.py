@@ -5,13 +5,12 @@ owner counts the epoch up, and every write of a job asks in its own transaction 
 still the writer's: a server that has lost the database cannot write, whether or not it knows.
 """
 
-import fcntl
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from enum import Enum, auto
-from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
 from sqlalchemy import Engine, insert, select, text, update
 from sqlalchemy.exc import DBAPIError
 
@@ -173,13 +172,16 @@ class DispatcherLock:
         database = self._engine.url.database
         if not database or database == ":memory:":
             return None
-        file = Path(f"{database}.lock").open("w")  # noqa: SIM115  (held, and closed by release)
+        # Whichever thread releases it. Never a file that stays there when its owner dies, as some
+        # file systems would have it: the kernel's lock ends with the process.
+        lock = FileLock(
+            f"{database}.lock", blocking=False, thread_local=False, fallback_to_soft=False
+        )
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as fault:
-            file.close()
+            lock.acquire()
+        except Timeout as fault:
             raise self._in_use("stop it, or choose another data folder") from fault
-        return file
+        return lock
 
     def _lock_advisory(self) -> Any:
         # Outside of a transaction, which would otherwise be open as long as the server runs.
@@ -203,7 +205,9 @@ class DispatcherLock:
         if self.may_be_lost:
             # Its end is the end of the lock, and needs no answer.
             held.invalidate()
-        held.close()
+            held.close()
+        else:
+            held.release()
 
     def of_other_version(self) -> DatabaseInUse:
         """Return the error for a server of another version that works on the database."""

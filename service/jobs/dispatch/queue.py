@@ -89,6 +89,7 @@ class JobQueue:
         self._max_long = self.max_running - share.reserved
         self._warm_wait = warm_wait
         self._waiting = WaitingEntries()
+        self._takes_jobs = True
         self._running: dict[int, _Run] = {}
         self._orders = itertools.count()
         self._throughput = Throughput()
@@ -97,6 +98,11 @@ class JobQueue:
     def num_waiting(self) -> int:
         """How many entries wait."""
         return len(self._waiting)
+
+    @property
+    def num_running(self) -> int:
+        """How many workers it uses."""
+        return len(self._running)
 
     def has_room(self, more: int = 1) -> bool:
         """Return whether so many more may wait."""
@@ -112,14 +118,30 @@ class JobQueue:
         return Place(now, next(self._orders))
 
     def add(self, entry: QueueEntry) -> None:
-        """Let an entry wait; one that comes again has its former place."""
+        """Let an entry wait; one that comes again has its former place.
+
+        A job that comes after `begin_to_drain` is not taken: another server has it next.
+        """
+        if entry.kind is None and not self._takes_jobs:
+            return
         if not self._waiting:
             self._throughput.restart(entry.place.since)
         self._waiting.add(entry)
 
+    def begin_to_drain(self) -> None:
+        """Let no job wait any more, only calls."""
+        self._takes_jobs = False
+        for name in self._waiting.names_of_jobs():
+            self._waiting.remove(name)
+
     def remove(self, name: str) -> None:
         """Let an entry wait no longer, if it did."""
         self._waiting.remove(name)
+
+    def was_warm(self, worker: Worker) -> bool | None:
+        """Return whether a worker had the world of what runs in it; None if that needs none."""
+        run = self._running[id(worker)]
+        return None if run.entry.world_digest is None else run.was_warm
 
     def take_back(self, worker: Worker) -> None:
         """Note that a worker was not used; the pool may have it back."""

@@ -12,7 +12,7 @@ from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduler import Scheduler
 from service.jobs.errors import DatabaseTaken, QueueFull
-from service.jobs.job import CONTROLS, Job, JobSpec, JobSummary
+from service.jobs.job import CONTROLS, Job, JobSpec, JobSummary, JobText
 from service.jobs.states import JobState
 from service.jobs.store.drafts import Draft, draft
 from service.jobs.store.transitions import Transition
@@ -208,6 +208,8 @@ class JobControl:
             if not attempt.is_cancel_requested:  # this server began to lead meanwhile
                 self._attempts.cancel(attempt)
             if ended is not None:
+                # One that had a worker already concludes later; who waits is answered now.
+                attempt.ended = JobText(job, None)
                 self._attempts.drop(attempt)
         return job
 

@@ -4,9 +4,11 @@ import asyncio
 import logging
 from collections.abc import Coroutine, Generator, Mapping
 from contextlib import contextmanager
+from contextvars import Context
 from dataclasses import dataclass
 from typing import Any
 
+from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.waiting import Place, QueueEntry
 from service.jobs.dispatch.worker_pool import WorkerPool
@@ -22,18 +24,21 @@ class QueueLoad:
 
     Attributes:
         num_waiting: Jobs and questions that wait.
+        num_running: Workers that they use.
         num_ready: Workers that may run them and are warm, busy or not.
     """
 
     num_waiting: int
+    num_running: int
     num_ready: int
 
 
 class Scheduler:
     """The queues of a dispatcher at work; belongs to one event loop."""
 
-    def __init__(self, queues: Mapping[str, JobQueue]) -> None:
+    def __init__(self, queues: Mapping[str, JobQueue], observer: Observer | None = None) -> None:
         """Start with no worker ready; `open` makes them so."""
+        self._observer = observer or Observer()
         self._queues = queues
         self._pools = list({id(queue.pool): queue.pool for queue in queues.values()}.values())
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -55,6 +60,11 @@ class Scheduler:
             for worker in pool.workers:
                 await worker.open(warm_up)
                 self.spawn(self._await_ready(pool, worker))
+
+    def begin_to_drain(self) -> None:
+        """Give workers to no more jobs; calls get them still."""
+        for queue in self._queues.values():
+            queue.begin_to_drain()
 
     def pause(self) -> None:
         """Give workers to nothing more until `resume`."""
@@ -102,7 +112,9 @@ class Scheduler:
         """Return what waits and what works, by queue."""
         return {
             name: QueueLoad(
-                queue.num_waiting, sum(worker.fault is None for worker in queue.pool.workers)
+                queue.num_waiting,
+                queue.num_running,
+                sum(worker.fault is None for worker in queue.pool.workers),
             )
             for name, queue in self._queues.items()
         }
@@ -150,7 +162,8 @@ class Scheduler:
         if self._is_closed:
             work.close()
             return
-        self.keep(asyncio.get_running_loop().create_task(work))
+        # What happens to begin it (a request, the end of another job) is no part of it.
+        self.keep(asyncio.get_running_loop().create_task(work, context=Context()))
 
     def keep(self, task: asyncio.Task[Any]) -> None:
         """Hold a task that works in the background; it is canceled when the scheduler closes."""
@@ -181,6 +194,8 @@ class Scheduler:
         if decided.decide_again is not None:
             self._timers[queue.name] = loop.call_at(decided.decide_again, self._assign, queue)
         for entry, worker in decided.pairs:
+            waited, was_warm = loop.time() - entry.place.since, queue.was_warm(worker)
+            self._observer.note_assignment(queue.name, waited, was_warm=was_warm)
             entry.use(worker)
 
     def _on_done(self, task: asyncio.Task[Any]) -> None:

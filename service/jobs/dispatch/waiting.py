@@ -116,6 +116,10 @@ class WaitingEntries:
         if not self._num_of[entry.client]:
             del self._num_of[entry.client], self._turns[entry.client]
 
+    def names_of_jobs(self) -> list[str]:
+        """Return the names of what waits and is no call."""
+        return [name for name, entry in self._by_name.items() if entry.kind is None]
+
     def take(self, entry: QueueEntry, now: float) -> None:
         """Remove an entry that gets a worker: it was the turn of its client, and of its line."""
         self._lines[_line_of(entry)].served_at = now

@@ -31,6 +31,7 @@ class Assignment:
         time_limit: Seconds after which it is told to end, and a little later killed; or None. A
             task that knows better may change it while it runs.
         controls: What is set when it begins; `Worker.control` tells what is set later.
+        ids: Of what it is run for, by name; they are in every line that it logs.
     """
 
     task: str
@@ -38,6 +39,7 @@ class Assignment:
     sink: EventSink
     time_limit: float | None = None
     controls: Mapping[str, Any] = field(default_factory=dict)
+    ids: Mapping[str, str] = field(default_factory=dict)
 
 
 class Worker(Protocol):

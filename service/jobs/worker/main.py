@@ -1,6 +1,8 @@
 """What runs in a worker's process. Light: the forkserver imports it before any task."""
 
 import gc
+import json
+import logging
 import os
 import socket
 from dataclasses import dataclass
@@ -14,8 +16,11 @@ from service.jobs.worker.network import leave_network
 from service.jobs.worker.parent_watch import exit_with_parent
 from service.jobs.worker.protocol import Message, MessageKind, MessagePipe, two_parts
 from service.jobs.worker.run_task import TaskEnd, run_task
+from service.telemetry.ids import with_ids
+from service.telemetry.logs import LogTerms, configure_logs
 
 _CRASH_CODE = 70
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -27,12 +32,14 @@ class Terms:
         memory: What it may use [bytes]; None for all that there is.
         memory_grace: How long a task may take to end by itself once it uses more [s].
         is_offline: Whether it is to reach no network, if the kernel has a way.
+        logs: How it logs; None to leave that as it is.
     """
 
     niceness: int = 0
     memory: int | None = None
     memory_grace: float = 0.0
     is_offline: bool = False
+    logs: LogTerms | None = None
 
 
 def serve(
@@ -48,6 +55,8 @@ def serve(
         terms: Of the work.
     """
     exit_with_parent(parent)
+    if terms.logs is not None:
+        configure_logs(terms.logs)
     network = leave_network() if terms.is_offline else None
     gc.freeze()
     gc.enable()
@@ -56,7 +65,15 @@ def serve(
         limit_own(terms.memory)
     if folder is not None:
         set_host_folder(folder)
-    pipe = MessagePipe(end)
+    try:
+        _run_tasks(MessagePipe(end), network, warm_up)
+    except Exception:  # noqa: BLE001  (and no more)
+        # Not left to multiprocessing, which would print it line by line.
+        _log.critical("a worker ends", exc_info=True)
+        os._exit(_CRASH_CODE)
+
+
+def _run_tasks(pipe: MessagePipe, network: str | None, warm_up: str | None) -> None:
     fault = ""
     if warm_up is not None:
         warm_up_end = run_task(warm_up, "{}", WarmUpContext())
@@ -65,8 +82,10 @@ def serve(
     pipe.send(Message(MessageKind.READY, 0, two_parts(network or "", fault)))
     while (message := pipe.receive()) is not None:
         if message.kind is MessageKind.TASK:
-            task, payload = message.parts
-            ended = run_task(task, payload, PipeContext(pipe, message.token))
+            head, payload = message.parts
+            task, ids = json.loads(head)
+            with with_ids(ids):
+                ended = run_task(task, payload, PipeContext(pipe, message.token))
             _report(pipe, message.token, ended)
 
 

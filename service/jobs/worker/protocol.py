@@ -25,6 +25,7 @@ MAX_BODY = 512 * 1024 * 1024
 class MessageKind(IntEnum):
     """What a message says; TASK, CANCEL and CONTROLS go to the process, the others come from it.
 
+    TASK carries its name and the ids that it is run for as a JSON list, then its payload.
     CONTROLS carries all controls of the run, as JSON. READY carries why the network is reached
     where it should not be, and how the warm-up failed, if it did; TERM how many seconds the run has
     from now on; WATCH how long it may be silent [s]. UPDATE is an event that a later one of its

@@ -8,7 +8,7 @@ import asyncio
 import json
 import threading
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from typing import Any
 
 from service.jobs.artifacts import ArtifactCopies
@@ -19,6 +19,7 @@ from service.jobs.worker.assignment import Assignment, EventSink
 from service.jobs.worker.protocol import MessageKind, load_error
 from service.jobs.worker.run_task import TaskEnd, event_text, run_task
 from service.jobs.worker.termination import Termination
+from service.telemetry.ids import with_ids
 
 # Drake worlds are kept per process and OMPL's random numbers are global to it: one task at a time.
 _ONE_AT_A_TIME = threading.Lock()
@@ -161,10 +162,7 @@ class ThreadWorker:
         if self._copies is not None:
             set_host_folder(self._copies.folder)
         payload = json.dumps(run.payload)
-        if self._is_exclusive:
-            with _ONE_AT_A_TIME:
-                end = run_task(run.task, payload, context)
-        else:
+        with with_ids(run.ids), _ONE_AT_A_TIME if self._is_exclusive else nullcontext():
             end = run_task(run.task, payload, context)
 
         def finish() -> None:

@@ -7,6 +7,7 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
 from service.api.metrics import Metrics
+from service.jobs.dispatch.scheduler import QueueLoad
 
 
 def samples(text):
@@ -76,6 +77,39 @@ def test_queues_and_workers_are_shown(scraped):
         assert value(text, "wayproof_queue_length", queue=queue) == 0
         assert value(text, "wayproof_workers_ready", queue=queue) >= 1
     assert value(text, "wayproof_jobs", queue="plan", state="succeeded") >= 1
+
+
+def test_waits_and_loaded_scenes_are_counted(client, scene, scraped):
+    waits = ("wayproof_queue_wait_seconds_count", {"queue": "query"})
+    hits = ("wayproof_world_cache_total", {"queue": "query", "outcome": "hit"})
+    misses = ("wayproof_world_cache_total", {"queue": "query", "outcome": "miss"})
+    question = {"group": "arm", "configurations": [[0.0] * 6]}
+    client.post(f"/v1/scenes/{scene}/check", json=question)  # from here on it is loaded
+    before = scraped()
+    for _ in range(3):
+        assert client.post(f"/v1/scenes/{scene}/check", json=question).is_success
+    after = scraped()
+    for (name, labels), more in ((waits, 3), (hits, 3), (misses, 0)):
+        assert value(after, name, **labels) == value(before, name, **labels) + more
+
+
+def test_a_scene_that_is_not_loaded_is_a_miss_and_what_is_about_none_is_neither():
+    metrics = Metrics()
+    for was_warm in (True, False, False, None):
+        metrics.note_assignment("plan", 0.5, was_warm=was_warm)
+    shown = metrics.exposition({}, {"plan": QueueLoad(num_waiting=4, num_running=2, num_ready=3)})
+    assert value(shown, "wayproof_queue_wait_seconds_sum", queue="plan") == 2.0
+    assert value(shown, "wayproof_queue_wait_seconds_count", queue="plan") == 4
+    counted = [
+        value(shown, "wayproof_world_cache_total", queue="plan", outcome=outcome)
+        for outcome in ("hit", "miss")
+    ]
+    assert counted == [1, 2]
+    found = [
+        value(shown, f"wayproof_{name}", queue="plan")
+        for name in ("queue_length", "workers_busy", "workers_ready")
+    ]
+    assert found == [4, 2, 3]
 
 
 def ended(queue="plan", **fields):

@@ -17,7 +17,7 @@ from service.settings import Settings
 
 @pytest.fixture
 def settings(tmp_path):
-    return Settings(engine="inline", data_dir=tmp_path, port=0)
+    return Settings(engine="inline", data_dir=tmp_path, port=0, log_level="error")
 
 
 def serve(*arguments):
@@ -116,5 +116,5 @@ def test_it_says_that_it_listens_once_it_does(settings, monkeypatch):
         os.close(write)
 
     with stdin:
-        run(settings, bound, log_level="critical", leashed=True, on_listening=on_listening)
+        run(settings, bound, leashed=True, on_listening=on_listening)
     assert reached == [True]

@@ -9,6 +9,9 @@ from pathlib import Path
 import pytest
 
 from planning.errors import IllegalTransition
+from service.errors import ServerStopping
+from service.jobs.dispatch.attempt import Attempt
+from service.jobs.dispatch.calls import Call
 from service.jobs.states import JobState
 from tests.profiles import num_cases, pairs
 from tests.service.jobs.conftest import GUARD, running, spec
@@ -215,6 +218,60 @@ def test_a_server_that_stops_brings_what_moves_to_rest_first(tmp_path: Path) -> 
             await dispatcher.cancel(waits)
 
     asyncio.run(second(*asyncio.run(first())))
+
+
+def test_who_waits_for_a_job_that_was_canceled_while_it_began_is_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The table never has it as begun; its worker may take long to get ready, or to be replaced."""
+
+    async def story() -> None:
+        async with running(tmp_path, cancel_grace=GUARD) as (dispatcher, _):
+            written, write = asyncio.Event(), Attempt._write_start
+
+            async def write_later(attempt: Attempt) -> object:
+                await written.wait()
+                return await write(attempt)
+
+            monkeypatch.setattr(Attempt, "_write_start", write_later)
+            job = await dispatcher.submit(spec("spin"))
+            await eventually(lambda: dispatcher.attempt_of(job.id).has_begun)
+            assert (await dispatcher.cancel(job.id)).state is JobState.CANCELED
+            assert dispatcher.attempt_of(job.id) is not None
+            ended = await asyncio.wait_for(dispatcher.wait(job.id, 1e6), GUARD / 4)
+            assert ended.state is JobState.CANCELED
+            written.set()
+
+    asyncio.run(story())
+
+
+def test_a_drain_lets_jobs_end_and_begins_none_and_robots_come_to_rest(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with running(tmp_path, workers=2, cancel_grace=GUARD) as (dispatcher, store):
+            files = {"file": str(tmp_path / "go"), "begun": str(tmp_path / "begun")}
+            goes_on = await dispatcher.submit(spec("wait_for_file", payload=files))
+            moves = await dispatcher.submit(moving(tmp_path))
+            waits = await dispatcher.submit(spec("echo", key="k"))
+            await eventually((tmp_path / "begun").exists)
+            await eventually(lambda: store.last_event(moves.id, "status"))
+            drained = asyncio.create_task(dispatcher.drain())
+            await eventually(lambda: dispatcher.is_draining)
+            with pytest.raises(ServerStopping):
+                await dispatcher.submit(spec("echo"))
+            assert (await dispatcher.submit(spec("echo", key="k"))).id == waits.id
+            rests = await dispatcher.wait(moves.id, GUARD)
+            assert rests.failure["evidence"]["reason"] == "the server stopped"
+            call = Call("fake.echo", {}, "plan", GUARD, GUARD)
+            assert (await dispatcher.call(call)).content["pid"] > 0
+            assert not drained.done()
+            assert store.get(goes_on.id).state is JobState.RUNNING
+            (tmp_path / "go").touch()
+            await asyncio.wait_for(drained, GUARD)
+            assert store.get(goes_on.id).state is JobState.SUCCEEDED
+            assert store.get(waits.id).state is JobState.QUEUED
+            assert (await dispatcher.cancel(waits.id)).state is JobState.CANCELED
+
+    asyncio.run(story())
 
 
 def test_a_job_shows_the_versions_that_ran_it_and_no_others(tmp_path: Path) -> None:

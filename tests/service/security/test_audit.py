@@ -3,12 +3,13 @@
 import asyncio
 import json
 import logging
+import subprocess
+import sys
 from datetime import UTC, datetime
 
 import pytest
 
 from service.app import create_app
-from service.cli.server import LOGGING
 from service.jobs.store.database import open_engine
 from service.security.audit import Audit
 from service.security.keys import KeyStore
@@ -142,4 +143,12 @@ def test_no_secret_is_in_any_log_or_answer(guarded, key, caplog):
 
 
 def test_the_server_writes_the_audit_whatever_its_level():
-    assert LOGGING["loggers"]["wayproof.audit"] == {"handlers": ["default"], "level": "INFO"}
+    code = """
+import logging
+from service.telemetry.logs import LogTerms, configure_logs
+configure_logs(LogTerms("json", "error"))
+logging.getLogger("wayproof.audit").info("%s", '{"caller": "ci", "status": 201}')
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    line = json.loads(done.stderr)
+    assert (line["event"], line["caller"], line["status"]) == ("audit", "ci", 201)

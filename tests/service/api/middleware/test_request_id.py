@@ -1,14 +1,15 @@
 """Every answer carries the id of its request, and so does what is logged about it."""
 
 import asyncio
-import logging
+import json
 import re
 
 import pytest
 from fastapi.testclient import TestClient
 
 from service.api import operations
-from service.api.middleware.request_id import HEADER, RequestId, RequestIdFilter, request_id
+from service.api.middleware.request_id import HEADER, RequestId, request_id
+from service.telemetry.logs import LineFormatter
 
 MADE = re.compile(r"[0-9a-f]{32}")
 
@@ -48,17 +49,19 @@ def test_problems_carry_it_too(client, method, path, more, status):
 
 
 def test_an_unexpected_fault_carries_it_and_is_logged_with_it(app, client, monkeypatch, caplog):
+    monkeypatch.setattr(caplog.handler, "formatter", LineFormatter("json"))
+
     def fail():
         raise ZeroDivisionError
 
     monkeypatch.setattr(operations, "versions", fail)
-    caplog.handler.addFilter(RequestIdFilter())
     quiet = TestClient(app, raise_server_exceptions=False)
     answer = quiet.get("/healthz", headers={HEADER: "mine"})
     assert answer.status_code == 500
     assert answer.headers[HEADER] == "mine"
-    [record] = [record for record in caplog.records if record.message == "unexpected error"]
-    assert record.request_id == "mine"
+    lines = [json.loads(line) for line in caplog.text.splitlines()]
+    (line,) = [line for line in lines if line["event"] == "unexpected error"]
+    assert line["request_id"] == "mine"
 
 
 def test_requests_at_once_keep_their_own():
@@ -86,9 +89,3 @@ def test_requests_at_once_keep_their_own():
     names = [f"n{i}" for i in range(5)]
     assert asyncio.run(story()) == names
     assert seen == {name: name for name in names}
-
-
-def test_what_belongs_to_no_request_has_no_id():
-    record = logging.LogRecord("x", logging.INFO, "", 0, "text", None, None)
-    assert RequestIdFilter().filter(record)
-    assert record.request_id == ""
