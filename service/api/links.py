@@ -25,7 +25,8 @@ def declare_links(document: dict[str, Any]) -> None:
         if not {"201", "202"} & set(operation["responses"]):
             continue
         for status in _MADE:
-            parameter = shown.get(_model(operation, status))
+            model = _model(operation, status)  # what is told once, such as a secret, is in `New...`
+            parameter = shown.get(model) or shown.get(model.removeprefix("New"))
             if parameter is not None:
                 operation["responses"][status]["links"] = _links(parameter, operations)
 

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import suppress
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.dependencies import JobsDep
@@ -95,6 +95,7 @@ async def get_execution(job: ExecutionJob, jobs: JobsDep) -> Execution:
     "/{execution}",
     operation_id="deleteExecution",
     status_code=204,
+    response_class=Response,  # which has no content type
     responses=problems(404, 409, 422),
 )
 async def delete_execution(job: OpenExecution, jobs: JobsDep, scenes: ScenesDep) -> None:

@@ -5,7 +5,7 @@
 from collections.abc import AsyncIterator, Sequence
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Header, Path
+from fastapi import APIRouter, Depends, Header, Path, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.dependencies import JobsDep
@@ -92,6 +92,7 @@ async def cancel_batch_of_plans(batch: BatchId, members: Members, jobs: JobsDep)
     "/batches/{batch}",
     operation_id="deleteBatch",
     status_code=204,
+    response_class=Response,  # which has no content type
     responses=problems(404, 409, 422),
 )
 async def delete_batch(members: Members, jobs: JobsDep) -> None:

@@ -70,7 +70,11 @@ async def get_plan(found: PlanText, jobs: JobsDep, left_out: LeftOut) -> Respons
 
 
 @router.delete(
-    "/{plan}", operation_id="deletePlan", status_code=204, responses=problems(404, 409, 422)
+    "/{plan}",
+    operation_id="deletePlan",
+    status_code=204,
+    response_class=Response,  # which has no content type
+    responses=problems(404, 409, 422),
 )
 async def delete_plan(job: OpenPlan, jobs: JobsDep) -> None:
     """Delete a plan that has ended; its address is unknown then, and its idempotency key free.

@@ -29,7 +29,7 @@ from service.plans.tasks import (
     ReverseWork,
 )
 from service.regions.eligibility import check_eligible, own_cars
-from service.scenes.job_spec import spec_of
+from service.scenes.job_spec import spec_of, without_usual_priority
 from service.scenes.models.summary import Group
 from service.scenes.records import SceneRecord
 from service.scenes.store import SceneStore
@@ -60,7 +60,7 @@ def _fingerprint(request: PlanRequest) -> dict[str, Any]:
     """Return what a request says, as version 0.1 wrote it: keys are older than names of fields."""
     fingerprint = request.model_dump(mode="json")
     fingerprint["ik"]["time_limit"] = fingerprint["ik"].pop("allowed_time")
-    return fingerprint
+    return without_usual_priority(fingerprint)
 
 
 async def plan_spec(

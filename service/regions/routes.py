@@ -93,6 +93,7 @@ async def get_regions(found: RegionsText, jobs: JobsDep) -> Response:
     "/regions/{regions}",
     operation_id="deleteRegions",
     status_code=204,
+    response_class=Response,  # which has no content type
     responses=problems(404, 409, 422),
 )
 async def delete_regions(job: OpenRegions, jobs: JobsDep) -> None:

@@ -71,7 +71,11 @@ async def enable_webhook(webhook: WebhookId, webhooks: WebhooksDep) -> Webhook:
 
 
 @router.delete(
-    "/{webhook}", operation_id="deleteWebhook", status_code=204, responses=problems(404, 422)
+    "/{webhook}",
+    operation_id="deleteWebhook",
+    status_code=204,
+    response_class=Response,  # which has no content type
+    responses=problems(404, 422),
 )
 async def delete_webhook(webhook: WebhookId, webhooks: WebhooksDep) -> None:
     """Forget a webhook: it is told nothing more."""

@@ -44,6 +44,25 @@ def own_scene(client):
     return client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
 
 
+def to_delete(client, name):
+    """What an operation may delete: others need what is there already."""
+    if name not in {"deleteScene", "deletePlan", "deleteRegions"}:
+        return {}
+    scene = client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
+    goal = {"type": "configuration", "name": "ready"}
+    plan = {"scene": scene, "group": "arm", "goal": goal}
+    grow = {"group": "arm", "num_regions": 1, "num_free": 100, "iterations": 1, "along": "nothing"}
+    made = {
+        "deletePlan": lambda: client.post("/v1/plans?wait=60", json=plan).json(),
+        "deleteRegions": lambda: client.post(
+            f"/v1/scenes/{scene}/regions?wait=60", json=grow
+        ).json(),
+    }
+    if name == "deleteScene":
+        return {"scene": scene}
+    return {name.removeprefix("delete").lower(): made[name]()["id"]}
+
+
 def test_every_operation_of_the_document_is_called(operations):
     assert {name for name, _ in cases()} | NOT_CALLED == set(operations)
     with_data = {
@@ -61,9 +80,8 @@ def test_every_operation_of_the_document_is_called(operations):
 def test_answers_are_as_declared(  # noqa: PLR0913, PLR0917  (what it knows of are fixtures)
     client, own_scene, solved, few_regions, operations, name, mode
 ):
-    if name == "deleteScene":
-        own_scene = client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
     known = {"scene": own_scene, "plan": solved["id"], "name": "ur5e", "regions": few_regions["id"]}
+    known |= to_delete(client, name)
     asked = operations[name].as_strategy(generation_mode=library().GenerationMode(mode))
 
     @settings(RULES, max_examples=EXAMPLES[mode])

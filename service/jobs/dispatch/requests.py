@@ -95,20 +95,16 @@ class JobSubmission:
         name = drafts[0].job.queue
         own = {drafted.job.id for drafted in drafts}
         num_starting = self._attempts.num_starting(name, but=own)
-        check = partial(self._check_room, name, len(drafts), num_starting)
+        room = self._scheduler.queue(name).max_waiting + num_starting
+        retry_after = self._scheduler.retry_after(name)
+
+        def check(num_queued: int) -> None:
+            """Go on only if so many more may wait, by the table."""
+            if num_queued + len(drafts) > room:
+                raise QueueFull.of(name, num_queued, room - num_starting, retry_after, len(drafts))
+
         insert = partial(self._recorder.store.insert_drafts, drafts, check)
         return await self._recorder.write(insert, within=self._within)
-
-    def _check_room(self, name: str, more: int, num_starting: int, num_queued: int) -> None:
-        """Go on only if so many more may wait in a queue, by the table.
-
-        Raises:
-            QueueFull: It may not.
-        """
-        queue = self._scheduler.queue(name)
-        if num_queued - num_starting + more > queue.max_waiting:
-            retry_after = self._scheduler.retry_after(name)
-            raise QueueFull.of(name, num_queued, queue.max_waiting, retry_after, more)
 
 
 class JobControl:

@@ -4,31 +4,27 @@ Every writing transaction begins with an update or insert, which locks what it c
 is decided on what another has changed meanwhile; the statements are the same on every database.
 """
 
-import secrets
-import threading
-from collections.abc import Callable, Collection, Generator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, Engine, bindparam, delete, func, insert, select, update
+from sqlalchemy import Connection, Engine, bindparam, delete, func, insert, update
 
 from planning.errors import Canceled, WayproofError
-from service.jobs.errors import DatabaseTaken
 from service.jobs.job import Job, JobSpec, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outcome import failure_of
 from service.jobs.outline import without
 from service.jobs.states import JobEvent, JobState
 from service.jobs.store.artifact_store import ArtifactStore
-from service.jobs.store.database import Prepared, begin_notes, set_durability, sync_log
+from service.jobs.store.database import Prepared
 from service.jobs.store.drafts import Draft, draft, insert_job
 from service.jobs.store.event_log import append_events, reserve_events
-from service.jobs.store.notifications import Listener, note_change, notify
-from service.jobs.store.queries import JobQueries, find_by_idempotency_key, now, read_job
-from service.jobs.store.schema import bring_up_to_date, is_up_to_date, refuse_newer
+from service.jobs.store.notifications import note_change
+from service.jobs.store.queries import find_by_idempotency_key, now, read_job
 from service.jobs.store.shared import count_queued, set_controls
-from service.jobs.store.tables import bodies, jobs, makers, owner, summaries
+from service.jobs.store.tables import bodies, jobs, makers, summaries
+from service.jobs.store.transactions import Transactions
 from service.jobs.store.transitions import Transition, apply_event
 from service.jobs.task import outline_of
 
@@ -49,10 +45,9 @@ _CANCEL = _IF_OPEN.values(
     is_cancel_requested=True,
     cancel_requested_at=func.coalesce(jobs.c.cancel_requested_at, bindparam("requested_at")),
 )
-_EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 
 
-class JobStore(JobQueries):
+class JobStore(Transactions):
     """Jobs and their events in a database; every method is one transaction, from any thread.
 
     Attributes:
@@ -60,7 +55,6 @@ class JobStore(JobQueries):
         on_event: Called with each change of a state in the transaction that records it: what it
             writes is committed with it. From any thread.
         artifacts: That jobs read.
-        sender: What the notifications of its changes begin with.
     """
 
     def __init__(self, engine: Engine, versions: Mapping[str, str] | None = None) -> None:
@@ -73,78 +67,8 @@ class JobStore(JobQueries):
         super().__init__(engine)
         self.versions = dict(versions or {})
         self.on_event: Callable[[Connection, LoggedEvent], None] | None = None
-        self.sender = secrets.token_hex(4)
         self.artifacts = ArtifactStore(engine)
         self._made_by = encode(self.versions)
-        self._epoch: int | None = None
-        self._lock = threading.RLock()
-        self._open_transaction: Connection | None = None
-
-    def open(self) -> None:
-        """Bring the database to the newest revision.
-
-        Raises:
-            DatabaseTooNew: A newer version has changed it.
-            DatabaseUnrecognized: Its tables are not this program's.
-        """
-        bring_up_to_date(self._engine)
-
-    def refuse_newer(self) -> None:
-        """Look at the database, and write nothing to it.
-
-        Raises:
-            DatabaseTooNew: A newer version has changed it.
-        """
-        refuse_newer(self._engine)
-
-    def listener(self, on_change: Callable[[Collection[str] | None], None]) -> Listener:
-        """Return what hears of the changes of other servers; see `Listener`."""
-        return Listener(self._engine, self.sender, on_change)
-
-    def is_up_to_date(self) -> bool:
-        """Return whether the database has this version's revision."""
-        return is_up_to_date(self._engine)
-
-    @property
-    def is_shared(self) -> bool:
-        """Whether other servers may work on the database."""
-        return self._engine.dialect.name == "postgresql"
-
-    @property
-    def may_crash_alone(self) -> bool:
-        """Whether the database may die while we live: then it forgets what was not durable."""
-        return self._engine.dialect.name != "sqlite"
-
-    def set_epoch(self, epoch: int) -> None:
-        """Write only as long as the owner of the database is the one of an epoch."""
-        self._epoch = epoch
-
-    @contextmanager
-    def transaction(self, *, is_durable: bool) -> Generator[Connection]:
-        """Make what this thread writes meanwhile one transaction.
-
-        Args:
-            is_durable: Whether it must survive a power cut. The death of the server it survives
-                in any case.
-
-        Raises:
-            DatabaseTaken: The database has another owner; nothing was written.
-        """
-        with self._lock:
-            if self._open_transaction is not None:
-                yield self._open_transaction
-                return
-            with self._engine.connect() as connection:
-                set_durability(connection, is_durable=is_durable)
-                self._open_transaction = connection
-                begin_notes(connection)
-                try:
-                    yield connection
-                    self._check_ownership(connection)
-                    notify(connection, self.sender)
-                    connection.commit()
-                finally:
-                    self._open_transaction = None
 
     def insert(self, spec: JobSpec) -> tuple[Job, bool]:
         """Return a new queued job and True, or the one that the idempotency key names and False.
@@ -173,7 +97,7 @@ class JobStore(JobQueries):
         with self.transaction(is_durable=True) as connection:
             while (known := find_by_idempotency_key(connection, first.job)) is None:
                 if check is not None and self.is_shared:
-                    check(count_queued(connection, first.job.queue))
+                    check(count_queued(connection, first.job.queue, len(drafts)))
                 if (job := insert_job(connection, first)) is not None:
                     more = [insert_job(connection, drafted) for drafted in others]
                     return [job, *(other for other in more if other is not None)], True
@@ -273,14 +197,6 @@ class JobStore(JobQueries):
         with self.transaction(is_durable=False) as connection:
             return set_controls(connection, identifier, changes)
 
-    def flush(self) -> None:
-        """Make durable what was committed before this.
-
-        Raises:
-            OSError: The disk does not take it.
-        """
-        sync_log(self._engine)
-
     def _end_without_result(
         self,
         identifier: str,
@@ -304,19 +220,6 @@ class JobStore(JobQueries):
         if transition is not None and self.on_event is not None:
             self.on_event(connection, transition.event)
         return transition
-
-    def _check_ownership(self, connection: Connection) -> None:
-        """Go on to the commit only if no other server has taken the database; it cannot before it.
-
-        Raises:
-            DatabaseTaken: One has.
-        """
-        if self._epoch is None:
-            return
-        latest = _EPOCH(connection).scalar_one_or_none()
-        if latest != self._epoch:
-            message = "another server has taken the database over: nothing is written to it here"
-            raise DatabaseTaken(message, {"epoch": self._epoch, "latest": latest})
 
 
 def _end(connection: Connection, identifier: str, part: str, whole: str, short: str) -> None:

@@ -22,18 +22,18 @@ _NUM_QUEUED = select(func.count()).where(
 )
 
 
-def count_queued(connection: Connection, queue: str) -> int:
-    """Return how many jobs of a queue wait, before one is added to it.
+def count_queued(connection: Connection, queue: str, more: int) -> int:
+    """Return how many jobs of a queue wait, before some more are added to it.
 
     No other server adds one until the commit. A transaction counts once, and what it adds itself.
     """
     known = in_transaction(connection, _QUEUED)
-    if queue in known:
-        known[queue] += 1
-    else:
+    if queue not in known:
         connection.execute(_TAKE_TURN)
         known[queue] = connection.execute(_NUM_QUEUED, {"in_queue": queue}).scalar_one()
-    return int(known[queue])
+    before = int(known[queue])
+    known[queue] += more
+    return before
 
 
 def set_controls(

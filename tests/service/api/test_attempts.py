@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.service.conftest import BLOCK_SCENE
 from tests.service.servers import endless, until
 
 
@@ -27,7 +28,12 @@ def test_a_job_that_has_ended_was_begun_with_once(client, solved, few_regions):
     for path in ("/v1/plans/{}".format(solved["id"]), "/v1/regions/{}".format(few_regions["id"])):
         told = client.get(path).json()
         assert (told["attempts"], told["cancel_requested_at"]) == (1, None)
-    body = {"plan": solved["id"], "driver": "simulated", "speed": 100.0}
+    # A scene of its own: where its robot is afterwards matters to the tests of another one.
+    scene = client.post("/v1/scenes", json=BLOCK_SCENE).json()["id"]
+    goal = {"type": "configuration", "name": "ready"}
+    request = {"scene": scene, "group": "arm", "goal": goal}
+    plan = client.post("/v1/plans?wait=60", json=request).json()
+    body = {"plan": plan["id"], "driver": "simulated", "speed": 100.0}
     told = client.post("/v1/executions?wait=60", json=body).json()
     assert (told["attempts"], told["cancel_requested_at"]) == (1, None)
 

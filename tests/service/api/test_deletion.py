@@ -89,7 +89,10 @@ def test_a_robot_stays_where_a_deleted_execution_left_it(client, own_scene, plan
     assert client.get(f"/v1/scenes/{own_scene}/replay.html").status_code in {200, 409}
 
 
-def test_regions_go_and_plans_that_were_made_in_them_stay(client, own_scene):
+def test_regions_go_and_plans_that_were_made_in_them_stay(client):
+    # Regions fit whatever scene has the content that they were grown in: this one has its own.
+    cell = {**BLOCK_SCENE, "margin": 0.000123}
+    own_scene = client.post("/v1/scenes", json=cell).json()["id"]
     grow = {"group": "arm", "num_regions": 1, "num_free": 100, "iterations": 1, "along": "nothing"}
     grow["allowed_time"] = 60.0
     made = client.post(f"/v1/scenes/{own_scene}/regions?wait=60", json=grow).json()

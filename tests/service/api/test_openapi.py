@@ -80,6 +80,7 @@ def test_what_is_made_leads_to_what_can_be_asked_of_it(document):
     }
     made = {"createScene": "scene", "createPlan": "plan", "createExecution": "execution"}
     made |= {"growRegions": "regions", "reversePlan": "plan"}
+    made |= {"createBatch": "batch", "createWebhook": "webhook"}
     for _, operation in operations(document):
         for status in {"201", "202"} & set(operation["responses"]):
             links = operation["responses"][status]["links"]

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from service.jobs.worker.context import WarmUpContext
 from service.queries.models.check import CheckRequest
 from service.queries.worker import check
 from service.scenes import document_text as scene_text
@@ -45,7 +46,7 @@ def task(tmp_path):
         if found is not None:
             digest = put(tmp_path, artifact_of(found).content)
             payload["scene"] = {"digest": found.digest, "document": digest}
-        return on_host(tmp_path, work, WORK[work].model_validate(payload), None)
+        return on_host(tmp_path, work, WORK[work].model_validate(payload), WarmUpContext())
 
     return call
 

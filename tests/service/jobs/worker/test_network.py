@@ -14,7 +14,8 @@ import pytest
 from service.jobs.worker import network
 from service.jobs.worker.main import Terms
 from service.jobs.worker.network import leave_network
-from tests.service.jobs.worker.test_process_worker import open_slot, run_of
+from tests.service.jobs.worker.one_worker import open_worker
+from tests.service.jobs.worker.test_process_worker import run_of
 
 # Whether this kernel has what is tested is asked of it, in a process of its own.
 ASK = "from service.jobs.worker.network import leave_network; print(leave_network())"
@@ -40,7 +41,7 @@ def listeners():
 
 def told_by_worker(terms, listeners):
     async def story():
-        async with open_slot(terms=terms) as worker:
+        async with open_worker(terms) as worker:
             outcome = await worker.run(run_of("connect", listeners=listeners))
             again = await worker.run(run_of("echo"))  # the way to the server is whole
             assert json.loads(again.result.text)["echo"] == {}
@@ -104,11 +105,12 @@ REFUSED = """
 import asyncio, json, logging, os, sys
 from pathlib import Path
 from service.jobs.worker.main import Terms
-from tests.service.jobs.worker.test_process_worker import open_slot, run_of
+from tests.service.jobs.worker.one_worker import open_worker
+from tests.service.jobs.worker.test_process_worker import run_of
 
 async def story():
     for _ in range(2):
-        async with open_slot(terms=Terms(is_offline=True)) as worker:
+        async with open_worker(Terms(is_offline=True)) as worker:
             outcome = await worker.run(run_of("connect", listeners={"it": json.loads(sys.argv[1])}))
             print(json.loads(outcome.result.text)["it"])
 
