@@ -148,7 +148,9 @@ class Attempt:
         """
         bind_ids(self.ids)
         if not await self._bring_artifacts(worker):
-            return True
+            # Only what the table has can be queued again.
+            await self._is_confirmed.wait()
+            return not self._is_discarded
         start = asyncio.get_running_loop().create_task(self._write_start())
         start.add_done_callback(self._on_start)
         try:

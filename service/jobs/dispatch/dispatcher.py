@@ -169,6 +169,8 @@ class Dispatcher:
     async def _stand_by(self) -> None:
         """Follow until the one that leads is gone, then lead."""
         await Standby(self._lock, self._timeouts).take()
+        if self.is_draining:  # it is given back at once
+            return
         _log.warning("this server leads from now on")
         try:
             await asyncio.to_thread(self._store.refuse_newer)

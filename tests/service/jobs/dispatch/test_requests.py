@@ -15,6 +15,7 @@ from service.jobs.errors import DatabaseUnavailable, IdempotencyConflict
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.databases import locked
 from tests.service.jobs.test_job_costs import serving
@@ -202,7 +203,36 @@ def test_a_job_is_on_its_way_to_a_worker_before_the_writer_is_asked():
             return Run()
 
         attempts = SimpleNamespace(schedule=seat, num_starting=lambda *_, **__: 0)
-        await JobSubmission(Recording(), attempts, None, GUARD).submit(spec("touch"))
+        queue = SimpleNamespace(max_waiting=1)
+        scheduler = SimpleNamespace(queue=lambda _: queue, retry_after=lambda _: 1)
+        await JobSubmission(Recording(), attempts, scheduler, GUARD).submit(spec("touch"))
         assert told == ["sent", "asked to write", "entered"]
 
     asyncio.run(story())
+
+
+@pytest.mark.parametrize("is_refused", [False, True])
+def test_a_job_whose_files_cannot_be_copied_yet_runs_later(tmp_path, monkeypatch, is_refused):
+    """Also if that is known before the table has the job; one that it never has is forgotten."""
+    monkeypatch.setattr("service.jobs.dispatch.attempt._RETRY_PERIOD", 0.0)
+    faults, bring = [OSError(28, "No space left on device")] * 3, ThreadWorker.bring
+
+    async def fail_at_first(self, artifacts):
+        if faults:
+            raise faults.pop()
+        await bring(self, artifacts)
+
+    monkeypatch.setattr(ThreadWorker, "bring", fail_at_first)
+
+    async def story():
+        async with serving(tmp_path, timeouts=DatabaseTimeouts(record=0.2)) as (dispatcher, _):
+            if not is_refused:
+                job = await dispatcher.submit(spec("touch", payload={"file": str(tmp_path / "x")}))
+                assert (await dispatcher.wait(job.id, GUARD)).state is JobState.SUCCEEDED
+                return
+            with locked(tmp_path / "jobs.sqlite"), pytest.raises(DatabaseUnavailable):
+                await dispatcher.submit(spec("touch", payload={"file": str(tmp_path / "x")}))
+            await eventually(lambda: not dispatcher._attempts)
+
+    asyncio.run(story())
+    assert (tmp_path / "x").exists() is not is_refused
