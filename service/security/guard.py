@@ -4,6 +4,7 @@ Nothing of a body is read before.
 """
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -14,10 +15,12 @@ from service.api.error_responses import ProblemResponse, respond
 from service.errors import ScopeMissing, Unauthorized
 from service.security.key_ring import KeyRing
 from service.security.keys import ApiKey
-from service.security.request_limit import RequestLimit
 from service.security.scopes import Scope as KeyScope
 from service.security.scopes import required_scope
 from service.settings import Settings
+
+if TYPE_CHECKING:
+    from service.security.request_limit import RequestLimit
 
 # Answers that last as long as a job, which may be days: the key is looked at with each event.
 _STREAMS = {"text/event-stream", "text/event-stream; charset=utf-8"}
@@ -47,7 +50,7 @@ class Guard:
         self._app = app
         self._asks = settings.auth == "keys"
         self._ring = ring
-        self._limit = RequestLimit(settings.rate_limit) if settings.rate_limit else None
+        self._limit = _limit_of(settings)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
@@ -125,3 +128,12 @@ def _challenge(error: WayproofError, *parts: str) -> ProblemResponse:
     answer = respond(error)
     answer.headers["WWW-Authenticate"] = ", ".join([_REALM, *parts])
     return answer
+
+
+def _limit_of(settings: Settings) -> "RequestLimit | None":
+    """Return the limit of requests that the settings have; few servers have one."""
+    if not settings.rate_limit:
+        return None
+    from service.security.request_limit import RequestLimit  # noqa: PLC0415  (takes a while)
+
+    return RequestLimit(settings.rate_limit)
