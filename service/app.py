@@ -7,7 +7,8 @@ from functools import partial
 from fastapi import Depends, FastAPI
 
 from service.api import error_responses as problems
-from service.api import openapi, operations
+from service.api import operations
+from service.api.document import openapi
 from service.api.metrics import MeasureRequests, Metrics
 from service.api.middleware.body_limit import BodyLimit
 from service.api.middleware.client_disconnect import DisconnectWatch

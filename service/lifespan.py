@@ -12,10 +12,10 @@ from service.api.middleware.client_disconnect import call_for_client
 from service.executions.settlement import settled
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.observer import Observer
-from service.jobs.dispatch.queue import JobQueue, Share
-from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.dispatch.scheduling.queue import JobQueue, Share
+from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.hosts.plan import HostPlan, own_version
 from service.jobs.hosts.ray_hosts import RayHosts
 from service.jobs.hosts.remote_host import RemoteHost
@@ -28,9 +28,9 @@ from service.jobs.worker.main import Terms
 from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from service.retention import Retention
-from service.scenes.file_cleanup import Sweeper
 from service.scenes.job_spec import PREFIXES
-from service.scenes.store import SceneStore
+from service.scenes.store.file_cleanup import Sweeper
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import Library
 from service.settings import Settings
 from service.versions import versions

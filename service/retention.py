@@ -18,7 +18,7 @@ from service.jobs.errors import DatabaseTaken
 from service.jobs.store.deletion import ENDED, delete_job, named_by_open
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.tables import jobs
-from service.scenes.records import scenes
+from service.scenes.store.records import scenes
 
 # Between two sweeps [s].
 _PERIOD = 3600.0

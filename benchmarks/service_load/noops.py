@@ -8,8 +8,8 @@ from pathlib import Path
 from benchmarks.service_load.measure import Measure
 from service.jobs.context import TaskContext
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
-from service.jobs.dispatch.queue import JobQueue
+from service.jobs.dispatch.leadership.leader import DispatcherLock
+from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore

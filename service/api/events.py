@@ -5,9 +5,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Json
 
+from service.api.document.open_enums import Stage
 from service.api.failures.failure import Failure
 from service.api.models import ResponseModel, Timings
-from service.api.open_enums import Stage
 
 type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
 

@@ -11,7 +11,7 @@ from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.jobs.dispatch.observer import Observer
-from service.jobs.dispatch.scheduler import QueueLoad
+from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 from service.jobs.job import JobSummary
 
 MEDIA_TYPE = CONTENT_TYPE_PLAIN_0_0_4

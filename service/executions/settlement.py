@@ -13,8 +13,8 @@ from service.jobs.service import JobService
 from service.scenes.edits import load_edited
 from service.scenes.models.edits import SceneEdit, SetPositionsOperation
 from service.scenes.models.summary import Group
-from service.scenes.records import SceneRecord
-from service.scenes.store import SceneStore
+from service.scenes.store.records import SceneRecord
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.validation import find_group
 
 

@@ -13,7 +13,7 @@ from service.plans.models.trajectory import Polynomial
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import MotionWork
 from service.scenes.job_spec import spec_of
-from service.scenes.store import SceneStore
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import SceneWork
 from service.scenes.validation import find_group
 

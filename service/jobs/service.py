@@ -12,7 +12,7 @@ from anyio import to_thread
 from service.errors import NotReady, ServerStopping, UnknownResource
 from service.jobs.artifacts import Artifact
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.scheduler import QueueLoad
+from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
 from service.jobs.job import BatchMember, Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.states import JobState

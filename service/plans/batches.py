@@ -16,7 +16,7 @@ from service.jobs.service import JobService
 from service.plans.models.batch import Batch, BatchCounts, BatchRequest
 from service.plans.models.request import PlanRequest
 from service.plans.submit import plan_spec
-from service.scenes.store import SceneStore
+from service.scenes.store.scene_store import SceneStore
 
 _PREFIX = "bat_"
 

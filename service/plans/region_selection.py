@@ -14,7 +14,7 @@ from service.plans.models.request import PlanRequest
 from service.plans.models.search import Search
 from service.regions.models import RegionsSummary
 from service.regions.tasks import RegionsOutline, RegionsWork
-from service.scenes.records import SceneRecord
+from service.scenes.store.records import SceneRecord
 from service.scenes.validation import find_group
 
 PLANNER = "GCS"

@@ -31,8 +31,8 @@ from service.plans.tasks import (
 from service.regions.eligibility import check_eligible, own_cars
 from service.scenes.job_spec import spec_of, without_usual_priority
 from service.scenes.models.summary import Group
-from service.scenes.records import SceneRecord
-from service.scenes.store import SceneStore
+from service.scenes.store.records import SceneRecord
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.validation import check_request
 from service.settings import Settings
 

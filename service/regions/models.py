@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, Strict
 
 from planning.domain.planner import regions as domain
+from service.api.document.open_enums import AnyStage, OneOf
 from service.api.failures.failure import Failure
 from service.api.models import (
     ATTEMPTS,
@@ -23,7 +24,6 @@ from service.api.models import (
     Timings,
     Versions,
 )
-from service.api.open_enums import AnyStage, OneOf
 from service.jobs.job import Priority
 from service.jobs.states import JobState
 

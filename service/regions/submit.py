@@ -7,7 +7,7 @@ from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork
 from service.scenes.job_spec import spec_of, without_usual_priority
-from service.scenes.store import SceneStore
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.validation import check_request
 
 # Growth looks at its deadline between two regions; it ends this much too late at most [s].

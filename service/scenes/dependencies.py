@@ -10,8 +10,8 @@ from service.api.dependencies import JobsDep
 from service.api.responses import passed_on
 from service.jobs.service import JobService
 from service.jobs.task import Task
-from service.scenes.records import SceneRecord
-from service.scenes.store import SceneStore
+from service.scenes.store.records import SceneRecord
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import RequestWork
 
 

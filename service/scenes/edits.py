@@ -6,8 +6,8 @@ from service.errors import RevisionConflict
 from service.jobs.service import JobService
 from service.scenes.etags import check_match
 from service.scenes.models.edits import SceneEdit
-from service.scenes.records import SceneRecord
-from service.scenes.store import SceneStore
+from service.scenes.store.records import SceneRecord
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import EDIT_SCENE, LoadedScene, RequestWork
 
 # Somebody who edits a scene faster than it can be loaded, again and again, is told so.

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from fastapi import Header
 
 from service.errors import RevisionMismatch
-from service.scenes.records import SceneRecord
+from service.scenes.store.records import SceneRecord
 
 _MAX_LENGTH = 2000
 

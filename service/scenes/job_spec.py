@@ -6,7 +6,7 @@ from pydantic import BaseModel
 
 from service.jobs.job import IdempotencyKey, JobSpec, Priority
 from service.jobs.task import Task
-from service.scenes.records import SceneBrief
+from service.scenes.store.records import SceneBrief
 
 # Of the ids of each queue's jobs.
 PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}

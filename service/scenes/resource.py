@@ -6,7 +6,7 @@ from service.api.responses import passed_on
 from service.jobs.json_text import Encoded
 from service.scenes.etags import etag_of
 from service.scenes.models.scene import SceneBrief
-from service.scenes.records import SceneRecord
+from service.scenes.store.records import SceneRecord
 
 
 def scene_text(record: SceneRecord) -> Encoded:

@@ -12,7 +12,7 @@ from service.api.models import COORDINATES
 from service.api.names import Mention, mentions
 from service.errors import WrongCount
 from service.scenes.models.summary import Group
-from service.scenes.records import SceneRecord
+from service.scenes.store.records import SceneRecord
 
 _MAX_ERRORS = 20
 

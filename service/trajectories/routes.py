@@ -6,7 +6,7 @@ from service.api.responses import problems
 from service.api.strict_route import StrictRoute
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
 from service.scenes.dependencies import SceneCallsDep
-from service.scenes.records import SceneRecord
+from service.scenes.store.records import SceneRecord
 from service.scenes.validation import check_request
 from service.trajectories.models import (
     CertifyMotionRequest,

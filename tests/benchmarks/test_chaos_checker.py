@@ -13,7 +13,7 @@ from benchmarks.chaos_rounds.disk import SmallDisk
 from benchmarks.chaos_rounds.journal import Asked, Event, Glimpse
 from benchmarks.chaos_rounds.records import check_files, check_rows
 from planning.errors import Canceled
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore

@@ -10,7 +10,7 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
 from service.api.metrics import Metrics
-from service.jobs.dispatch.scheduler import QueueLoad
+from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 
 DASHBOARD = json.loads((Path(__file__).parents[2] / "ops/grafana/wayproof.json").read_text())
 PANELS = DASHBOARD["panels"]

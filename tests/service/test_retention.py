@@ -12,7 +12,7 @@ from service.jobs.store.job_store import JobStore
 from service.jobs.store.schema import bring_up_to_date
 from service.jobs.store.tables import bodies, events, jobs, makers, summaries
 from service.retention import Retention
-from service.scenes.records import scenes
+from service.scenes.store.records import scenes
 
 NOW = datetime(2020, 1, 1, tzinfo=UTC)
 DAY = timedelta(days=1)

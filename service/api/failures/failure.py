@@ -6,10 +6,10 @@ from typing import Annotated, Any, Self, override
 from pydantic import ConfigDict, Field
 
 from planning.errors import WayproofError
+from service.api.document.open_enums import AnyStage
 from service.api.failures.table import EVIDENCE, failure_errors
 from service.api.failures.union import CodedUnion, NoneOf, UnionMembers, enum_of, member
 from service.api.models import Timings
-from service.api.open_enums import AnyStage
 
 FailureCode = enum_of(
     "FailureCode",

@@ -12,7 +12,7 @@ from typing import Any
 from planning.errors import Canceled
 from service.jobs.dispatch.attempt_end import AttemptEnd, StopRequest
 from service.jobs.dispatch.recorder import JobRecorder
-from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.dispatch.spans import run_traced
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.event_buffer import EventBuffer

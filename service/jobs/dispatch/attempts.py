@@ -7,8 +7,8 @@ from typing import Any
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.recorder import JobRecorder
-from service.jobs.dispatch.scheduler import Scheduler
-from service.jobs.dispatch.waiting import Place, QueueEntry
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.waiting import Place, QueueEntry
 from service.jobs.job import Job
 from service.jobs.worker.assignment import Worker
 

@@ -6,10 +6,10 @@ from functools import partial
 from typing import Any
 
 from planning.errors import DeadlineExceeded
-from service.jobs.dispatch.durations import CallKind
-from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.durations import CallKind
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.waiting import QueueEntry
 from service.jobs.dispatch.spans import run_traced
-from service.jobs.dispatch.waiting import QueueEntry
 from service.jobs.errors import WORKER, QueueTimeout
 from service.jobs.event_buffer import NullSink
 from service.jobs.json_steps import STEP, decode

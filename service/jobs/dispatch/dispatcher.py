@@ -10,16 +10,16 @@ from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.calls import Call, CallResult, Calls
-from service.jobs.dispatch.leader import DispatcherLock
-from service.jobs.dispatch.lock_watch import LockWatch, Standby
+from service.jobs.dispatch.leadership.leader import DispatcherLock
+from service.jobs.dispatch.leadership.lock_watch import LockWatch, Standby
+from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.observer import Observer
-from service.jobs.dispatch.queue import JobQueue
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
 from service.jobs.dispatch.requests import JobControl, JobSubmission
-from service.jobs.dispatch.scheduler import QueueLoad, Scheduler
+from service.jobs.dispatch.scheduling.queue import JobQueue
+from service.jobs.dispatch.scheduling.scheduler import QueueLoad, Scheduler
 from service.jobs.dispatch.shutdown import STOPPED, Shutdown
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.uptake import Uptake
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
 from service.jobs.errors import DatabaseInUse

@@ -6,9 +6,9 @@ from functools import partial
 from typing import Any
 
 from planning.errors import Canceled
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.recorder import JobRecorder
-from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.errors import InternalError, ServerRestarted
 from service.jobs.job import CONTROLS, Job
 from service.jobs.states import JobState

@@ -10,7 +10,7 @@ from planning.errors import Canceled, IllegalTransition
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.recorder import JobRecorder
-from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.errors import DatabaseTaken, QueueFull
 from service.jobs.job import CONTROLS, Job, JobSpec, JobSummary, JobText
 from service.jobs.states import JobState

@@ -7,7 +7,7 @@ import asyncio
 from collections.abc import Mapping
 
 from service.jobs.dispatch.attempt import Attempt
-from service.jobs.dispatch.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
 
 STOPPED = "the server stopped"
 # To record the ends of what ran when the server stops [s].

@@ -4,6 +4,7 @@ from datetime import datetime
 
 from pydantic import Field
 
+from service.api.document.open_enums import AnyStage
 from service.api.failures.failure import Failure
 from service.api.models import (
     ATTEMPTS,
@@ -13,7 +14,6 @@ from service.api.models import (
     Timings,
     Versions,
 )
-from service.api.open_enums import AnyStage
 from service.jobs.states import JobState
 from service.plans.models.request import PlanRequest
 from service.plans.models.result import PlanResult

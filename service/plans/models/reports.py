@@ -6,8 +6,8 @@ from pydantic import Field
 
 from planning.domain.goals.funnel import funnel_evidence
 from planning.domain.report.motion_plan import StageReports
+from service.api.document.open_enums import OneOf
 from service.api.models import ResponseModel
-from service.api.open_enums import OneOf
 from service.plans.models.ik import IkFunnel
 from service.plans.models.search_reports import SearchReport
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from tests.service.jobs.databases import locked
 
 

@@ -7,7 +7,7 @@ import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
 from service.api.metrics import Metrics
-from service.jobs.dispatch.scheduler import QueueLoad
+from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 
 
 def samples(text):

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from service.cli.app import app
 from service.cli.serve import bind
 from service.cli.server import run
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.store.database import open_engine
 from service.settings import Settings
 

@@ -13,7 +13,7 @@ from service.jobs.job import JobSpec
 from service.jobs.states import JobState
 from service.scenes.models.scene import SceneSummary
 from service.scenes.models.summary import Group, Joint
-from service.scenes.record_cache import Latest
+from service.scenes.store.record_cache import Latest
 from service.scenes.tasks import SceneWork
 
 JOINT = Joint(name="arm::j", type="revolute")

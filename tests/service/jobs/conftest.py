@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
-from service.jobs.dispatch.queue import JobQueue, Share
-from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.dispatch.leadership.leader import DispatcherLock
+from service.jobs.dispatch.scheduling.queue import JobQueue, Share
+from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore

@@ -4,9 +4,9 @@ from contextlib import asynccontextmanager
 from functools import partial
 
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
-from service.jobs.dispatch.queue import JobQueue
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.leadership.leader import DispatcherLock
+from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker

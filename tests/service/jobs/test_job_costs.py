@@ -8,9 +8,9 @@ from sqlalchemy import event
 
 from planning.errors import Canceled
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
-from service.jobs.dispatch.queue import JobQueue
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.leadership.leader import DispatcherLock
+from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.errors import DatabaseUnavailable
 from service.jobs.states import JobState
 from service.jobs.store.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine

@@ -9,7 +9,7 @@ from sqlalchemy import event, inspect, text
 from service.jobs.job import JobSpec
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from service.scenes.store import SceneStore
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import Library
 from tests.service.jobs.databases import make_released
 

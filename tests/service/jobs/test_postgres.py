@@ -9,9 +9,9 @@ from sqlalchemy import text
 
 from service.cli.server import TAKEN
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
-from service.jobs.dispatch.queue import JobQueue
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.leadership.leader import DispatcherLock
+from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine

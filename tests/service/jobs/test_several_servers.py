@@ -11,7 +11,7 @@ import pytest
 from sqlalchemy import text
 
 from planning.errors import IllegalTransition
-from service.jobs.dispatch.leader import DispatcherLock, Vacancy
+from service.jobs.dispatch.leadership.leader import DispatcherLock, Vacancy
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine

@@ -11,7 +11,7 @@ from service.plans.models.request import PlanRequest
 from service.plans.submit import SLACK
 from service.plans.tasks import PLAN, PlanWork
 from service.plans.worker import plan_motion
-from service.scenes.document_artifact import artifact_of
+from service.scenes.store.document_artifact import artifact_of
 from service.scenes.tasks import LoadWork
 from service.scenes.worker import load_scene
 from tests.service.conftest import BLOCK_SCENE

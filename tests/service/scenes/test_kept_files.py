@@ -12,7 +12,7 @@ from service.jobs.json_text import Encoded, encode, encode_in_parts
 from service.jobs.store.artifact_store import read_content
 from service.jobs.store.tables import artifacts
 from service.scenes import world_cache as worlds
-from service.scenes.records import scenes
+from service.scenes.store.records import scenes
 from service.settings import Settings
 
 with warnings.catch_warnings():

@@ -4,7 +4,7 @@ from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 
-from service.scenes.record_cache import _MOST, Latest
+from service.scenes.store.record_cache import _MOST, Latest
 
 
 def record(identifier, revision=1):

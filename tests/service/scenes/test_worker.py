@@ -9,8 +9,8 @@ from service.queries.models.check import CheckRequest
 from service.queries.worker import check
 from service.scenes import document_text as scene_text
 from service.scenes import world_cache as worlds
-from service.scenes.document_artifact import artifact_of
 from service.scenes.models.edits import SceneEdit
+from service.scenes.store.document_artifact import artifact_of
 from service.scenes.tasks import LoadWork, RequestWork
 from service.scenes.worker import load_scene, revise_scene
 from tests.service.jobs.hosts import on_host, put

@@ -8,7 +8,7 @@ from sqlalchemy import text
 
 from planning.errors import ProblemInvalid, UnknownName
 from service.errors import KeyExists
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseInUse, DatabaseTooNew
 from service.jobs.store.database import open_engine
 from service.jobs.store.migrations.upgrade import upgrade

@@ -1,8 +1,8 @@
 """Queues whose workers are places alone: what a queue decides needs no more of one."""
 
-from service.jobs.dispatch.queue import JobQueue
-from service.jobs.dispatch.waiting import QueueEntry
-from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.dispatch.scheduling.queue import JobQueue
+from service.jobs.dispatch.scheduling.waiting import QueueEntry
+from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 
 
 class Seat:

@@ -6,7 +6,7 @@ import signal
 import pytest
 
 from service.jobs.dispatch.calls import Call
-from service.jobs.dispatch.queue import Share
+from service.jobs.dispatch.scheduling.queue import Share
 from service.jobs.errors import InternalError, QueueFull, QueueTimeout, WorkerCrashed
 from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.servers import until

@@ -8,13 +8,13 @@ import threading
 import filelock._unix
 import pytest
 
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseInUse
 from service.jobs.store.database import open_engine
 
 HOLDER = """
 import sys
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.store.database import open_engine
 lock = DispatcherLock(open_engine(sys.argv[1]))
 lock.take()

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import pytest
 
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.lost_hosts import MAX_LOST_HOSTS
-from service.jobs.dispatch.queue import JobQueue
+from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.outcome import Lost, Returned, returned
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from planning.errors import Canceled
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseInUse
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.requests import JobSubmission
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
 from service.jobs.errors import DatabaseUnavailable, IdempotencyConflict
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine

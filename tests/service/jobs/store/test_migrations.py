@@ -14,14 +14,14 @@ from alembic.migration import MigrationContext
 from sqlalchemy import MetaData, create_engine, text
 
 from service.jobs.dispatch.dispatcher import Dispatcher
-from service.jobs.dispatch.leader import DispatcherLock
+from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseTooNew, DatabaseUnrecognized
 from service.jobs.store import tables
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.migrations.upgrade import head, upgrade
 from service.jobs.store.schema import NEWEST, bring_up_to_date, stored_revision
-from service.scenes import records
+from service.scenes.store import records
 from service.security import keys
 from service.webhooks import records as webhook_records
 from tests.golden.service.stored import DUMP, load

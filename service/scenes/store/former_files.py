@@ -8,7 +8,7 @@ from service.jobs.artifacts import Artifact
 from service.jobs.host_folder import artifact_path
 from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.tables import artifacts, jobs
-from service.scenes.document_artifact import files_of
+from service.scenes.store.document_artifact import files_of
 
 
 def adopt_files(connection: Connection, store: ArtifactStore, folder: Path) -> None:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from service.jobs.dispatch.observer import Observer
-from service.jobs.dispatch.queue import JobQueue
-from service.jobs.dispatch.waiting import Place, QueueEntry
-from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.dispatch.scheduling.queue import JobQueue
+from service.jobs.dispatch.scheduling.waiting import Place, QueueEntry
+from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.errors import QueueFull
 from service.jobs.worker.assignment import Worker
 

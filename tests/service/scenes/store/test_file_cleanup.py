@@ -11,7 +11,7 @@ from sqlalchemy import create_engine, insert, select
 from service.app import create_app
 from service.jobs.store.tables import artifacts, jobs
 from service.scenes import world_cache
-from service.scenes.file_cleanup import Sweeper, _is_owner, sweep
+from service.scenes.store.file_cleanup import Sweeper, _is_owner, sweep
 from service.settings import Settings
 from tests.service.hostile.files import urdf
 

@@ -15,8 +15,8 @@ from planning.domain.value import digest
 from service.jobs.host_folder import files_folder
 from service.jobs.store.artifact_store import ArtifactStore, read_content
 from service.jobs.store.tables import artifacts
-from service.scenes.document_artifact import files_of
-from service.scenes.records import scenes
+from service.scenes.store.document_artifact import files_of
+from service.scenes.store.records import scenes
 
 # What was touched so lately may be of a scene that is being loaded [s].
 GRACE = 3600.0

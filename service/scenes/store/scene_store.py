@@ -17,11 +17,11 @@ from service.jobs.job import IdempotencyKey
 from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import set_durability
 from service.jobs.store.schema import bring_up_to_date
-from service.scenes import rows
-from service.scenes.document_artifact import artifact_of, part_of
-from service.scenes.former_files import adopt_files
-from service.scenes.record_cache import Latest, RecentScenes
-from service.scenes.records import SceneBrief, SceneRecord
+from service.scenes.store import rows
+from service.scenes.store.document_artifact import artifact_of, part_of
+from service.scenes.store.former_files import adopt_files
+from service.scenes.store.record_cache import Latest, RecentScenes
+from service.scenes.store.records import SceneBrief, SceneRecord
 from service.scenes.tasks import Library, LoadedScene, SceneWork, StoredScene
 
 # How long a write waits for the writes of others [s].

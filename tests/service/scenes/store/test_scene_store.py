@@ -20,10 +20,10 @@ from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.tables import artifacts
 from service.scenes.models.scene import SceneSummary
-from service.scenes.record_cache import RecentScenes
-from service.scenes.records import scenes
 from service.scenes.resource import scene_text
-from service.scenes.store import SceneStore
+from service.scenes.store.record_cache import RecentScenes
+from service.scenes.store.records import scenes
+from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import Library, LoadedScene
 from tests.service.jobs.databases import FullDisk
 from tests.service.jobs.hosts import put
@@ -237,7 +237,7 @@ def test_what_finds_no_room_leaves_nothing_behind(tmp_path, stores):
 
 def test_records_are_read_again_only_when_they_were_put_aside(store, monkeypatch):
     made = [store.add(loaded(f"s{i}", "d")) for i in range(3)]
-    monkeypatch.setattr("service.scenes.rows.read_record", None)
+    monkeypatch.setattr("service.scenes.store.rows.read_record", None)
     assert [store.get(record.id) for record in made] == made
     assert all(store.get(record.id) is record for record in made)
 

@@ -7,8 +7,8 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from planning.world.documents.scene_document import SceneDocument
+from service.api.document.links import declare_links
 from service.api.failures.problem import Problem
-from service.api.links import declare_links
 
 _REF = "#/components/schemas/{model}"
 _TAGS = [

@@ -5,7 +5,7 @@ from collections import OrderedDict
 from collections.abc import Generator
 from contextlib import contextmanager
 
-from service.scenes.records import SceneRecord
+from service.scenes.store.records import SceneRecord
 
 # Of text [characters]; a scene of ten thousand boxes has four million.
 _MOST_CHARS = 48_000_000

@@ -22,7 +22,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from service.jobs.dispatch.durations import CallKind
+from service.jobs.dispatch.scheduling.durations import CallKind
 from service.jobs.job import Priority
 from service.jobs.worker.assignment import Worker
 

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.jobs.dispatch.durations import SHORT, CallKind
-from service.jobs.dispatch.queue import Share
+from service.jobs.dispatch.scheduling.durations import SHORT, CallKind
+from service.jobs.dispatch.scheduling.queue import Share
 from tests.service.jobs.dispatch.queues import free, names, queue_of, queues_of, wait
 
 

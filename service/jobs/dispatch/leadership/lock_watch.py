@@ -8,8 +8,8 @@ from typing import Protocol
 
 from sqlalchemy.exc import DBAPIError
 
-from service.jobs.dispatch.leader import DispatcherLock, Vacancy
-from service.jobs.dispatch.timeouts import DatabaseTimeouts
+from service.jobs.dispatch.leadership.leader import DispatcherLock, Vacancy
+from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.errors import DatabaseInUse, DatabaseTaken
 from service.jobs.store.database import ask
 

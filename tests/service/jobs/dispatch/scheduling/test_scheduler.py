@@ -1,8 +1,8 @@
 """What is said of workers that are not ready."""
 
-from service.jobs.dispatch.queue import JobQueue
-from service.jobs.dispatch.scheduler import Scheduler
-from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.dispatch.scheduling.queue import JobQueue
+from service.jobs.dispatch.scheduling.scheduler import Scheduler
+from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 
 
 class Place:

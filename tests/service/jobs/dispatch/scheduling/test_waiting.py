@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.jobs.dispatch.waiting import AGEING, RANGE, Place, QueueEntry, WaitingEntries
+from service.jobs.dispatch.scheduling.waiting import (
+    AGEING,
+    RANGE,
+    Place,
+    QueueEntry,
+    WaitingEntries,
+)
 from service.jobs.job import Priority
 from tests.profiles import num_cases
 from tests.service.jobs.dispatch.queues import free, names, queue_of, wait

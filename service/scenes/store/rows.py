@@ -24,9 +24,9 @@ from service.jobs.errors import IdempotencyConflict
 from service.jobs.job import IdempotencyKey
 from service.jobs.json_text import Encoded, encode
 from service.jobs.store.artifact_store import read_content
-from service.scenes.document_artifact import document_of
 from service.scenes.models.scene import SceneSummary
-from service.scenes.records import SceneBrief, SceneRecord, scenes
+from service.scenes.store.document_artifact import document_of
+from service.scenes.store.records import SceneBrief, SceneRecord, scenes
 from service.scenes.tasks import LoadedScene
 
 # Member of a row's summary: the revision that has what this row leaves out.

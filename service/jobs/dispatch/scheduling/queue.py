@@ -14,9 +14,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from service.jobs.dispatch.durations import DurationHistory, Throughput
-from service.jobs.dispatch.waiting import Place, QueueEntry, WaitingEntries
-from service.jobs.dispatch.worker_pool import WorkerPool
+from service.jobs.dispatch.scheduling.durations import DurationHistory, Throughput
+from service.jobs.dispatch.scheduling.waiting import Place, QueueEntry, WaitingEntries
+from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.worker.assignment import Worker
 
 _LONGEST_RETRY = 60

@@ -6,7 +6,7 @@ from pathlib import Path
 import planning
 from planning import errors as planning_errors
 from planning.errors import WayproofError
-from service.api.open_enums import NO_STAGE, STAGES
+from service.api.document.open_enums import NO_STAGE, STAGES
 from service.jobs import errors as job_errors
 
 ROOT = Path(planning.__file__).parents[1]

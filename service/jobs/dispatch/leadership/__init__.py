@@ -1,0 +1,1 @@
+"""Which server of a database runs its jobs."""

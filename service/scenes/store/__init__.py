@@ -1,0 +1,1 @@
+"""How scenes are kept: rows, artifacts, and the files of this host."""
