@@ -17,7 +17,15 @@ class QueueFull(WayproofError):
     def of(
         cls, queue: str, waiting: int, bound: int, retry_after: float, more: int = 1
     ) -> "QueueFull":
-        """Build the error for a queue in which so many wait, and some more would like to."""
+        """Build the error for a queue without room.
+
+        Args:
+            queue: Its name.
+            waiting: Number of jobs that wait.
+            bound: Largest number of jobs that may wait.
+            retry_after: When to ask again [s].
+            more: Number of jobs that were to be added.
+        """
         asked = "" if more == 1 else f", and {more} more would be too many"
         message = f"{waiting} jobs wait for {queue} already{asked}; try again later"
         evidence = {"queue": queue, "queued": waiting, "bound": bound, "retry_after": retry_after}

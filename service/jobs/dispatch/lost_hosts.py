@@ -3,7 +3,7 @@
 from service.jobs.job import Job
 from service.jobs.outcome import Crashed, Failed, Lost, Silent
 
-# A job under which so many machines were lost is run no more.
+# A job is run no more once this number of machines was lost under it.
 MAX_LOST_HOSTS = 3
 
 

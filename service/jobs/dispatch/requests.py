@@ -99,7 +99,7 @@ class JobSubmission:
         retry_after = self._scheduler.retry_after(name)
 
         def check(num_queued: int) -> None:
-            """Go on only if so many more may wait, by the table."""
+            """Go on only if the table has room for all drafts."""
             if num_queued + len(drafts) > room:
                 raise QueueFull.of(name, num_queued, room - num_starting, retry_after, len(drafts))
 

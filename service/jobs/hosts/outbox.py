@@ -7,9 +7,9 @@ from service.jobs.context import MADE
 from service.jobs.hosts.messages import HostMessage, HostMessageKind, batch_of, pack
 from service.jobs.json_text import Encoded
 
-# Updates beyond so many messages that wait are dropped: the next one has what they had.
+# Number of waiting messages beyond which updates are dropped: the next one has what they had.
 _MAX_UPDATES = 4096
-# So many events of a run may be on their way; then its task waits.
+# Number of events of a run that may be on their way before its task waits.
 WINDOW = 64
 
 

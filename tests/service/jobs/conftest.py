@@ -5,6 +5,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
+from sqlalchemy import text
 
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
@@ -16,6 +17,7 @@ from service.jobs.store.job_store import JobStore
 from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs import fake_tasks
 from tests.service.jobs.databases import FullDisk
+from tests.service.jobs.postgres import cluster
 from tests.service.jobs.remote.machines import Site, end_clusters, plain_terms
 from tests.service.jobs.remote.machines import workers as workers_on
 
@@ -34,6 +36,24 @@ def clusters():
     """End the clusters of this process with it."""
     yield
     end_clusters()
+
+
+@pytest.fixture(scope="module")
+def server():
+    """A PostgreSQL of its own for a module of tests."""
+    with cluster() as made:
+        yield made
+
+
+@pytest.fixture
+def url(server):
+    """Of a database without tables."""
+    engine = open_engine(server.url)
+    with engine.begin() as connection:
+        connection.execute(text("DROP SCHEMA public CASCADE"))
+        connection.execute(text("CREATE SCHEMA public"))
+    engine.dispose()
+    return server.url
 
 
 @asynccontextmanager

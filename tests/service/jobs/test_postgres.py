@@ -19,7 +19,6 @@ from service.jobs.store.job_store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP, spec
 from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time
-from tests.service.jobs.postgres import cluster
 from tests.service.jobs.test_briefs import check_upgrade
 from tests.service.jobs.test_stopping import eventually, moving
 from tests.service.servers import server as real_server
@@ -39,23 +38,6 @@ class Soon(DatabaseTimeouts):
 
 # All backends that hold an advisory lock end.
 END_OWNER = text("SELECT pg_terminate_backend(pid) FROM pg_locks WHERE locktype = 'advisory'")
-
-
-@pytest.fixture(scope="module")
-def server():
-    with cluster() as made:
-        yield made
-
-
-@pytest.fixture
-def url(server):
-    """Of a database without tables."""
-    engine = open_engine(server.url)
-    with engine.begin() as connection:
-        connection.execute(text("DROP SCHEMA public CASCADE"))
-        connection.execute(text("CREATE SCHEMA public"))
-    engine.dispose()
-    return server.url
 
 
 @asynccontextmanager

@@ -17,27 +17,9 @@ from service.jobs.states import JobState
 from service.jobs.store.database import open_engine
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.dispatch.test_recovery import ROOT
-from tests.service.jobs.postgres import cluster
 from tests.service.jobs.several import quick, serving, two
 from tests.service.jobs.test_stopping import eventually, moving
 from tests.service.jobs.worker.test_process_worker import is_alive
-
-
-@pytest.fixture(scope="module")
-def server():
-    with cluster() as made:
-        yield made
-
-
-@pytest.fixture
-def url(server):
-    """Of a database without tables."""
-    engine = open_engine(server.url)
-    with engine.begin() as connection:
-        connection.execute(text("DROP SCHEMA public CASCADE"))
-        connection.execute(text("CREATE SCHEMA public"))
-    engine.dispose()
-    return server.url
 
 
 async def pid_of(dispatcher, job):

@@ -105,7 +105,7 @@ class JobQueue:
         return len(self._running)
 
     def has_room(self, more: int = 1) -> bool:
-        """Return whether so many more may wait."""
+        """Return whether there is room for `more` entries."""
         return len(self._waiting) + more <= self.max_waiting
 
     def retry_after(self, now: float) -> int:

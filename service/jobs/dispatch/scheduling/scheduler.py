@@ -120,7 +120,7 @@ class Scheduler:
         }
 
     def check_room(self, name: str, more: int = 1) -> None:
-        """Go on only if so many more may wait in a queue.
+        """Go on only if a queue has room for `more` entries.
 
         Raises:
             QueueFull: It may not.
