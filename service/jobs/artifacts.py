@@ -20,6 +20,8 @@ from service.jobs.host_folder import artifact_path
 
 # A copy that is in use is marked so again after so long [s].
 _MARK_PERIOD = 600.0
+# Number of artifacts of which it is remembered what is needed with them, and that they are marked.
+_MAX_REMEMBERED = 4096
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,9 @@ class ArtifactCopies:
             DBAPIError: The database does not answer.
             OSError: The folder cannot be written.
         """
+        if max(len(self._parts), len(self._marked_at)) > _MAX_REMEMBERED:
+            self._parts.clear()
+            self._marked_at.clear()
         unknown = [digest for digest in digests if digest not in self._parts]
         if unknown:
             self._parts |= await self.source.parts(unknown)

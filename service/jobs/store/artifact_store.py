@@ -99,9 +99,13 @@ class ArtifactStore:
         parts = {part for row in stays for part in row.parts}
         kept = parts | {row.digest for row in stays}
         gone = [digest for digest, old in is_old.items() if old and digest not in kept]
+        # Not what another server has begun to use since the rows were read.
+        is_still_old = artifacts.c.stored_at < before.isoformat()
+        count = 0
         for these in _portions(gone):
-            connection.execute(delete(artifacts).where(artifacts.c.digest.in_(these)))
-        return len(gone)
+            ended = delete(artifacts).where(artifacts.c.digest.in_(these), is_still_old)
+            count += connection.execute(ended).rowcount
+        return count
 
     def _parts(self, digests: Sequence[str]) -> dict[str, tuple[str, ...]]:
         query = select(artifacts.c.digest, artifacts.c.parts)

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sqlalchemy import insert, select, update
+from sqlalchemy import event, insert, select, update
 
 from service.jobs.artifacts import Artifact, ArtifactCopies
 from service.jobs.host_folder import artifact_path
@@ -79,6 +79,14 @@ def test_a_copy_that_is_in_use_is_marked_so(tmp_path, source):
     os.utime(path, (0, 0))
     asyncio.run(later.bring([WHOLE.digest]))  # a moment later
     assert path.stat().st_mtime == 0
+
+
+def test_what_is_remembered_has_a_bound(copies, monkeypatch):
+    monkeypatch.setattr("service.jobs.artifacts._MAX_REMEMBERED", 2)
+    for _ in range(2):
+        for digest in (*ALL, *("0" * 63 + each for each in "abcdef")):
+            asyncio.run(copies.bring([digest]))
+    assert max(len(copies._parts), len(copies._marked_at)) <= 3 + len(WHOLE.parts)
 
 
 def test_a_folder_that_cannot_be_written_is_said(tmp_path, source):
@@ -179,3 +187,21 @@ def test_what_is_needed_or_new_stays_and_the_rest_goes(rows, of_scenes, of_jobs)
     assert stored(engine) == stays
     assert gone == len(rows) - len(stays)
     engine.dispose()
+
+
+def test_what_is_used_again_while_the_rest_goes_stays(engine):
+    """Another server may post a scene between the look at the rows and their end."""
+    store, other = ArtifactStore(engine), open_engine(engine.url.render_as_string())
+    old = [store.keep(artifact, "gone") for artifact in (PART, OTHER)]
+    with engine.begin() as connection:
+        connection.execute(update(artifacts).values(stored_at="2000"))
+
+    def use(_, __, statement, *___):
+        if statement.startswith("DELETE FROM artifacts"):
+            ArtifactStore(other).keep(PART, "gone")
+
+    event.listen(engine, "before_cursor_execute", use)
+    with engine.begin() as connection:
+        store.sweep(connection, [], datetime.now(UTC) - timedelta(hours=1))
+    other.dispose()
+    assert stored(engine) == {old[0]}
