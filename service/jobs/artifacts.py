@@ -85,8 +85,9 @@ class ArtifactCopies:
         if unknown:
             self._parts |= await self.source.parts(unknown)
         wanted = [each for digest in digests for each in (digest, *self._parts.get(digest, ()))]
-        # To look at some files is quicker than a thread.
-        missing = [each for each in wanted if not artifact_path(self.folder, each).is_file()]
+        # To look at some files is quicker than a thread, and by their names quicker than by paths.
+        folder = artifact_path(self.folder, "")
+        missing = [each for each in wanted if not os.path.isfile(f"{folder}/{each}")]  # noqa: PTH113
         if missing:
             contents = await self.source.contents(missing)
             await to_thread.run_sync(self._write, contents)
