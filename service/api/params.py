@@ -1,6 +1,5 @@
 """Parameters that several endpoints take, and a check that a query has no others."""
 
-from functools import lru_cache
 from typing import Annotated
 
 from fastapi import Header, Path, Query, Request
@@ -35,7 +34,7 @@ async def require_known_query(request: Request) -> None:
         RequestInvalid: A parameter is given twice.
     """
     route = request.scope["route"]
-    known = _known_by(route) if isinstance(route, APIRoute) else frozenset[str]()
+    known = _declared(route.dependant) if isinstance(route, APIRoute) else set[str]()
     for name in request.query_params:
         if name not in known:
             raise UnknownName.among("query parameter", name[:80], known)
@@ -43,11 +42,6 @@ async def require_known_query(request: Request) -> None:
             message = f"query.{name}: it is given twice"
             fault = {"path": f"query.{name}", "pointer": "", "message": message}
             raise RequestInvalid(message, {"faults": [{**fault, "type": "repeated_key"}]})
-
-
-@lru_cache(maxsize=256)  # more than an app has routes
-def _known_by(route: APIRoute) -> frozenset[str]:
-    return frozenset(_declared(route.dependant))
 
 
 def _declared(dependant: Dependant) -> set[str]:

@@ -6,6 +6,7 @@ needs for one row, which counts where it is on the way of every answer.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import TracebackType
 from typing import Any
 
 from sqlalchemy import Connection, Insert, Select, Update
@@ -90,7 +91,12 @@ class _Cursor:
     def __enter__(self) -> Any:
         return self._cursor
 
-    def __exit__(self, kind: Any, fault: BaseException | None, trace: Any) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        fault: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self._cursor.close()
         driver = self._connection.dialect.dbapi
         if driver is not None and isinstance(fault, driver.Error):
