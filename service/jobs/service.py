@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -237,6 +238,23 @@ class JobService(TaskCalls):
         """Yield a job's events with numbers above `after`, until it has ended."""
         async for event in self._dispatcher.subscribe(job.id, after):
             yield event
+
+    def watch(self, name: str) -> AbstractContextManager[Callable[[], asyncio.Event]]:
+        """Watch what has a name: what is lent returns the event of its next change."""
+        return self._dispatcher.watch(name)
+
+    def wake(self, name: str) -> None:
+        """Tell those who watch a name here that it has changed."""
+        self._dispatcher.wake(name)
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether nothing is told any more, because the server ends."""
+        return self._dispatcher.has_stopped
+
+    async def last_recorded(self, job: JobSummary, event_type: str) -> LoggedEvent | None:
+        """Return the newest event of a type that is recorded, if there is one."""
+        return await to_thread.run_sync(self._store.last_event, job.id, event_type)
 
     async def latest_event(self, job: JobSummary, event_type: str) -> dict[str, Any] | None:
         """Return the data of the newest event of a type, recorded or not, if there is one."""

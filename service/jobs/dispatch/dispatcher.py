@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
-from contextlib import aclosing
+from contextlib import AbstractContextManager, aclosing
 from typing import Any, Literal
 
 from service.errors import ServerStopping
@@ -293,6 +293,19 @@ class Dispatcher:
         async with aclosing(self._bus.follow(identifier, min(after, END_OF_STREAM))) as events:
             async for event in events:
                 yield event
+
+    def watch(self, name: str) -> AbstractContextManager[Callable[[], asyncio.Event]]:
+        """Watch what has a name, of a job or another one; see `EventBus.watch`."""
+        return self._bus.watch(name)
+
+    def wake(self, name: str) -> None:
+        """Tell those who watch a name that it has changed."""
+        self._bus.wake(name)
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether nothing is told any more."""
+        return self._bus.is_closed
 
     async def call(self, call: Call) -> CallResult:
         """Run a short task that needs no record, and return what it returns; see `Calls.run`."""
