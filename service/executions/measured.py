@@ -18,7 +18,7 @@ from service.jobs.job import FINISHED, JobSummary, LoggedEvent
 from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.jobs.store.queries import read_last_event
-from service.jobs.store.tables import jobs, summaries
+from service.jobs.store.tables import summaries
 from service.scenes.job_spec import PREFIXES
 from service.scenes.live import Motion, by_joint, joint_types
 from service.scenes.store.live_rows import write_measured
@@ -71,18 +71,17 @@ def keep_end(connection: Connection, event: LoggedEvent) -> None:
     status = read_last_event(connection, event.job, STATUS)
     if status is None:  # it never moved
         return
-    query = select(summaries.c.payload, jobs.c.sequence, jobs.c.scene)
-    query = query.join(jobs, jobs.c.id == summaries.c.job).where(summaries.c.job == event.job)
-    payload, sequence, scene = connection.execute(query).one()
-    work = ExecutionOutline.model_validate(payload)
-    joints = work.joints or _joints_of(connection, scene, work.group)
+    query = select(summaries.c.payload).where(summaries.c.job == event.job)
+    work = ExecutionOutline.model_validate(connection.execute(query).scalar_one())
+    joints = work.joints or _joints_of(connection, work.scene_id, work.group)
     last = ExecutionState(status.data["state"])
     write_measured(
         connection,
-        scene,
+        work.scene_id,
         by_joint(joints, status.data["positions"]),
         status_after(work.request.driver, last, event.data.get("failure")),
-        (event.job, sequence, datetime.fromisoformat(event.at)),
+        event.job,
+        datetime.fromisoformat(event.at),
     )
 
 

@@ -60,7 +60,7 @@ class KeptState:
         status: At rest, or unknown.
         source: Of the positions.
         updated_at: When the execution ended, or the revision was made (UTC).
-        sequence: Of the newest job of an execution that it knows of; 0 for none.
+        ended: The last execution whose end it knows of.
     """
 
     robot: str
@@ -68,7 +68,7 @@ class KeptState:
     status: RobotStatus
     source: Source
     updated_at: datetime
-    sequence: int
+    ended: str | None
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class RobotState:
         status: Whether it moves.
         source: Of the positions.
         updated_at: When they were last told (UTC).
-        sequence: Of the newest job of an execution that has told them; 0 for none.
+        ended: The last execution whose end is known of.
         execution: That moves it, or waits to.
     """
 
@@ -119,7 +119,7 @@ class RobotState:
     status: RobotStatus
     source: Source
     updated_at: datetime
-    sequence: int = 0
+    ended: str | None = None
     execution: str | None = None
 
 
@@ -141,7 +141,9 @@ def live_states(
     told_of = {each.robot: each for each in kept}
     states: dict[str, RobotState] = {}
     for robot, positions in described.items():
-        at_first = KeptState(robot, {}, RobotStatus.AT_REST, DocumentSource(revision), made_at, 0)
+        at_first = KeptState(
+            robot, {}, RobotStatus.AT_REST, DocumentSource(revision), made_at, None
+        )
         told = told_of.get(robot, at_first)
         states[robot] = RobotState(
             robot,
@@ -150,7 +152,7 @@ def live_states(
             told.status,
             told.source,
             told.updated_at,
-            told.sequence,
+            told.ended,
         )
     for motion in sorted(motions, key=lambda each: each.sequence):
         for robot in motion.robots:
@@ -160,8 +162,8 @@ def live_states(
 
 
 def moved_by(motion: Motion, state: RobotState) -> RobotState:
-    """Return where a robot is once a motion has told it; what ended since is not heeded."""
-    if motion.sequence <= state.sequence and state.execution != motion.execution:
+    """Return where a robot is once a motion has told it; one that has ended since tells nothing."""
+    if motion.execution == state.ended:
         return state
     found = replace(state, execution=motion.execution)
     if motion.positions is None:
@@ -173,7 +175,6 @@ def moved_by(motion: Motion, state: RobotState) -> RobotState:
         status=RobotStatus.MOVING,
         source=ExecutionSource(motion.execution),
         updated_at=motion.updated_at,
-        sequence=motion.sequence,
     )
 
 

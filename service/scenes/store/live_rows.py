@@ -43,8 +43,8 @@ def write_placed(
     """
     number, at = revision
     for robot in robots:
-        sequence = before[robot].sequence if robot in before else 0
-        state = KeptState(robot, {}, RobotStatus.AT_REST, EditSource(number), at, sequence)
+        ended = before[robot].ended if robot in before else None
+        state = KeptState(robot, {}, RobotStatus.AT_REST, EditSource(number), at, ended)
         _write(connection, scene, state)
 
 
@@ -53,28 +53,28 @@ def write_measured(
     scene: str,
     positions: Mapping[str, JointPositions],
     status: RobotStatus,
-    job: tuple[str, int, datetime],
+    execution: str,
+    at: datetime,
 ) -> None:
-    """Keep what an execution has measured; nothing if the scene is gone, or knows better.
+    """Keep what an execution has measured, unless the scene is gone.
 
     Args:
         connection: In the transaction that ends it.
         scene: Its id.
         positions: By robot and joint.
         status: Of the robots, after it.
-        job: Its id, its sequence, and when it ended (UTC).
+        execution: Its id.
+        at: When it ended (UTC).
     """
-    execution, sequence, at = job
     lock(connection, scene)
     if latest_revision(connection, scene) is None:
         return
     known = {state.robot: state for state in read_states(connection, scene)}
     for robot, joints in positions.items():
         before = known.get(robot)
-        if before is None or before.sequence < sequence:
-            measured = {**(before.positions if before else {}), **joints}
-            source = ExecutionSource(execution)
-            _write(connection, scene, KeptState(robot, measured, status, source, at, sequence))
+        measured = {**(before.positions if before else {}), **joints}
+        source = ExecutionSource(execution)
+        _write(connection, scene, KeptState(robot, measured, status, source, at, execution))
 
 
 def delete_states(connection: Connection, scene: str) -> None:
@@ -89,14 +89,12 @@ def _write(connection: Connection, scene: str, state: KeptState) -> None:
 
 
 def _columns(state: KeptState) -> dict[str, Any]:
-    source = state.source
     return {
         "robot": state.robot,
         "positions": dict(state.positions),
         "status": state.status.value,
-        "revision": None if isinstance(source, ExecutionSource) else source.revision,
-        "execution": source.execution if isinstance(source, ExecutionSource) else None,
-        "sequence": state.sequence,
+        "revision": None if isinstance(state.source, ExecutionSource) else state.source.revision,
+        "execution": state.ended,
         "updated_at": state.updated_at.isoformat(),
     }
 
@@ -108,10 +106,10 @@ def _state(row: Mapping[Any, Any]) -> KeptState:
         status=RobotStatus(row["status"]),
         source=_source(row),
         updated_at=datetime.fromisoformat(row["updated_at"]),
-        sequence=row["sequence"],
+        ended=row["execution"],
     )
 
 
 def _source(row: Mapping[Any, Any]) -> Source:
-    execution = row["execution"]
-    return EditSource(row["revision"]) if execution is None else ExecutionSource(execution)
+    revision = row["revision"]
+    return ExecutionSource(row["execution"]) if revision is None else EditSource(revision)

@@ -61,10 +61,10 @@ scene_states = Table(
     Column("robot", String(256), primary_key=True),
     Column("positions", JsonText, nullable=False),
     Column("status", String(12), nullable=False),
-    # Of the source: one of them is null.
+    # That set it by hand; null where an execution has measured it.
     Column("revision", Integer, nullable=True),
+    # The last one whose end is known of. Sequences of jobs that are deleted are used again.
     Column("execution", String(64), nullable=True),
-    Column("sequence", BigInteger, nullable=False),
     Column("updated_at", String(40), nullable=False),
 )
 

@@ -15,7 +15,7 @@ _NUM_POSITIONS = {"planar": 3, "floating": 7}
 # The last execution of each scene, if it ended after the latest revision was made: older versions
 # wrote that revision when the scene was next asked for.
 _UNSETTLED = """
-SELECT jobs.id, jobs.scene, jobs.sequence, jobs.finished_at, scenes.serial
+SELECT jobs.id, jobs.scene, jobs.finished_at, scenes.serial
 FROM jobs JOIN scenes ON scenes.id = jobs.scene
 WHERE jobs.sequence IN (
     SELECT MAX(sequence) FROM jobs WHERE queue = 'execution' GROUP BY scene
@@ -38,7 +38,6 @@ def upgrade() -> None:
         sa.Column("status", sa.String(12), nullable=False),
         sa.Column("revision", sa.Integer, nullable=True),
         sa.Column("execution", sa.String(64), nullable=True),
-        sa.Column("sequence", sa.BigInteger, nullable=False),
         sa.Column("updated_at", sa.String(40), nullable=False),
     )
     connection = op.get_bind()
@@ -50,7 +49,6 @@ def upgrade() -> None:
                 "positions": json.dumps(positions),
                 "status": "at_rest",
                 "execution": job.id,
-                "sequence": job.sequence,
                 "updated_at": job.finished_at,
             }
             connection.execute(sa.insert(states).values(**row))
