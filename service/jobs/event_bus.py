@@ -109,11 +109,6 @@ class EventBus[E: Numbered]:
         for stream in list(self._tails):
             self.wake(stream)
 
-    @property
-    def is_closed(self) -> bool:
-        """Whether nothing is published any more."""
-        return self._is_closed
-
     async def follow(self, stream: str, after: int = 0) -> AsyncGenerator[E]:
         """Yield what follows a number, recorded or to come, until the stream or the bus ends."""
         tail = self._tails.setdefault(stream, _Tail())

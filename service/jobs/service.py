@@ -236,7 +236,16 @@ class JobService(TaskCalls):
 
     async def events(self, job: JobSummary | BatchMember, after: int) -> AsyncIterator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, until it has ended."""
-        async for event in self._dispatcher.subscribe(job.id, after):
+        async for event in self.events_of(job.id, after):
+            yield event
+
+    async def events_of(self, identifier: str, after: int) -> AsyncIterator[LoggedEvent]:
+        """Yield events as `events` does, of the job of an id.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        async for event in self._dispatcher.subscribe(identifier, after):
             yield event
 
     def watch(self, name: str) -> AbstractContextManager[Callable[[], asyncio.Event]]:
@@ -248,9 +257,9 @@ class JobService(TaskCalls):
         self._dispatcher.wake(name)
 
     @property
-    def has_stopped(self) -> bool:
-        """Whether nothing is told any more, because the server ends."""
-        return self._dispatcher.has_stopped
+    def is_stopping(self) -> bool:
+        """Whether the server ends: what is watched is told no more."""
+        return self._dispatcher.is_stopping
 
     async def last_recorded(self, job: JobSummary, event_type: str) -> LoggedEvent | None:
         """Return the newest event of a type that is recorded, if there is one."""

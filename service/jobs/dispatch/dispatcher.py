@@ -67,7 +67,7 @@ class Dispatcher:
             observer: Hears of what gets a worker, and of what has ended here.
             timeouts: How long a database may be out of reach.
         """
-        self.is_taken = False
+        self.is_taken = self._is_stopping = False
         self.leads = asyncio.Event()
         self._on_taken = on_taken
         self._observer = observer or Observer()
@@ -208,6 +208,8 @@ class Dispatcher:
 
         Every wait for a job is answered at once: what waited would be cut off.
         """
+        self._is_stopping = True
+        self._bus.wake_all()
         self._waits.end()
         self._shutdown.begin_to_drain()
         self._shutdown.interrupt_all(STOPPED)
@@ -303,9 +305,9 @@ class Dispatcher:
         self._bus.wake(name)
 
     @property
-    def has_stopped(self) -> bool:
-        """Whether nothing is told any more."""
-        return self._bus.is_closed
+    def is_stopping(self) -> bool:
+        """Whether the server ends: what is watched is told no more."""
+        return self._is_stopping
 
     async def call(self, call: Call) -> CallResult:
         """Run a short task that needs no record, and return what it returns; see `Calls.run`."""

@@ -124,10 +124,22 @@ class SceneStore:
         look = self.latest.look()
         # First: what ends from now on is in the rows that are read after it.
         motions = await self.moving(identifier)
-        record = await to_thread.run_sync(self._read_live, identifier, motions)
+        record = await self.at(identifier, motions)
         if not motions:
             self.latest.keep(record, look)
         return record
+
+    async def at(self, identifier: str, motions: Sequence[Motion]) -> SceneRecord:
+        """Return the latest revision with its robots where they are.
+
+        Args:
+            identifier: Of the scene.
+            motions: What was in it a moment ago: what has ended since is known to have.
+
+        Raises:
+            UnknownResource: There is none.
+        """
+        return await to_thread.run_sync(self._read_live, identifier, motions)
 
     async def with_live_state(self, record: SceneRecord) -> SceneRecord:
         """Return a revision that is the latest with its robots where they are."""
