@@ -21,6 +21,9 @@ from service.catalog import routes as catalog
 from service.executions import replay
 from service.executions import routes as executions
 from service.lifespan import open_services
+from service.live import routes as live
+from service.live import socket as live_socket
+from service.live.feed import LiveFeeds
 from service.plans import batch_routes as batches
 from service.plans import outputs
 from service.plans import routes as plans
@@ -58,6 +61,7 @@ PARTS = (
     trajectories,
     executions,
     replay,
+    live,
     webhooks,
     operations,
 )
@@ -92,6 +96,7 @@ def create_app(
             ):
                 app.state.jobs, app.state.scenes, app.state.webhooks = services
                 app.state.callers = callers
+                app.state.feeds = LiveFeeds(app.state.scenes, app.state.jobs)
                 has_started = True
                 yield
         except Exception as fault:
@@ -129,4 +134,5 @@ def create_app(
     openapi.install(app, partial(declare_security, is_asked=chosen.auth == "keys"))
     for part in PARTS:
         app.include_router(part.router, dependencies=[Depends(require_known_query)])
+    app.include_router(live_socket.router)
     return app

@@ -141,6 +141,13 @@ class RobotBusy(Refusal):
     status = 409
 
 
+class RobotStateUnknown(Refusal):
+    """It is not known where a robot of this scene is; evidence: `robots`."""
+
+    code = "robot_state_unknown"
+    status = 409
+
+
 class RevisionConflict(Refusal):
     """The scene has moved on since; evidence: `revision`, `latest`."""
 

@@ -7,9 +7,10 @@ from functools import partial
 from typing import Any
 
 from anyio import to_thread
+from sqlalchemy import Connection
 
 from service.api.middleware.client_disconnect import call_for_client
-from service.executions.settlement import settled
+from service.executions.measured import keep_end, open_motions
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
@@ -19,6 +20,7 @@ from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.hosts.plan import HostPlan, own_version
 from service.jobs.hosts.ray_hosts import RayHosts
 from service.jobs.hosts.remote_host import RemoteHost
+from service.jobs.job import LoggedEvent
 from service.jobs.service import JobService
 from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
@@ -74,14 +76,15 @@ async def open_services(
     scenes = SceneStore(engine, settings.folder, _library(settings))
     webhooks = WebhookStore(engine)
     delivery = WebhookDelivery(webhooks, _delivery_terms(settings))
-    store.on_event = delivery.note  # what recovery ends is told as well
+    store.on_event = partial(_note, to=(keep_end, delivery.note))  # what recovery ends, too
     try:
         await dispatcher.start(None if settings.engine == "inline" else WARM_UP)
         try:
             await scenes.open()  # the leader has brought the database up to date
             terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
-            scenes.settle = partial(settled, scenes=scenes, jobs=jobs)
+            scenes.moving = partial(open_motions, jobs=jobs)
+            scenes.latest.on_change = jobs.wake
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
             scenes.on_delete = jobs.on_delete = sweeper.ask
@@ -93,6 +96,15 @@ async def open_services(
             await dispatcher.stop()
     finally:
         await to_thread.run_sync(engine.dispose)
+
+
+def _note(
+    connection: Connection,
+    event: LoggedEvent,
+    to: Sequence[Callable[[Connection, LoggedEvent], None]],
+) -> None:
+    for each in to:
+        each(connection, event)
 
 
 async def _once_leading(dispatcher: Dispatcher, work: Callable[[], Awaitable[None]]) -> None:

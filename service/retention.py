@@ -1,7 +1,7 @@
 """Retention: jobs that ended long ago are deleted, with all that was recorded of them.
 
-What is still needed stays, however old it is: the last execution of a scene, which knows where its
-robot is; regions of the content of a scene; whatever a job that waits or runs names.
+What is still needed stays, however old it is: regions of the content of a scene, and whatever a
+job that waits or runs names.
 """
 
 import asyncio
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 
 from anyio import to_thread
-from sqlalchemy import ColumnElement, Connection, func, select
+from sqlalchemy import ColumnElement, Connection, select
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.jobs.errors import DatabaseTaken
@@ -90,11 +90,6 @@ def _old(connection: Connection, before: datetime, most: int) -> list[str]:
 
 
 def _is_needed(connection: Connection) -> ColumnElement[bool]:
-    last = select(func.max(jobs.c.sequence)).where(jobs.c.queue == "execution")
-    last = last.where(jobs.c.scene.in_(select(scenes.c.id))).group_by(jobs.c.scene)
     is_of_scene = jobs.c.world_digest.in_(select(scenes.c.digest))
-    return (
-        jobs.c.sequence.in_(last)
-        | ((jobs.c.queue == "regions") & is_of_scene)
-        | jobs.c.id.in_(named_by_open(connection))
-    )
+    are_regions = jobs.c.queue == "regions"
+    return (are_regions & is_of_scene) | jobs.c.id.in_(named_by_open(connection))

@@ -1,14 +1,16 @@
-"""Where a robot is: where the latest revision of its scene has it, once nothing moves."""
+"""Where a robot has to be to be moved: at the start of the motion, at rest, and known to be."""
 
 import math
 
 from planning.domain.robot.joints import Joint, JointType
-from service.errors import RobotBusy, StartMismatch
+from service.errors import RobotBusy, RobotStateUnknown, StartMismatch
 from service.executions.models import ExecutionStatus
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
+from service.scenes.live import RobotStatus
 from service.scenes.models.summary import Group
+from service.scenes.store.records import SceneRecord
 
 # An execution ends within 0.005 of where it should [rad or m].
 TOLERANCE = 0.02
@@ -35,6 +37,22 @@ def check_at_start(group: Group, start: list[float]) -> None:
             "names": group.position_names,
         }
         raise StartMismatch(message, evidence)
+
+
+def require_known(record: SceneRecord) -> None:
+    """Go on only if it is known where every robot of a scene is: motions are proven beside them.
+
+    Raises:
+        RobotStateUnknown: A driver has lost its robot.
+    """
+    lost = [state for state in record.live.values() if state.status is RobotStatus.UNKNOWN]
+    if lost:
+        robots = sorted(state.robot for state in lost)
+        message = (
+            f"it is not known where {', '.join(robots)} is, since an execution ended without its "
+            "driver; look at the robot, and say where it is by `set_positions`"
+        )
+        raise RobotStateUnknown(message, {"robots": robots})
 
 
 async def require_at_rest(jobs: JobService, scene: str) -> int:

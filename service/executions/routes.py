@@ -3,7 +3,6 @@
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
 from collections.abc import AsyncIterator
-from contextlib import suppress
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Response
@@ -16,7 +15,6 @@ from service.api.params import ExecutionId, LastEventId
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
-from service.errors import UnknownResource
 from service.executions.commands import send_command
 from service.executions.models import (
     Execution,
@@ -98,11 +96,8 @@ async def get_execution(job: ExecutionJob, jobs: JobsDep) -> Execution:
     response_class=Response,  # which has no content type
     responses=problems(404, 409, 422),
 )
-async def delete_execution(job: OpenExecution, jobs: JobsDep, scenes: ScenesDep) -> None:
+async def delete_execution(job: OpenExecution, jobs: JobsDep) -> None:
     """Delete an execution that has ended; the scene keeps its robot where it was left."""
-    if job.state.is_final and job.scene is not None:
-        with suppress(UnknownResource):  # the scene is deleted
-            await scenes.fresh(job.scene)
     await jobs.delete(job)
 
 

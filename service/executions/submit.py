@@ -4,7 +4,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from service.executions.models import ExecutionRequest
-from service.executions.position import check_at_start, require_at_rest
+from service.executions.position import check_at_start, require_at_rest, require_known
 from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
@@ -13,6 +13,7 @@ from service.plans.models.trajectory import Polynomial
 from service.plans.resource import motion_of, work_of
 from service.plans.tasks import MotionWork
 from service.scenes.job_spec import spec_of
+from service.scenes.live import joint_types
 from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import SceneWork
 from service.scenes.validation import find_group
@@ -28,6 +29,7 @@ async def submit_execution(
         UnknownName: The scene has no such group any more.
         NotFinished: The plan has no trajectory.
         RobotBusy: Another execution moves something in the scene.
+        RobotStateUnknown: It is not known where a robot of the scene is.
         StartMismatch: The plan starts elsewhere.
         NotCertified: The motion cannot be proven in the latest revision.
         QueueFull: The queue is full.
@@ -45,6 +47,7 @@ async def submit_execution(
         # knows, whichever server it was asked of; then all is looked at once more.
         last = await require_at_rest(jobs, plan.request.scene)
         record = await scenes.fresh(plan.request.scene)
+        require_known(record)
         group = find_group(record, plan.request.group)
         check_at_start(group, motion.result.start)
         loaded = scenes.work(record)
@@ -57,9 +60,10 @@ async def submit_execution(
             group=group.name,
             trajectory=motion.polynomial,
             speed=request.speed,
+            joints=joint_types(group),
         )
         spec = spec_of(EXECUTE, work, record, idempotency)
-        # The scene is looked up again until this has ended and the scene knows where.
+        # The scene is looked up again, and tells where its robot is, until this has ended.
         with suppress(Overtaken), scenes.latest.changing(record.id):
             return await jobs.submit(replace(spec, follows=last))
 
@@ -72,7 +76,7 @@ async def _check_proven(
     Raises:
         NotCertified: It is not.
     """
-    if plan.scene.digest == scene.scene.digest:
+    if plan.scene.is_same(scene.scene):
         return
     work = ProofWork(
         library=scene.library,

@@ -2,6 +2,7 @@
 
 from pydantic import Field
 
+from planning.domain.robot.joints import JointType
 from service.executions.models import ExecutionRequest, ExecutionStatus
 from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
@@ -12,12 +13,18 @@ from service.scenes.tasks import SceneWork
 
 
 class ExecutionOutline(SceneWork):
-    """The part of the work that lists show."""
+    """The part of the work that lists show.
+
+    Attributes:
+        joints: Types of the group's joints, by full name and in its order; older versions said
+            nothing of them.
+    """
 
     request: ExecutionRequest
     scene_id: str
     group: str
     speed: float
+    joints: dict[str, JointType] = Field(default_factory=dict)
 
 
 class ExecutionWork(ExecutionOutline):

@@ -8,7 +8,8 @@ and no number is lost or repeated.
 
 import asyncio
 from collections import deque
-from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
+from collections.abc import AsyncGenerator, Awaitable, Callable, Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -125,6 +126,20 @@ class EventBus[E: Numbered]:
                     return
                 if not batch.events:
                     await changed.wait()
+        finally:
+            tail.num_followers -= 1
+            self._forget(stream, tail)
+
+    @contextmanager
+    def watch(self, stream: str) -> Generator[Callable[[], asyncio.Event]]:
+        """Watch a stream, without reading it: what is lent returns the event of its next change.
+
+        A name that no events are recorded under is a stream as well: `wake` changes it.
+        """
+        tail = self._tails.setdefault(stream, _Tail())
+        tail.num_followers += 1
+        try:
+            yield lambda: tail.changed
         finally:
             tail.num_followers -= 1
             self._forget(stream, tail)

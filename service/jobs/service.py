@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -235,8 +236,34 @@ class JobService(TaskCalls):
 
     async def events(self, job: JobSummary | BatchMember, after: int) -> AsyncIterator[LoggedEvent]:
         """Yield a job's events with numbers above `after`, until it has ended."""
-        async for event in self._dispatcher.subscribe(job.id, after):
+        async for event in self.events_of(job.id, after):
             yield event
+
+    async def events_of(self, identifier: str, after: int) -> AsyncIterator[LoggedEvent]:
+        """Yield events as `events` does, of the job of an id.
+
+        Raises:
+            UnknownJob: There is none.
+        """
+        async for event in self._dispatcher.subscribe(identifier, after):
+            yield event
+
+    def watch(self, name: str) -> AbstractContextManager[Callable[[], asyncio.Event]]:
+        """Watch what has a name: what is lent returns the event of its next change."""
+        return self._dispatcher.watch(name)
+
+    def wake(self, name: str) -> None:
+        """Tell those who watch a name here that it has changed."""
+        self._dispatcher.wake(name)
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether the server ends: what is watched is told no more."""
+        return self._dispatcher.is_stopping
+
+    async def last_recorded(self, job: JobSummary, event_type: str) -> LoggedEvent | None:
+        """Return the newest event of a type that is recorded, if there is one."""
+        return await to_thread.run_sync(self._store.last_event, job.id, event_type)
 
     async def latest_event(self, job: JobSummary, event_type: str) -> dict[str, Any] | None:
         """Return the data of the newest event of a type, recorded or not, if there is one."""

@@ -15,6 +15,7 @@ from service.plans.models.search import Search
 from service.regions.models import RegionsSummary
 from service.regions.tasks import RegionsOutline, RegionsWork
 from service.scenes.store.records import SceneRecord
+from service.scenes.tasks import StoredScene
 from service.scenes.validation import find_group
 
 PLANNER = "GCS"
@@ -40,13 +41,13 @@ class SelectedRegions:
 
 
 async def select_regions(
-    request: PlanRequest, record: SceneRecord, jobs: JobService
+    request: PlanRequest, record: SceneRecord, scene: StoredScene, jobs: JobService
 ) -> SelectedRegions | None:
     """Return the regions that a plan is given; None if its planners need none.
 
     The request names them, or they are the newest that were grown for the very content of the
-    scene, whatever its id, for the group and for a margin no less than the plan's. Where nothing
-    has grown there is nothing to fit.
+    scene, whatever its id, with its robots where they are, for the group and for a margin no less
+    than the plan's. Where nothing has grown there is nothing to fit.
 
     Raises:
         ProblemInvalid: It names regions, and no planner that plans inside them.
@@ -62,7 +63,8 @@ async def select_regions(
     seen: list[dict[str, object]] = []
     async for job in _candidates(request, record, jobs):
         grown = _grown(job)
-        if grown is not None and _fits(grown, record, group, margin):
+        is_same = RegionsWork.model_validate(job.payload).scene.is_same(scene)
+        if grown is not None and is_same and _fits(grown, group, margin):
             outcome = (await jobs.job_text("regions", job.id)).result
             return SelectedRegions(job.id, outcome or Encoded("{}"))
         if len(seen) < _MAX_NAMED:
@@ -101,13 +103,8 @@ def _grown(job: JobSummary) -> RegionsSummary | None:
     return None if job.result is None else RegionsOutline.model_validate(job.result).result
 
 
-def _fits(grown: RegionsSummary, record: SceneRecord, group: str, margin: float) -> bool:
-    return (
-        grown.scene == record.digest
-        and grown.group == group
-        and grown.margin >= margin
-        and grown.num_regions > 0
-    )
+def _fits(grown: RegionsSummary, group: str, margin: float) -> bool:
+    return grown.group == group and grown.margin >= margin and grown.num_regions > 0
 
 
 def _describe(job: JobSummary, grown: RegionsSummary | None) -> dict[str, object]:

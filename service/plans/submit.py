@@ -84,10 +84,11 @@ async def plan_spec(
     require_one_sampling(request.retime.sample_period, request.retime.num_points)
     require_planner(await known_planners(jobs), request.search)
     require_cars(group, request.search)
-    regions = await select_regions(request, record, jobs)
+    loaded = scenes.work(record)
+    regions = await select_regions(request, record, loaded.scene, jobs)
     work = PlanWork(
-        **dict(scenes.work(record)),
-        request=_settled(request, record, regions),
+        **dict(loaded),
+        request=_settled(request, record, group, regions),
         revision=record.revision,
         cores=_cores(settings),
         regions=regions and await keep_regions(regions, record, jobs),
@@ -118,7 +119,8 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, jobs: 
     goal = JointGoal(type="joint", positions=first)
     changes = {"revision": record.revision, "start": last, "goal": goal}
     work = ReverseWork(
-        **dict(scenes.work(record)),
+        library=scenes.library,
+        scene=former.scene,
         request=former.request.model_copy(update=changes),
         revision=record.revision,
         # Reversed twice, a motion has the lines of the first one again.
@@ -140,12 +142,18 @@ def _spec[W: MotionWork](
 
 
 def _settled(
-    request: PlanRequest, record: SceneRecord, regions: SelectedRegions | None
+    request: PlanRequest, record: SceneRecord, group: Group, regions: SelectedRegions | None
 ) -> PlanRequest:
-    """Return the request with what time would decide: posted again, it gives the same bytes."""
+    """Return the request with what time would decide: posted again, it gives the same bytes.
+
+    So it does as long as other robots are where they were; a revision says where it has them.
+    """
     grown = {} if regions is None else {"regions": regions.id}
     search = request.search.model_copy(update=grown)
-    return request.model_copy(update={"revision": record.revision, "search": search})
+    settled: dict[str, Any] = {"revision": record.revision, "search": search}
+    if request.start is None and record.moved:
+        settled["start"] = group.positions
+    return request.model_copy(update=settled)
 
 
 def require_planner(planners: Sequence[Planner], search: Search) -> None:

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import Depends, Request, Response
+from fastapi import Depends, Response
+from fastapi.requests import HTTPConnection
 from pydantic import BaseModel
 
 from service.api.dependencies import JobsDep
@@ -15,8 +16,8 @@ from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import RequestWork
 
 
-async def _scenes(request: Request) -> SceneStore:
-    scenes: SceneStore = request.app.state.scenes
+async def _scenes(connection: HTTPConnection) -> SceneStore:
+    scenes: SceneStore = connection.app.state.scenes
     return scenes
 
 

@@ -1,4 +1,4 @@
-"""Entity tags of scenes (RFC 9110): one for each revision, whose content never changes."""
+"""Entity tags of scenes (RFC 9110): one for each revision, whose document never changes."""
 
 from typing import Annotated, Any
 
@@ -55,7 +55,13 @@ def check_match(record: SceneRecord, if_match: str | None) -> SceneRecord:
 
 
 def is_known(record: SceneRecord, if_none_match: str | None) -> bool:
-    """Return whether the header names a revision; weak tags will do."""
+    """Return whether the header names a revision, whose robots are where it has them.
+
+    Weak tags will do. Of a revision whose robots have moved since, the `positions` that a client
+    knows may be old.
+    """
+    if record.moved:
+        return False
     tags = set() if if_none_match is None else _tags(if_none_match)
     return bool({"*", etag_of(record)} & {tag.removeprefix("W/") for tag in tags})
 

@@ -2,7 +2,7 @@
 
 from typing import Literal, Self
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from service.jobs.json_text import Encoded
 from service.jobs.outline import Outline
@@ -37,10 +37,17 @@ class StoredScene(TaskModel):
     Attributes:
         digest: Of its content, the bytes of all files included.
         document: sha256 of the artifact that has its document, and says what its files are.
+        positions: Where its live state has robots that are not where the document has them, by
+            robot and joint: all joints of their groups [rad or m].
     """
 
     digest: str
     document: str
+    positions: dict[str, dict[str, float | list[float]]] = Field(default_factory=dict)
+
+    def is_same(self, other: "StoredScene") -> bool:
+        """Return whether another one has the same content, and its robots in the same places."""
+        return (self.digest, self.positions) == (other.digest, other.positions)
 
 
 class SceneWork(LibraryWork):

@@ -1,7 +1,7 @@
 """Loading a posted or edited scene: whether it stands, and what it holds."""
 
 import gc
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -31,7 +31,14 @@ from service.scenes.tasks import (
     RequestWork,
     SceneWork,
 )
-from service.scenes.world_cache import keep, library_of, load_like, read_stored, take_world
+from service.scenes.world_cache import (
+    keep,
+    library_of,
+    load_like,
+    posed,
+    read_stored,
+    warm_scene,
+)
 
 # Events are short: so many digests in one.
 _AT_ONCE = 500
@@ -59,8 +66,9 @@ def load_scene(work: LoadWork, context: TaskContext) -> LoadedScene:
 
 @EDIT_SCENE.runs
 def revise_scene(work: RequestWork[SceneEdit], context: TaskContext) -> LoadedScene:
-    """Load a scene after operations.
+    """Load a scene after operations, which are done to its live state.
 
+    What comes of it has the robots where the document had them, but for those that were placed.
     Where its world and text are warm, only what is edited is read and written; else all of it is
     read from the file, with the same outcome.
 
@@ -73,8 +81,9 @@ def revise_scene(work: RequestWork[SceneEdit], context: TaskContext) -> LoadedSc
     library = library_of(work.library)
     operations = [operation.to_domain() for operation in work.request.operations]
     with _no_collections():
-        before, text = _before(work, library)
-        edited = edit_scene(before, operations, library)
+        before, text = _before(work)
+        edited = edit_scene(posed(before, work.scene.positions), operations, library)
+        edited = _as_described(edited, before, work.request.placed_robots)
         after = text.after(before, edited)
         if after is None:
             scene_document(edited)  # says what is wrong
@@ -104,16 +113,23 @@ def _no_collections() -> Generator[None]:
             gc.enable()
 
 
-def _before(work: SceneWork, library: ModelLibrary) -> tuple[Scene, SceneText]:
-    """Return the scene that a task is about and its text, from here or from its file."""
-    world, text = take_world(work), kept_text(work.scene.digest)
-    if world is not None:
-        keep(world, library)
-    if world is not None and text is not None:
-        return world.scene, text
+def _before(work: SceneWork) -> tuple[Scene, SceneText]:
+    """Return the described scene that a task is about and its text, from here or from its file."""
+    scene, text = warm_scene(work), kept_text(work.scene.digest)
+    if scene is not None and text is not None:
+        return scene, text
     posted, files = read_stored(work.scene)
-    before = replace(posted.value(), files=files) if world is None else world.scene
+    before = replace(posted.value(), files=files) if scene is None else scene
     return before, SceneText.of(posted)
+
+
+def _as_described(edited: Scene, before: Scene, placed: Collection[str]) -> Scene:
+    """Return an edited scene with the robots that were not placed where they were described."""
+    robots = [
+        now if now.name in placed else replace(now, positions=then.positions)
+        for now, then in zip(edited.robots, before.robots, strict=True)
+    ]
+    return replace(edited, robots=tuple(robots))
 
 
 def _loaded(world: World, library: ModelLibrary, text: SceneText) -> LoadedScene:

@@ -1,28 +1,45 @@
-"""Loaded worlds, kept warm in this process by scene digest, which covers the bytes of all files."""
+"""Loaded worlds, kept warm in this process by scene digest, which covers the bytes of all files.
+
+Where the live state has the robots elsewhere than the document, the world of one state is made
+from that of another: nothing is loaded anew.
+"""
 
 import json
 import threading
 from collections import OrderedDict
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
 from planning import ModelLibrary, Scene, World, load_world
 from planning.domain.scene.kept_files import KeptFiles
+from planning.domain.scene.scene import SceneRobot
 from planning.errors import InputError
 from planning.world.documents.scene_document import SceneDocument
 from service.errors import SceneNotKept
 from service.jobs.host_folder import artifact_path, files_folder, host_folder
+from service.scenes.live import JointPositions
 from service.scenes.tasks import Library, SceneWork, StoredScene
 
 # A Drake world of an arm and some obstacles takes 5 to 40 MB.
 MAX_WORLDS = 8
 
-type Key = tuple[str, ModelLibrary]
+# Digest of the scene, positions that its live state has (JSON), library.
+type Key = tuple[str, str, ModelLibrary]
+_NOT_MOVED = "{}"
 
-_idle: OrderedDict[tuple[Key, int], World] = OrderedDict()
+
+@dataclass(frozen=True)
+class _Idle:
+    """A world, and its robots as the document has them."""
+
+    world: World
+    described: tuple[SceneRobot, ...]
+
+
+_idle: OrderedDict[tuple[Key, int], _Idle] = OrderedDict()
 _lock = threading.Lock()
 
 
@@ -48,17 +65,64 @@ def borrow_world(work: SceneWork) -> Generator[World]:
         InputError: The scene does not load.
         SceneNotKept: It is not what it was when it was accepted.
     """
-    key = (work.scene.digest, library_of(work.library))
-    world = _take(key)
-    if world is None:
-        posted, files = read_stored(work.scene)
-        world = load_like(replace(posted.value(), files=files), key[1])
-        if world.digest != work.scene.digest:
+    key = _key(work)
+    borrowed = _take(key)
+    if borrowed is None:
+        described = described_scene(work)
+        world = load_like(posed(described, work.scene.positions), key[2])
+        borrowed = _Idle(world, described.robots)
+        if _described_digest(borrowed) != work.scene.digest:
             raise SceneNotKept.of(work.scene.digest)
     try:
-        yield world
+        yield borrowed.world
     finally:
-        _put_back(key, world)
+        _put_back(key, borrowed)
+
+
+def described_scene(work: SceneWork) -> Scene:
+    """Return the scene that a task is about as its document has it, from here or from its file.
+
+    Raises:
+        SceneNotKept: It was written before scenes kept their files, or is lost.
+        SceneInvalid: Its files cannot be meant.
+    """
+    found = warm_scene(work)
+    if found is None:
+        posted, files = read_stored(work.scene)
+        found = replace(posted.value(), files=files)
+    return found
+
+
+def warm_scene(work: SceneWork) -> Scene | None:
+    """Return the scene of a task as its document has it, if a world of it is idle here."""
+    digest, _, library = _key(work)
+    with _lock:
+        for stored in reversed(_idle):
+            key, idle = stored[0], _idle[stored]
+            if (key[0], key[2]) == (digest, library):
+                return replace(idle.world.scene, robots=idle.described)
+    return None
+
+
+def posed(described: Scene, positions: Mapping[str, JointPositions]) -> Scene:
+    """Return a scene with robots where its live state has them, by robot and joint."""
+    if not positions:
+        return described
+    robots = [
+        replace(robot, positions=_merged(robot, positions[robot.name]))
+        if robot.name in positions
+        else robot
+        for robot in described.robots
+    ]
+    return replace(described, robots=tuple(robots))
+
+
+def _merged(robot: SceneRobot, live: JointPositions) -> dict[str, float | tuple[float, ...]]:
+    """Return positions by joint: joints of no group stay where the document has them."""
+    given = robot.positions if isinstance(robot.positions, dict) else {}
+    own = {name.removeprefix(f"{robot.name}::"): value for name, value in given.items()}
+    placed = {k: tuple(v) if isinstance(v, list) else v for k, v in live.items()}
+    return {**own, **placed}
 
 
 def read_stored(scene: StoredScene) -> tuple[SceneDocument, Mapping[str, KeptFiles]]:
@@ -85,31 +149,44 @@ def load_like(scene: Scene, library: ModelLibrary) -> World:
     Raises:
         InputError: The scene does not load.
     """
-    like = _take_like(scene, library)
-    if like is None:
+    found = _take_like(scene, library)
+    if found is None:
         return load_world(scene, library)
+    key, like = found
     try:
-        world = load_world(scene, library, previous=like)
+        world = load_world(scene, library, previous=like.world)
     except InputError:
-        keep(like, library)
+        _put_back(key, like)
         raise
     # What shares an engine must not be lent to two tasks: of revisions only the latest stays.
-    if not world.shares_engine_with(like):
-        keep(like, library)
+    if not world.shares_engine_with(like.world):
+        _put_back(key, like)
     return world
 
 
-def take_world(work: SceneWork) -> World | None:
-    """Return the world of a scene if it is idle here; it is the caller's until it is kept."""
-    return _take((work.scene.digest, library_of(work.library)))
-
-
 def keep(world: World, library: ModelLibrary) -> None:
-    """Keep a world that was loaded elsewhere for the next task that needs it."""
-    _put_back((world.digest, library), world)
+    """Keep a world that was loaded as its document has it for the next task that needs it."""
+    _put_back((world.digest, _NOT_MOVED, library), _Idle(world, world.scene.robots))
 
 
-def _take(key: Key) -> World | None:
+def _key(work: SceneWork) -> Key:
+    moved = json.dumps(work.scene.positions, sort_keys=True)
+    return work.scene.digest, moved, library_of(work.library)
+
+
+def _described_digest(idle: _Idle) -> str:
+    """Return the digest of the scene of a world as its document has it."""
+    scene = idle.world.scene
+    if scene.robots == idle.described:
+        return idle.world.digest
+    robots = tuple(
+        replace(robot, positions=described.positions)
+        for robot, described in zip(scene.robots, idle.described, strict=True)
+    )
+    return replace(scene, robots=robots).digest
+
+
+def _take(key: Key) -> _Idle | None:
     with _lock:
         for stored in reversed(_idle):
             if stored[0] == key:
@@ -117,23 +194,23 @@ def _take(key: Key) -> World | None:
     return None
 
 
-def _take_like(scene: Scene, library: ModelLibrary) -> World | None:
+def _take_like(scene: Scene, library: ModelLibrary) -> tuple[Key, _Idle] | None:
     """Return the idle world, last used first, that may have Drake's model in common."""
     robots = [(robot.name, robot.model) for robot in scene.robots]
     with _lock:
         for stored in reversed(_idle):
-            other = _idle[stored].scene
+            other = _idle[stored].world.scene
             if (
-                stored[0][1] == library
+                stored[0][2] == library
                 and len(other.objects) == len(scene.objects)
                 and [(robot.name, robot.model) for robot in other.robots] == robots
             ):
-                return _idle.pop(stored)
+                return stored[0], _idle.pop(stored)
     return None
 
 
-def _put_back(key: Key, world: World) -> None:
+def _put_back(key: Key, idle: _Idle) -> None:
     with _lock:
-        _idle[key, id(world)] = world
+        _idle[key, id(idle.world)] = idle
         while len(_idle) > MAX_WORLDS:
             _idle.popitem(last=False)

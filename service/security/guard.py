@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 # Answers that last as long as a job, which may be days: the key is looked at with each event.
 _STREAMS = {"text/event-stream", "text/event-stream; charset=utf-8"}
 _REALM = 'Bearer realm="wayproof"'
+_END = {"type": "http.response.body", "body": b"", "more_body": False}
+_CLOSE = {"type": "websocket.close", "code": 1008}
 
 
 class _KeyEnded(Exception):
@@ -54,8 +56,8 @@ class Guard:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
         needed = None
-        if scope["type"] == "http":
-            needed = required_scope(scope["method"], scope["path"])
+        if scope["type"] in {"http", "websocket"}:
+            needed = required_scope(scope.get("method", "GET"), scope["path"])
         if needed is None:
             await self._app(scope, receive, send)
             return
@@ -72,21 +74,24 @@ class Guard:
             await self._pass_on(key, scope, receive, send)
 
     async def _pass_on(self, key: Caller, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on; a stream of events ends when its key is not valid any more."""
+        """Pass a request on; a stream of events ends when its key is not valid any more.
+
+        So does a WebSocket (policy violation, RFC 6455).
+        """
         callers, is_stream = self._callers(), False
 
         async def send_while_good(message: Message) -> None:
             nonlocal is_stream
             if message["type"] == "http.response.start":
                 is_stream = Headers(raw=message["headers"]).get("content-type", "") in _STREAMS
-            elif is_stream and not callers.is_good(key):
+            elif (is_stream or message["type"] == "websocket.send") and not callers.is_good(key):
                 raise _KeyEnded
             await send(message)
 
         try:
             await self._app(scope, receive, send_while_good)
         except* _KeyEnded:
-            await send({"type": "http.response.body", "body": b"", "more_body": False})
+            await send(_CLOSE if scope["type"] == "websocket" else _END)
 
     async def _refusal(
         self, scope: Scope, given: list[str], key: Caller | None, needed: KeyScope

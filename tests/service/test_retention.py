@@ -102,18 +102,6 @@ def test_more_jobs_and_events_go_than_fit_into_a_transaction(store, engine, add)
         assert connection.execute(select(events)).first() is None
 
 
-def test_the_last_execution_of_a_scene_stays_because_it_knows_where_the_robot_is(
-    store, engine, add, add_scene
-):
-    add_scene("here")
-    add("execution", days=50, scene="here")
-    last = add("execution", days=40, scene="here")
-    add("plan", days=35, scene="here")
-    add("execution", days=40, scene="deleted")
-    assert sweep(store) == 3
-    assert left(engine) == {last}
-
-
 def test_regions_stay_as_long_as_the_scene_they_have_grown_in(store, engine, add, add_scene):
     add_scene("here", "digest")
     kept = add("regions", days=40, scene="here", world_digest="digest")

@@ -124,6 +124,14 @@ class StartMismatchEvidence(TypedDict):
 
 
 @with_config(OPEN)
+class RobotStateEvidence(TypedDict):
+    """Which robots have to be looked at."""
+
+    robots: list[str]
+    """Their names"""
+
+
+@with_config(OPEN)
 class BusyEvidence(TypedDict):
     """What moves in the scene."""
 

@@ -79,6 +79,7 @@ _REFUSALS: dict[type[WayproofError], Any] = {
     service_errors.NoRegions: refusals.NoRegionsEvidence,
     service_errors.StartMismatch: refusals.StartMismatchEvidence,
     service_errors.RobotBusy: refusals.BusyEvidence,
+    service_errors.RobotStateUnknown: refusals.RobotStateEvidence,
     service_errors.RevisionConflict: refusals.RevisionEvidence,
     service_errors.RevisionMismatch: refusals.EntityTagEvidence,
     service_errors.SceneNotKept: refusals.DigestEvidence,

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
-from contextlib import aclosing
+from contextlib import AbstractContextManager, aclosing
 from typing import Any, Literal
 
 from service.errors import ServerStopping
@@ -67,7 +67,7 @@ class Dispatcher:
             observer: Hears of what gets a worker, and of what has ended here.
             timeouts: How long a database may be out of reach.
         """
-        self.is_taken = False
+        self.is_taken = self._is_stopping = False
         self.leads = asyncio.Event()
         self._on_taken = on_taken
         self._observer = observer or Observer()
@@ -208,6 +208,8 @@ class Dispatcher:
 
         Every wait for a job is answered at once: what waited would be cut off.
         """
+        self._is_stopping = True
+        self._bus.wake_all()
         self._waits.end()
         self._shutdown.begin_to_drain()
         self._shutdown.interrupt_all(STOPPED)
@@ -293,6 +295,19 @@ class Dispatcher:
         async with aclosing(self._bus.follow(identifier, min(after, END_OF_STREAM))) as events:
             async for event in events:
                 yield event
+
+    def watch(self, name: str) -> AbstractContextManager[Callable[[], asyncio.Event]]:
+        """Watch what has a name, of a job or another one; see `EventBus.watch`."""
+        return self._bus.watch(name)
+
+    def wake(self, name: str) -> None:
+        """Tell those who watch a name that it has changed."""
+        self._bus.wake(name)
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether the server ends: what is watched is told no more."""
+        return self._is_stopping
 
     async def call(self, call: Call) -> CallResult:
         """Run a short task that needs no record, and return what it returns; see `Calls.run`."""

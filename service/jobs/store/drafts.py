@@ -15,6 +15,7 @@ from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store.event_log import append_events
+from service.jobs.store.notifications import note_change
 from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import find_by_idempotency_key, job_of, now
 from service.jobs.store.tables import bodies, jobs, summaries
@@ -101,6 +102,7 @@ def insert_job(connection: Connection, drafted: Draft) -> Job | None:
         newest = _NEWEST_OTHER(connection, in_queue=job.queue, in_scene=job.scene, own=sequence)
         if (newest.scalar() or 0) != drafted.follows:
             raise Overtaken
+        note_change(connection, job.scene or "")
     _ADD_BODY(connection, job=job.id, payload=payload)
     _ADD_SUMMARY(connection, job=job.id, payload=summary)
     append_events(connection, job.id, 1, [("queued", Encoded("{}"))])

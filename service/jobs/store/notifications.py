@@ -45,6 +45,16 @@ def notify(connection: Connection, sender: str) -> None:
         connection.exec_driver_sql("SELECT pg_notify(%(channel)s, %(payload)s)", given)
 
 
+def tell(connection: Connection, *names: str) -> None:
+    """Have the commit tell all servers, this one too, that what has these names has changed.
+
+    Names are those of streams, see `EventBus.watch`; only where servers share a database.
+    """
+    if connection.dialect.name == "postgresql":
+        given = {"channel": _CHANNEL, "payload": " ".join(("-", *names))}
+        connection.exec_driver_sql("SELECT pg_notify(%(channel)s, %(payload)s)", given)
+
+
 class Listener:
     """Hears which jobs other servers have changed, on a connection of its own."""
 

@@ -188,3 +188,8 @@ class SceneEdit(RequestModel):
         default=None,
         description="The revision that they are meant for; by default the latest, whichever it is",
     )
+
+    @property
+    def placed_robots(self) -> list[str]:
+        """The robots whose positions it sets."""
+        return [each.robot for each in self.operations if isinstance(each, SetPositionsOperation)]

@@ -2,7 +2,7 @@
 
 import threading
 from collections import OrderedDict
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
 from service.scenes.store.records import SceneRecord
@@ -51,6 +51,9 @@ class Latest:
     To find the latest revision takes reads of two tables, and of a document that may have
     megabytes. Where only this server writes either table, what it has read stays true until it
     writes; where others do, nothing is remembered.
+
+    Attributes:
+        on_change: Called with the id of a scene once it was changed here, or something moves in it.
     """
 
     def __init__(self, *, is_shared: bool = False) -> None:
@@ -59,6 +62,7 @@ class Latest:
         Args:
             is_shared: Whether other servers may write as well.
         """
+        self.on_change: Callable[[str], None] | None = None
         self._is_shared = is_shared
         self._known: OrderedDict[str, SceneRecord] = OrderedDict()
         self._num_changes = 0
@@ -89,6 +93,8 @@ class Latest:
             yield
         finally:
             self._forget(identifier)
+            if self.on_change is not None:
+                self.on_change(identifier)
 
     def _forget(self, identifier: str) -> None:
         self._num_changes += 1

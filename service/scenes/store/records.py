@@ -1,7 +1,8 @@
-"""SceneRecord and its parts, and the table that they are kept in."""
+"""SceneRecord and its parts, and the tables that they are kept in."""
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any
 
@@ -17,6 +18,16 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
+from service.jobs.store.json_column import JsonText
+from service.scenes.live import (
+    JointPositions,
+    KeptState,
+    Motion,
+    RobotState,
+    described_positions,
+    live_states,
+    posed,
+)
 from service.scenes.models.scene import SceneSummary
 from service.scenes.tasks import LoadedScene
 
@@ -40,6 +51,21 @@ scenes = Table(
     UniqueConstraint("id", "revision"),
     Index("scenes_by_revision", "revision", "serial"),
     Index("scenes_by_key", "key", unique=True),
+)
+
+# Where robots are, as far as it is not what the latest revision says; see `live`.
+scene_states = Table(
+    "scene_states",
+    metadata,
+    Column("scene", String(64), primary_key=True),
+    Column("robot", String(256), primary_key=True),
+    Column("positions", JsonText, nullable=False),
+    Column("status", String(12), nullable=False),
+    # That set it by hand; null where an execution has measured it.
+    Column("revision", Integer, nullable=True),
+    # The last one whose end is known of. Sequences of jobs that are deleted are used again.
+    Column("execution", String(64), nullable=True),
+    Column("updated_at", String(40), nullable=False),
 )
 
 
@@ -74,10 +100,14 @@ class SceneRecord(SceneBrief):
         loaded: Its content.
         unchecked_in: An earlier revision whose row has the pairs that are not looked at, which are
             the same in this one; None if its own row has them.
+        live: Where its robots are, by name; nothing of a revision as it is described.
+        moved: Where they are, by robot and joint, of those that are not where it has them.
     """
 
     loaded: LoadedScene
     unchecked_in: int | None = None
+    live: Mapping[str, RobotState] = field(default_factory=dict)
+    moved: Mapping[str, JointPositions] = field(default_factory=dict)
 
     @property
     def document(self) -> dict[str, Any]:
@@ -92,6 +122,27 @@ class SceneRecord(SceneBrief):
     def summary(self) -> SceneSummary:
         """What it holds once loaded, but for the pairs that are not looked at."""
         return self.loaded.summary
+
+    def at(self, kept: Sequence[KeptState], motions: Sequence[Motion]) -> "SceneRecord":
+        """Return the latest revision with its robots where they are.
+
+        Args:
+            kept: What is stored of them.
+            motions: Executions that have not ended.
+        """
+        groups = self.summary.groups
+        described = described_positions(groups)
+        live = live_states(described, (self.revision, self.created_at), kept, motions)
+        moved = {
+            robot: state.positions
+            for robot, state in live.items()
+            if state.positions != described[robot]
+        }
+        loaded = self.loaded
+        if moved:
+            summary = self.summary.model_copy(update={"groups": posed(groups, moved)})
+            loaded = loaded.model_copy(update={"summary": summary})
+        return replace(self, loaded=loaded, live=live, moved=moved)
 
     @property
     def num_chars(self) -> int:

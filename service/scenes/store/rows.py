@@ -25,6 +25,7 @@ from service.jobs.job import IdempotencyKey
 from service.jobs.json_text import Encoded, encode
 from service.jobs.store.artifact_store import read_content
 from service.scenes.models.scene import SceneSummary
+from service.scenes.models.summary import Group
 from service.scenes.store.document_artifact import document_of
 from service.scenes.store.records import SceneBrief, SceneRecord, scenes
 from service.scenes.tasks import LoadedScene
@@ -146,6 +147,15 @@ def read_record(connection: Connection, brief: SceneBrief) -> SceneRecord:
         document=document_of(content),
     )
     return SceneRecord(**vars(brief), loaded=loaded, unchecked_in=held)
+
+
+def read_groups(connection: Connection, identifier: str) -> list[Group]:
+    """Return the groups of a scene, none if it is gone."""
+    revision = latest_revision(connection, identifier)
+    if revision is None:
+        return []
+    found = json.loads(_summary(connection, identifier, revision))
+    return SceneSummary.model_validate({"groups": found.get("groups", [])}).groups
 
 
 def read_page(connection: Connection, limit: int, before: int | None) -> list[SceneBrief]:

@@ -2,7 +2,7 @@
 
 import asyncio
 import secrets
-from collections.abc import Awaitable, Callable, Generator
+from collections.abc import Awaitable, Callable, Collection, Generator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -16,8 +16,10 @@ from service.jobs.errors import DatabaseUnavailable
 from service.jobs.job import IdempotencyKey
 from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.database import set_durability
+from service.jobs.store.notifications import tell
 from service.jobs.store.schema import bring_up_to_date
-from service.scenes.store import rows
+from service.scenes.live import Motion
+from service.scenes.store import live_rows, rows
 from service.scenes.store.document_artifact import artifact_of, part_of
 from service.scenes.store.former_files import adopt_files
 from service.scenes.store.record_cache import Latest, RecentScenes
@@ -37,8 +39,7 @@ class SceneStore:
     Attributes:
         library: From which workers load robots.
         latest: Revisions that need not be read.
-        settle: What the latest revision goes through before it is given out: it returns the one
-            that knows where executions left the robots, and whether nothing moves them now.
+        moving: Returns the executions that move something in a scene, or wait to.
         on_delete: Called after a scene was deleted.
     """
 
@@ -57,7 +58,7 @@ class SceneStore:
         self._writing = asyncio.Lock()
         self._recent = RecentScenes()
         self.latest = Latest(is_shared=engine.dialect.name == "postgresql")
-        self.settle: Callable[[SceneRecord], Awaitable[tuple[SceneRecord, bool]]] | None = None
+        self.moving: Callable[[str], Awaitable[Sequence[Motion]]] = _nothing_moves
         self.on_delete: Callable[[], None] | None = None
 
     async def open(self) -> None:
@@ -87,15 +88,22 @@ class SceneStore:
         known = await to_thread.run_sync(self._id_of_key, key)
         return None if known is None else await self.get(known)
 
-    async def revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
-        """Record the revision that follows `base`.
+    async def revise(
+        self, base: SceneRecord, loaded: LoadedScene, placed: Collection[str] = ()
+    ) -> SceneRecord:
+        """Record the revision that follows `base`, and return it as it is described.
+
+        Args:
+            base: The latest revision, as it is.
+            loaded: What follows.
+            placed: Robots that were set by hand.
 
         Raises:
             UnknownResource: The scene is gone.
             RevisionConflict: `base` has a successor already.
         """
         with self.latest.changing(base.id):
-            return await self._write(self._revise, base, loaded)
+            return await self._write(self._revise, base, loaded, placed)
 
     async def get(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision of a scene, by default the latest, with its robots where they are.
@@ -103,7 +111,7 @@ class SceneStore:
         Raises:
             UnknownResource: There is none.
         """
-        if revision is not None or self.settle is None:
+        if revision is not None:
             return await self.stored(identifier, revision)
         return self.latest.of(identifier) or await self.fresh(identifier)
 
@@ -114,13 +122,29 @@ class SceneStore:
             UnknownResource: There is none.
         """
         look = self.latest.look()
-        record = await self.stored(identifier)
-        if self.settle is None:
-            return record
-        record, is_at_rest = await self.settle(record)
-        if is_at_rest:
+        # First: what ends from now on is in the rows that are read after it.
+        motions = await self.moving(identifier)
+        record = await self.at(identifier, motions)
+        if not motions:
             self.latest.keep(record, look)
         return record
+
+    async def at(self, identifier: str, motions: Sequence[Motion]) -> SceneRecord:
+        """Return the latest revision with its robots where they are.
+
+        Args:
+            identifier: Of the scene.
+            motions: What was in it a moment ago: what has ended since is known to have.
+
+        Raises:
+            UnknownResource: There is none.
+        """
+        return await to_thread.run_sync(self._read_live, identifier, motions)
+
+    async def with_live_state(self, record: SceneRecord) -> SceneRecord:
+        """Return a revision that is the latest with its robots where they are."""
+        motions = await self.moving(record.id)
+        return await to_thread.run_sync(self._live, record, motions)
 
     async def stored(self, identifier: str, revision: int | None = None) -> SceneRecord:
         """Return a revision as it is stored, by default the latest.
@@ -154,7 +178,8 @@ class SceneStore:
 
     def work(self, record: SceneRecord) -> SceneWork:
         """Return what a task about a scene is given."""
-        scene = StoredScene(digest=record.digest, document=record.artifact)
+        positions = {robot: dict(joints) for robot, joints in record.moved.items()}
+        scene = StoredScene(digest=record.digest, document=record.artifact, positions=positions)
         return SceneWork(library=self.library, scene=scene)
 
     async def _write[**P, T](self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
@@ -192,7 +217,9 @@ class SceneStore:
         self._recent.put(record)
         return record
 
-    def _revise(self, base: SceneBrief, loaded: LoadedScene) -> SceneRecord:
+    def _revise(
+        self, base: SceneRecord, loaded: LoadedScene, placed: Collection[str]
+    ) -> SceneRecord:
         # The writes of a server are one after the other, those of several wait for the lock.
         with self._durable() as connection:
             rows.lock(connection, base.id)
@@ -205,8 +232,18 @@ class SceneStore:
             loaded, unchecked_in = self._sharing(base, loaded)
             row = (base.id, latest + 1, loaded, artifact, unchecked_in)
             record = rows.insert_revision(connection, *row)
+            made = record.revision, record.created_at
+            live_rows.write_placed(connection, base.id, placed, base.live, made)
+            tell(connection, base.id)
         self._recent.put(record)
         return record
+
+    def _read_live(self, identifier: str, motions: Sequence[Motion]) -> SceneRecord:
+        return self._live(self._read(identifier, None), motions)
+
+    def _live(self, record: SceneRecord, motions: Sequence[Motion]) -> SceneRecord:
+        with self._engine.connect() as connection:
+            return record.at(live_rows.read_states(connection, record.id), motions)
 
     def _read(self, identifier: str, revision: int | None) -> SceneRecord:
         with self._engine.connect() as connection:
@@ -227,6 +264,8 @@ class SceneStore:
             if latest is not None and revision not in {None, latest}:
                 raise RevisionConflict.of(identifier, revision or 0, latest)
             rows.delete_rows(connection, identifier)
+            live_rows.delete_states(connection, identifier)
+            tell(connection, identifier)
 
     def _sharing(self, base: SceneBrief, loaded: LoadedScene) -> tuple[LoadedScene, int | None]:
         """Return what follows a revision, and which one's row has its unchecked pairs already.
@@ -260,3 +299,7 @@ class SceneStore:
         with self._engine.begin() as connection:
             set_durability(connection, is_durable=True)
             yield connection
+
+
+async def _nothing_moves(_: str) -> Sequence[Motion]:
+    return ()

@@ -55,7 +55,7 @@ class Scene:
         known = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
         group = Group.model_construct(**known, positions=self.positions)
         summary = SceneSummary.model_construct(groups=[group])
-        return SimpleNamespace(id=identifier, digest="d", summary=summary)
+        return SimpleNamespace(id=identifier, digest="d", summary=summary, live={})
 
     async def job(self, queue, identifier):
         goal = {"type": "joint", "positions": [1.0]}

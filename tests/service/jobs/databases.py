@@ -85,6 +85,7 @@ def make_released(engine):
             *tasks,
             "UPDATE alembic_version SET version_num = '0001'",
             "DROP TABLE artifacts",
+            "DROP TABLE scene_states",
             "DROP TABLE scenes",
         ):
             connection.exec_driver_sql(statement)

@@ -238,8 +238,8 @@ def test_what_finds_no_room_leaves_nothing_behind(tmp_path, stores):
 def test_records_are_read_again_only_when_they_were_put_aside(store, monkeypatch):
     made = [store.add(loaded(f"s{i}", "d")) for i in range(3)]
     monkeypatch.setattr("service.scenes.store.rows.read_record", None)
-    assert [store.get(record.id) for record in made] == made
-    assert all(store.get(record.id) is record for record in made)
+    assert [store.get(record.id).loaded for record in made] == [each.loaded for each in made]
+    assert all(store.get(record.id) is store.get(record.id) for record in made)
 
 
 def test_of_what_is_kept_the_oldest_goes_first_and_the_last_stays(store):

@@ -1,0 +1,1 @@
+"""Live states of scenes: shown, and streamed as they change."""
