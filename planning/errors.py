@@ -29,7 +29,9 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
     └── ExecutionFailure      an execution that was started and failed
         ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
         ├── TrackingLost          tracking_lost          the error and its bound
-        └── Contact               contact                the pair, the time
+        ├── Contact               contact                the pair, the force, the time
+        ├── TorqueLimit           torque_limit           the joint, its torque and bound, how long
+        └── DriverLost            driver_lost            the driver, why, whether the robot rests
 """
 
 from collections.abc import Iterable, Mapping
@@ -300,6 +302,31 @@ class TrackingLost(ExecutionFailure):
 
 
 class Contact(ExecutionFailure):
-    """The robot touched something; evidence: `pair`, `time`."""
+    """The robot touched something; evidence: `pair`, `depth`, `force`, `time`."""
 
     code = "contact"
+
+
+class TorqueLimit(ExecutionFailure):
+    """A joint was at its torque limit for too long; evidence: `joint`, `torque`, `bound`, ..."""
+
+    code = "torque_limit"
+
+
+class DriverLost(ExecutionFailure):
+    """The robot does not answer, or no longer obeys; evidence: `driver`, `reason`, `rests`."""
+
+    code = "driver_lost"
+
+    @classmethod
+    def of(cls, driver: str, reason: str, *, rests: bool) -> "DriverLost":
+        """Return the failure of a driver.
+
+        Args:
+            driver: Its name.
+            reason: What happened, as the end of a sentence.
+            rests: Whether the robot is known to be at rest where it was last measured.
+        """
+        state = "the robot rests where it was" if rests else "where the robot is, is not known"
+        evidence = {"driver": driver, "reason": reason, "rests": rests}
+        return cls(f"the driver {driver!r} is lost: {reason}; {state}", evidence)

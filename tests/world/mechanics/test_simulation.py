@@ -9,9 +9,9 @@ import pytest
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 from planning.errors import Contact, ModelInvalid, TrackingLost
-from planning.execute.driver import SimulatedDriver
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
+from planning.execute.simulated_driver import SimulatedDriver
 from planning.world.mechanics.simulation import Simulation
 from planning.world.world import World
 from tests.conftest import bundled_world
