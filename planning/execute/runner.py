@@ -1,7 +1,9 @@
 """Runner: control loop of an execution and a driver, stepped by the caller's clock."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
+from planning.domain.geometry.touching_pair import worst_of_each
 from planning.errors import ExecutionFailure, ProblemInvalid
 from planning.execute.driver import Driver
 from planning.execute.execution import Execution
@@ -55,6 +57,7 @@ class Runner:
         self._last_tick: float | None = None
         self._pending_time = 0.0
         self._measurement = driver.start()
+        self._contacts = self._measurement.contacts
         self.status: ExecutionStatus = execution.status(self._measurement)
 
     @property
@@ -115,6 +118,7 @@ class Runner:
                 at the next tick. At a high speed a simulation may need seconds for the periods that
                 are due, and the caller has to check meanwhile whether to stop.
         """
+        self._contacts = ()
         elapsed = 0.0 if self._last_tick is None else max(0.0, now - self._last_tick)
         self._last_tick = now
         self._pending_time = min(
@@ -135,10 +139,12 @@ class Runner:
             self._driver.send(setpoint)
             if not self.is_done:
                 self._measurement = self._driver.read(self._measurement.time + self._period)
+                self._contacts += self._measurement.contacts
         except ExecutionFailure as failure:
             if not self.is_done:
                 self.execution = self.execution.lose(failure)
 
     def _report(self) -> ExecutionStatus:
-        self.status = self.execution.status(self._measurement)
+        contacts = worst_of_each(self._contacts)
+        self.status = self.execution.status(replace(self._measurement, contacts=contacts))
         return self.status

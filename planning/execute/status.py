@@ -27,7 +27,7 @@ class ExecutionStatus(Value):
         torques: Measured torques or forces of its motors [N m or N], shape (nv,); None if unknown.
         desired: Desired positions of the group, shape (nq,).
         tracking_error: Largest coordinate of `measured [-] desired` [rad or m].
-        contacts: Body pairs in contact since the previous measurement.
+        contacts: Body pairs in contact since the previous tick, deepest first.
         failure: Reason of an abort, or None.
     """
 

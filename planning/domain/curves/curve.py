@@ -13,8 +13,8 @@ from planning.domain.robot.joints import Joint
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import Value, frozen
 
-# Of each piece, in which the length of a path is summed.
-_LENGTH_STEPS = 16
+# Steps in which the length of a path is summed: in all and in each piece, at least.
+_LENGTH_STEPS, _STEPS_PER_PIECE = 1024, 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,12 +155,13 @@ class TimedTrajectory(Curve):
     @cached_property
     def _lengths(self) -> tuple[Array, Array]:
         """Instants and the length until each, by the trapezoidal rule; shapes (m,)."""
-        shares = np.arange(_LENGTH_STEPS) / _LENGTH_STEPS
+        steps = max(_STEPS_PER_PIECE, -(-_LENGTH_STEPS // self.num_pieces))
+        shares = np.arange(steps) / steps
         inner = (self.breaks[:-1, None] + self.widths[:, None] * shares).ravel()
         times = np.append(inner, self.duration)
         speeds = np.linalg.norm(self.velocities(times), axis=1)
-        steps = 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times)
-        lengths = np.concatenate([[0.0], np.cumsum(steps)])
+        increments = 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times)
+        lengths = np.concatenate([[0.0], np.cumsum(increments)])
         return (times, lengths) if lengths[-1] > 0 else (times, times)
 
     def sample_times(self, period: float) -> Array:

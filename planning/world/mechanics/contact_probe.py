@@ -59,14 +59,3 @@ class ContactProbe:
         (a, p_wa), (b, p_wb) = sorted(sides, key=lambda side: side[0])
         force = float(np.linalg.norm(info.contact_force()))
         return TouchingPair((a, b), -float(pair.depth), np.array([p_wa, p_wb]), force)
-
-
-def worse(known: TouchingPair | None, pair: TouchingPair) -> TouchingPair:
-    """Return the deeper one of two contacts of the same bodies, with the larger force."""
-    if known is None:
-        return pair
-    deeper = pair if pair.distance < known.distance else known
-    forces = [force for force in (known.force, pair.force) if force is not None]
-    return TouchingPair(
-        deeper.bodies, deeper.distance, deeper.points, max(forces) if forces else None
-    )

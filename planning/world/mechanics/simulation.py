@@ -17,11 +17,11 @@ from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.analysis import Simulator
 
 from planning.domain.arrays import Array
-from planning.domain.geometry.touching_pair import TouchingPair
+from planning.domain.geometry.touching_pair import TouchingPair, worst_of_each
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ModelInvalid, TrackingLost
-from planning.world.mechanics.contact_probe import ContactProbe, worse
+from planning.world.mechanics.contact_probe import ContactProbe
 from planning.world.mechanics.joint_friction import JointFriction
 from planning.world.world import World
 
@@ -139,14 +139,13 @@ class Simulation:
         Raises:
             TrackingLost: The solver of the contact problem failed: the motion has diverged.
         """
-        worst: dict[tuple[str, str], TouchingPair] = {}
+        contacts: list[TouchingPair] = []
         step = self._model.plant.time_step()
         first, last = round(self.time / step), round(time / step)
         for i in range(first + 1, last + 1):
             self._step_to(i * step)
-            for pair in self._contact_probe.touching(self._context, self.state):
-                worst[pair.bodies] = worse(worst.get(pair.bodies), pair)
-        return tuple(sorted(worst.values(), key=lambda pair: pair.distance))
+            contacts += self._contact_probe.touching(self._context, self.state)
+        return worst_of_each(contacts)
 
     def _step_to(self, time: float) -> None:
         period = time - self.time
