@@ -106,7 +106,7 @@ def assert_kept(sent: list[Setpoint], motion: TimedTrajectory, limits: JointLimi
 @settings(max_examples=num_cases(12), deadline=None)
 @given(
     st.integers(0, 10_000),
-    st.floats(1.0, 2.0),
+    st.floats(1.001, 2.0),
     st.lists(st.tuples(st.integers(1, 120), COMMAND), max_size=8),
     st.booleans(),
 )
