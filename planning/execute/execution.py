@@ -165,7 +165,7 @@ class Execution(Value):
             The execution one period later and the setpoint to send; a terminal execution holds
             the robot.
         """
-        checked = replace(self, driver_time=measured.time)._checked(measured)
+        checked = replace(self, driver_time=measured.time)._checked(measured)  # noqa: SLF001
         if checked.held is not None or checked.state.is_terminal:
             q = checked.desired if checked.held is None else checked.held
             still = np.zeros(len(measured.v))
@@ -206,7 +206,7 @@ class Execution(Value):
         watched = self._watched(measured, error) if self.held is None else self
         if watched.failure is not None and self.failure is None:
             return watched  # what it does about it begins with this step
-        return watched._settled(error, measured)
+        return watched._settled(error, measured)  # noqa: SLF001
 
     def _watched(self, measured: Measurement, error: float) -> "Execution":
         """Return the execution, failed if the measurement allows no other way."""

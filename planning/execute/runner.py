@@ -10,7 +10,6 @@ from planning.execute.execution import Execution
 from planning.execute.status import ExecutionStatus
 
 
-
 def _always() -> bool:
     return True
 
@@ -42,7 +41,7 @@ class Runner:
             driver: Driver of the robot.
             max_catch_up: Longest gap that a late tick makes up for, on the caller's clock [s]; the
                 rest of a longer gap is dropped, which bounds the steps of one tick. A driver whose
-                clock is real time makes up for one period at most: a robot does not wait for a tick.
+                clock is real time makes up for one period at most: a robot does not wait.
 
         Raises:
             DriverLost: The robot does not answer.

@@ -67,7 +67,7 @@ def commanded(execution: Execution, command: Any) -> Execution:
 def follow(
     execution: Execution, commands: list[tuple[int, Any]], *, cancels: bool, driver: EchoDriver
 ) -> tuple[Execution, list[float]]:
-    """Carry out commands, each some steps after the last one, then let it end; return its places."""
+    """Carry out commands, each some steps after the last one, and then let it end."""
     due, at = {}, 0
     for wait, command in commands:
         at += wait

@@ -10,15 +10,15 @@ from planning.execute.states import ExecutionEvent, ExecutionState, advance, leg
 
 # Written out once more, by hand: a row per state, a column per event, "." where it is illegal.
 GRID = """
-            start      pause   resume     set_speed  cancel     succeed    stopped   fail      lose
-accepted    executing  .       .          accepted   canceling  .          .         aborted   aborted
-executing   .          paused  executing  executing  canceling  succeeded  .         aborting  aborted
-paused      .          paused  executing  paused     canceling  .          .         aborting  aborted
-canceling   .          .       .          .          canceling  .          canceled  aborting  aborted
-aborting    .          .       .          .          aborting   .          aborted   aborting  aborted
-succeeded   .          .       .          .          .          .          .         .         .
-canceled    .          .       .          .          .          .          .         .         .
-aborted     .          .       .          .          .          .          .         .         .
+           start      pause   resume     set_speed  cancel     succeed    stopped  fail      lose
+accepted   executing  .       .          accepted   canceling  .          .        aborted   aborted
+executing  .          paused  executing  executing  canceling  succeeded  .        aborting  aborted
+paused     .          paused  executing  paused     canceling  .          .        aborting  aborted
+canceling  .          .       .          .          canceling  .          canceled aborting  aborted
+aborting   .          .       .          .          aborting   .          aborted  aborting  aborted
+succeeded  .          .       .          .          .          .          .        .         .
+canceled   .          .       .          .          .          .          .        .         .
+aborted    .          .       .          .          .          .          .        .         .
 """
 HEAD, *ROWS = [line.split() for line in GRID.strip().splitlines()]
 EXPECTED = {(row[0], event): to for row in ROWS for event, to in zip(HEAD, row[1:], strict=True)}

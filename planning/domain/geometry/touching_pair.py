@@ -18,7 +18,7 @@ class TouchingPair(BodyPair):
 
 
 def worst_of_each(contacts: Iterable[TouchingPair]) -> tuple[TouchingPair, ...]:
-    """Return every pair of bodies once, at its deepest and with its largest force; deepest first."""
+    """Return every pair once, at its deepest and with its largest force; deepest first."""
     worst: dict[tuple[str, str], TouchingPair] = {}
     for pair in contacts:
         known = worst.get(pair.bodies, pair)

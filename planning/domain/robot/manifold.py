@@ -151,9 +151,9 @@ class Manifold(Value):
         return v
 
     def tangent_velocity(self, q: Array, v: Array) -> Array:
-        """Return delta' of q [+] delta at delta = 0 from Drake's v; where a joint floats, R^T omega.
+        """Return delta' of q [+] delta at delta = 0 from Drake's v.
 
-        The inverse of `generalized_velocity` there.
+        The inverse of `generalized_velocity` there: R^T omega of a floating joint.
         """
         rate = np.array(v)
         for iq, iv in self._floating:
