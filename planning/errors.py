@@ -30,7 +30,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
         ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
         ├── TrackingLost          tracking_lost          the error and its bound
         ├── Contact               contact                the pair, the force, the time
-        ├── TorqueLimit           torque_limit           the joint, its torque and bound, how long
+        ├── TorqueLimitReached    torque_limit_reached   the joint, its torque and bound, how long
         └── DriverLost            driver_lost            the driver, why, whether the robot rests
 """
 
@@ -307,26 +307,13 @@ class Contact(ExecutionFailure):
     code = "contact"
 
 
-class TorqueLimit(ExecutionFailure):
+class TorqueLimitReached(ExecutionFailure):
     """A joint was at its torque limit for too long; evidence: `joint`, `torque`, `bound`, ..."""
 
-    code = "torque_limit"
+    code = "torque_limit_reached"
 
 
 class DriverLost(ExecutionFailure):
     """The robot does not answer, or no longer obeys; evidence: `driver`, `reason`, `rests`."""
 
     code = "driver_lost"
-
-    @classmethod
-    def of(cls, driver: str, reason: str, *, rests: bool) -> "DriverLost":
-        """Return the failure of a driver.
-
-        Args:
-            driver: Its name.
-            reason: What happened, as the end of a sentence.
-            rests: Whether the robot is known to be at rest where it was last measured.
-        """
-        state = "the robot rests where it was" if rests else "where the robot is, is not known"
-        evidence = {"driver": driver, "reason": reason, "rests": rests}
-        return cls(f"the driver {driver!r} is lost: {reason}; {state}", evidence)

@@ -1,9 +1,9 @@
-"""Reasons to abort an execution, from measurements: contact, lost tracking, torque limits."""
+"""Reasons to abort an execution: contact, lost tracking, torque limits, lost drivers."""
 
 import numpy as np
 
 from planning.domain.robot.joints import Joint, JointLimits
-from planning.errors import Contact, TorqueLimit, TrackingLost
+from planning.errors import Contact, DriverLost, TorqueLimitReached, TrackingLost
 from planning.execute.driver import Measurement
 
 # A torque is at its limit from this share of it on.
@@ -48,7 +48,7 @@ def torque_failure(
     joints: tuple[Joint, ...],
     seconds: float,
     time: float,
-) -> TorqueLimit:
+) -> TorqueLimitReached:
     """Return the failure of a joint at its torque limit, which it is.
 
     Args:
@@ -75,4 +75,17 @@ def torque_failure(
         "seconds": seconds,
         "time": time,
     }
-    return TorqueLimit(message, evidence)
+    return TorqueLimitReached(message, evidence)
+
+
+def driver_lost(driver: str, reason: str, *, rests: bool) -> DriverLost:
+    """Return the failure of a driver.
+
+    Args:
+        driver: Its name.
+        reason: What happened, as the end of a sentence.
+        rests: Whether the robot is known to be at rest where it was last measured.
+    """
+    state = "the robot rests where it was" if rests else "where the robot is, is not known"
+    evidence = {"driver": driver, "reason": reason, "rests": rests}
+    return DriverLost(f"the driver {driver!r} is lost: {reason}; {state}", evidence)

@@ -4,7 +4,7 @@ import numpy as np
 
 from planning.domain.arrays import Array
 from planning.domain.robot.manifold import Manifold
-from planning.errors import DriverLost
+from planning.execute.abort_reasons import driver_lost
 from planning.execute.driver import DriverTraits, Measurement, Setpoint
 
 _TRAITS = DriverTraits(
@@ -60,4 +60,4 @@ class KinematicDriver:
 
     def _require_running(self) -> None:
         if self._is_stopped:
-            raise DriverLost.of(_TRAITS.name, "it was stopped", rests=True)
+            raise driver_lost(_TRAITS.name, "it was stopped", rests=True)

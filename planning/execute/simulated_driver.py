@@ -5,7 +5,7 @@ from typing import Protocol, runtime_checkable
 
 from planning.domain.arrays import Array
 from planning.domain.geometry.touching_pair import TouchingPair
-from planning.errors import DriverLost
+from planning.execute.abort_reasons import driver_lost
 from planning.execute.driver import DriverTraits, Measurement, Setpoint
 
 _TRAITS = DriverTraits(
@@ -76,4 +76,4 @@ class SimulatedDriver:
 
     def _require_running(self) -> None:
         if self._is_stopped:
-            raise DriverLost.of(_TRAITS.name, "it was stopped", rests=True)
+            raise driver_lost(_TRAITS.name, "it was stopped", rests=True)

@@ -60,7 +60,7 @@ class ExecutionTerms(RequestModel):
     plan: Identifier | None = Field(
         default=None, description="Id of a plan that succeeded; null for a motion of one's own"
     )
-    driver: DriverName = "simulated"
+    driver: DriverName = Field(default="simulated", description="What moves")
     speed: Annotated[Real, Field(gt=0, le=100)] = Field(
         default=1.0,
         description="Seconds of the motion per second; above 1 the simulation's clock runs faster "

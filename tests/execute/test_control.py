@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.interpolation import trajectory_through
 from planning.domain.robot.joints import Joint, JointLimits, JointType
-from planning.errors import IllegalTransition, TorqueLimit, TrackingLost
+from planning.errors import IllegalTransition, TorqueLimitReached, TrackingLost
 from planning.execute.driver import Setpoint
 from planning.execute.execution import Execution
 from tests.execute.conftest import EFFORT, EchoDriver
@@ -198,7 +198,7 @@ def test_a_joint_at_its_torque_limit_stops_on_the_path_and_says_which(
     told = steps(execution.start(), driver, 2000)
     last, bound = told[-1], execution.tolerances.saturation_time
     assert last.state == "aborted"
-    assert isinstance(last.failure, TorqueLimit)
+    assert isinstance(last.failure, TorqueLimitReached)
     evidence = last.failure.evidence
     assert evidence["joint"] == "arm::b"  # the other one has no limit
     assert (evidence["torque"], evidence["bound"]) == (0.9995 * EFFORT, EFFORT)
@@ -225,7 +225,7 @@ def test_a_contact_on_the_way_to_rest_is_held_at_once(execution: Execution) -> N
     driver.touches_at = 0.3  # while it brakes along its path
     told = steps(execution.start(), driver, 2000)
     assert told[-1].state == "aborted"
-    assert isinstance(told[-1].failure, TorqueLimit)  # the first reason stays
+    assert isinstance(told[-1].failure, TorqueLimitReached)  # the first reason stays
     assert told[-1].held is not None
     assert told[-1].driver_time <= 0.3 + 3 * PERIOD
 

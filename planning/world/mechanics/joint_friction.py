@@ -41,8 +41,8 @@ class JointFriction:
         rough = np.flatnonzero(self.magnitudes)
         if len(rough):
             # What a joint's own torque accelerates while all others are free.
-            felt = 1.0 / np.diag(np.linalg.inv(inertia))[rough]
-            stable = self.magnitudes[rough] * time_step / (2 * _STABLE_SHARE * felt)
+            effective = 1.0 / np.diag(np.linalg.inv(inertia))[rough]
+            stable = self.magnitudes[rough] * time_step / (2 * _STABLE_SHARE * effective)
             self._slip_speeds[rough] = np.maximum(_SLIP_SPEED, stable)
 
     def torques(self, v: Float64[np.ndarray, " n"]) -> Array:
