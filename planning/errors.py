@@ -29,7 +29,9 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
     └── ExecutionFailure      an execution that was started and failed
         ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
         ├── TrackingLost          tracking_lost          the error and its bound
-        └── Contact               contact                the pair, the time
+        ├── Contact               contact                the pair, the force, the time
+        ├── TorqueLimitReached    torque_limit_reached   the joint, its torque and bound, how long
+        └── DriverLost            driver_lost            the driver, why, whether the robot rests
 """
 
 from collections.abc import Iterable, Mapping
@@ -300,6 +302,18 @@ class TrackingLost(ExecutionFailure):
 
 
 class Contact(ExecutionFailure):
-    """The robot touched something; evidence: `pair`, `time`."""
+    """The robot touched something; evidence: `pair`, `depth`, `force`, `time`."""
 
     code = "contact"
+
+
+class TorqueLimitReached(ExecutionFailure):
+    """A joint was at its torque limit for too long; evidence: `joint`, `torque`, `bound`, ..."""
+
+    code = "torque_limit_reached"
+
+
+class DriverLost(ExecutionFailure):
+    """The robot does not answer, or no longer obeys; evidence: `driver`, `reason`, `rests`."""
+
+    code = "driver_lost"

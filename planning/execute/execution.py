@@ -11,38 +11,43 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 from planning.domain.value import Value
-from planning.errors import Contact, ExecutionFailure, ProblemInvalid, TrackingLost
+from planning.errors import ExecutionFailure, ProblemInvalid
+from planning.execute.abort_reasons import (
+    contact_failure,
+    saturated_block,
+    torque_failure,
+    tracking_failure,
+)
 from planning.execute.driver import Measurement, Setpoint
+from planning.execute.path_motion import PathLimits, PathMotion
 from planning.execute.states import ExecutionEvent, ExecutionState, advance
 from planning.execute.status import ExecutionStatus
-from planning.execute.time_scaling import choose_path_acceleration, path_acceleration_bounds
 from planning.execute.tolerances import Tolerances
-
-# Path velocities that differ by less are equal: rounding must not keep a robot from resting.
-_PATH_VELOCITY_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class Execution(Value):
     """Immutable state of the execution of one trajectory; every method returns the next state.
 
-    Setpoints are continuous: pausing, canceling and changes of speed move along the trajectory's
-    own path, with a path velocity that changes as quickly as the acceleration limits allow
-    (see `time_scaling`). Only an abort leaves the path: the robot holds its measured position.
+    Setpoints are continuous: pausing, canceling and changes of speed, backwards too, move along the
+    trajectory's own path, with a path velocity that changes as quickly as the acceleration limits
+    allow (see `time_scaling`). So does an abort while the robot follows its setpoints. A contact,
+    and a robot that has left its trajectory, have the robot hold its measured position at once.
 
     Attributes:
-        trajectory: Trajectory to follow.
+        trajectory: Trajectory to follow; it rests at both ends.
         limits: Joint limits of the group; the acceleration limits hold while the path velocity
             changes.
         tolerances: Bounds on the tracking error and the conditions of arrival.
         state: State of the state machine.
-        speed: Desired path velocity while executing, in (0, 1].
-        time: Time along the trajectory [s].
-        path_velocity: Present seconds of trajectory per second of the driver's clock.
-        path_acceleration: Derivative of the path velocity until the next step [1/s].
+        speed: Desired path velocity while executing, in [-1, 1]; negative is backwards.
+        motion: Place and velocity along the trajectory.
         driver_time: Time of the last step, on the driver's clock [s].
         at_rest_since: Time from which setpoints are at rest, on the driver's clock [s]; None while
             they move.
+        saturated_since: Time from which some joint is at its torque limit, on the driver's clock
+            [s]; None while none is.
+        held: Position that an aborted motion holds, off the path, shape (nq,); None on the path.
         failure: Reason of an abort, or None.
     """
 
@@ -51,12 +56,22 @@ class Execution(Value):
     tolerances: Tolerances = field(default_factory=Tolerances)
     state: ExecutionState = ExecutionState.ACCEPTED
     speed: float = 1.0
-    time: float = 0.0
-    path_velocity: float = 0.0
-    path_acceleration: float = 0.0
+    motion: PathMotion = field(default_factory=PathMotion)
     driver_time: float = 0.0
     at_rest_since: float | None = None
+    saturated_since: float | None = None
+    held: Array | None = None
     failure: ExecutionFailure | None = None
+
+    @property
+    def time(self) -> float:
+        """Time along the trajectory [s]."""
+        return self.motion.time
+
+    @property
+    def path_velocity(self) -> float:
+        """Present seconds of trajectory per second of the driver's clock; negative is backwards."""
+        return self.motion.velocity
 
     def start(self) -> "Execution":
         """Begin to move.
@@ -66,7 +81,8 @@ class Execution(Value):
         """
         # The trajectory starts at rest, so full speed at once is continuous in velocity.
         state = advance(self.state, ExecutionEvent.START)
-        return replace(self, state=state, path_velocity=self.speed, at_rest_since=None)
+        motion = replace(self.motion, velocity=max(0.0, self.speed))
+        return replace(self, state=state, motion=motion, at_rest_since=None)
 
     def pause(self) -> "Execution":
         """Come to rest on the path, until `resume`.
@@ -86,33 +102,57 @@ class Execution(Value):
         return replace(self, state=state, at_rest_since=None)
 
     def cancel(self) -> "Execution":
-        """Come to rest on the path and end as canceled.
+        """Come to rest on the path and end as canceled; an aborted motion stays aborted.
 
         Raises:
             IllegalTransition: The execution has ended.
         """
-        return replace(self, state=advance(self.state, ExecutionEvent.CANCEL), at_rest_since=None)
+        state = advance(self.state, ExecutionEvent.CANCEL)
+        if state is ExecutionState.ABORTING:
+            return self
+        return replace(self, state=state, at_rest_since=None)
 
     def with_speed(self, speed: float) -> "Execution":
-        """Change the desired path velocity.
+        """Change the desired path velocity: 0 rests on the path, negative moves back along it.
+
+        At the beginning of the path a motion backwards rests and waits; it never ends there.
 
         Raises:
-            ProblemInvalid: `speed` is not in (0, 1]: above 1 the limits would not hold.
-            IllegalTransition: The execution has ended or is being canceled.
+            ProblemInvalid: `speed` is not in [-1, 1]: beyond, the limits would not hold.
+            IllegalTransition: The execution has ended or is coming to its end.
         """
-        if not 0 < speed <= 1:
-            message = f"speed must be above 0 and at most 1, got {speed}"
+        if not -1 <= speed <= 1:
+            message = f"speed must be at least -1 and at most 1, got {speed}"
             raise ProblemInvalid(message, {"field": "speed"})
-        return replace(self, state=advance(self.state, ExecutionEvent.SET_SPEED), speed=speed)
+        state = advance(self.state, ExecutionEvent.SET_SPEED)
+        return replace(self, state=state, speed=speed, at_rest_since=None)
 
-    def fail(self, failure: ExecutionFailure) -> "Execution":
-        """Abort with a failure.
+    def fail(self, failure: ExecutionFailure, held: Array | None = None) -> "Execution":
+        """Abort with a failure, the first one if there are several.
+
+        Args:
+            failure: The reason.
+            held: Position to hold at once, shape (nq,); None to come to rest on the path.
 
         Raises:
             IllegalTransition: The execution has ended.
         """
         state = advance(self.state, ExecutionEvent.FAIL)
-        return replace(self, state=state, failure=failure, path_velocity=0.0, path_acceleration=0.0)
+        failed = replace(self, state=state, failure=self.failure or failure)
+        if held is None:
+            return failed if self.failure else replace(failed, at_rest_since=None)
+        still = replace(self.motion, velocity=0.0, acceleration=0.0)
+        return replace(failed, held=held, motion=still, at_rest_since=self.driver_time)
+
+    def lose(self, failure: ExecutionFailure) -> "Execution":
+        """End at once with a failure after which nothing can be sent to the robot.
+
+        Raises:
+            IllegalTransition: The execution has ended.
+        """
+        state = advance(self.state, ExecutionEvent.LOSE)
+        still = replace(self.motion, velocity=0.0, acceleration=0.0)
+        return replace(self, state=state, failure=self.failure or failure, motion=still)
 
     def step(self, measured: Measurement, period: float) -> tuple["Execution", Setpoint]:
         """Check a measurement and compute the setpoint of the next `period` [s].
@@ -125,23 +165,24 @@ class Execution(Value):
             The execution one period later and the setpoint to send; a terminal execution holds
             the robot.
         """
-        checked = replace(self._checked(measured), driver_time=measured.time)
-        if checked.state is ExecutionState.ABORTED:
-            return checked, _hold_setpoint(measured.time, measured.q, len(measured.v))
-        if checked.state.is_terminal:
-            return checked, _hold_setpoint(measured.time, checked.desired, len(measured.v))
+        checked = replace(self, driver_time=measured.time)._checked(measured)  # noqa: SLF001
+        if checked.held is not None or checked.state.is_terminal:
+            q = checked.desired if checked.held is None else checked.held
+            still = np.zeros(len(measured.v))
+            return checked, Setpoint(measured.time, q, still, still)
         return checked._advanced(period)  # noqa: SLF001  (its own class)
 
     def status(self, measured: Measurement) -> ExecutionStatus:
         """Return the status of the execution, given a measurement."""
-        duration = self.trajectory.duration
         return ExecutionStatus(
             state=self.state,
-            progress=self.time / duration if duration > 0 else 1.0,
+            progress=self.trajectory.path_fraction(self.time),
             time=self.time,
             driver_time=measured.time,
             path_velocity=self.path_velocity,
             measured=measured.q,
+            velocities=measured.v,
+            torques=measured.torques,
             desired=self.desired,
             tracking_error=self.tracking_error(measured.q),
             contacts=measured.contacts,
@@ -158,104 +199,64 @@ class Execution(Value):
         return float(np.max(np.abs(self.trajectory.manifold.minus(q, self.desired))))
 
     def _checked(self, measured: Measurement) -> "Execution":
-        """Return the execution after the events of a measurement: contact, lost tracking, rest."""
+        """Return the execution after the events of a measurement: failures, arrival, rest."""
         if self.state.is_terminal:
             return self
-        if measured.contacts:
-            return self.fail(_contact_failure(measured))
         error = self.tracking_error(measured.q)
+        watched = self._watched(measured, error) if self.held is None else self
+        if watched.failure is not None and self.failure is None:
+            return watched  # what it does about it begins with this step
+        return watched._settled(error, measured)  # noqa: SLF001
+
+    def _watched(self, measured: Measurement, error: float) -> "Execution":
+        """Return the execution, failed if the measurement allows no other way."""
+        if measured.contacts:
+            return self.fail(contact_failure(measured, self.time), held=measured.q)
         if error > self.tolerances.tracking:
-            return self.fail(_tracking_failure(error, self.tolerances.tracking, measured.time))
-        if self.at_rest_since is None or self.state is ExecutionState.PAUSED:
-            return self
-        return self._settled(error, measured)
+            lost = tracking_failure(error, self.tolerances.tracking, self.time)
+            return self.fail(lost, held=measured.q)
+        if saturated_block(measured, self.limits) is None:
+            return replace(self, saturated_since=None)
+        since = measured.time if self.saturated_since is None else self.saturated_since
+        watched, seconds = replace(self, saturated_since=since), measured.time - since
+        if seconds <= self.tolerances.saturation_time or self.failure is not None:
+            return watched
+        joints = self.trajectory.joints
+        return watched.fail(torque_failure(measured, self.limits, joints, seconds, self.time))
 
     def _settled(self, error: float, measured: Measurement) -> "Execution":
-        """Return the execution while setpoints are at rest: arrived, still settling, or aborted."""
+        """Return the execution while setpoints are at rest: ended, still settling, or aborted."""
+        event = self._event_at_rest
+        if self.at_rest_since is None or event is None:
+            return self
         bounds = self.tolerances
         is_at_rest = bool(np.max(np.abs(measured.v)) <= bounds.rest)
-        is_at_goal = self.state is ExecutionState.CANCELING or error <= bounds.goal
-        if is_at_rest and is_at_goal:
-            is_canceling = self.state is ExecutionState.CANCELING
-            event = ExecutionEvent.STOPPED if is_canceling else ExecutionEvent.SUCCEED
+        is_there = event is ExecutionEvent.STOPPED or error <= bounds.goal
+        if is_at_rest and is_there:
             return replace(self, state=advance(self.state, event))
-        settling_time = measured.time - (self.at_rest_since or 0.0)
-        if settling_time > bounds.settle_time:
-            return self.fail(_tracking_failure(error, bounds.goal, measured.time))
-        return self
+        if measured.time - self.at_rest_since <= bounds.settle_time:
+            return self
+        if self.state is ExecutionState.ABORTING:  # it does not get any better
+            return replace(self, state=advance(self.state, ExecutionEvent.STOPPED))
+        return self.fail(tracking_failure(error, bounds.goal, self.time))
+
+    @property
+    def _event_at_rest(self) -> ExecutionEvent | None:
+        """What happens once the robot is at rest; None if it only waits on its path."""
+        if self.state in {ExecutionState.CANCELING, ExecutionState.ABORTING}:
+            return ExecutionEvent.STOPPED
+        is_over = self.time >= self.trajectory.duration and self.speed >= 0
+        is_executing = self.state is ExecutionState.EXECUTING
+        return ExecutionEvent.SUCCEED if is_executing and is_over else None
 
     def _advanced(self, period: float) -> tuple["Execution", Setpoint]:
         """Return the execution one period later, and the setpoint until then."""
-        path_acceleration = self._next_path_acceleration(period)
-        path_velocity = self.path_velocity + path_acceleration * period
-        if abs(path_velocity - self._target_path_velocity) < _PATH_VELOCITY_TOLERANCE:
-            path_velocity = self._target_path_velocity
-        step = 0.5 * (self.path_velocity + path_velocity) * period
-        duration = self.trajectory.duration
-        time = min(self.time + step, duration)
-        has_ended = time >= duration
-        is_at_rest = has_ended or (self._target_path_velocity == 0.0 and path_velocity == 0.0)
-        at_rest_since = (
-            self.at_rest_since if self.at_rest_since is not None else self.driver_time + period
-        )
-        advanced = replace(
-            self,
-            time=time,
-            path_velocity=0.0 if has_ended else path_velocity,
-            path_acceleration=path_acceleration,
-            at_rest_since=at_rest_since if is_at_rest else None,
-        )
-        return advanced, self._setpoint(path_acceleration)
-
-    def _setpoint(self, path_acceleration: float) -> Setpoint:
-        times = np.array([self.time])
-        velocity = self.trajectory.velocities(times)[0]
-        acceleration = self.trajectory.accelerations(times)[0]
-        is_over = self.time >= self.trajectory.duration
-        path_velocity, path_acceleration = (
-            (0.0, 0.0) if is_over else (self.path_velocity, path_acceleration)
-        )
-        vdot = acceleration * path_velocity**2 + velocity * path_acceleration
-        return Setpoint(self.driver_time, self.desired, velocity * path_velocity, vdot)
-
-    def _next_path_acceleration(self, period: float) -> float:
-        """Return the path acceleration [1/s] during the next period."""
-        if self.path_velocity == self._target_path_velocity:
-            return 0.0
-        max_path_acceleration = 1.0 / self.tolerances.ramp_time
-        change = np.clip(
-            self._target_path_velocity - self.path_velocity,
-            -max_path_acceleration * period,
-            max_path_acceleration * period,
-        )
-        end_time = min(self.time + self.path_velocity * period, self.trajectory.duration)
-        # The limits must hold at the end of the period too, at the least and the largest velocity.
-        times = np.array([self.time, end_time, end_time])
-        velocities = self.path_velocity + np.array([0.0, 0.0, change])
-        lower, upper = path_acceleration_bounds(self.trajectory, self.limits, times, velocities)
-        bounds = max(lower, -max_path_acceleration), min(upper, max_path_acceleration)
-        return choose_path_acceleration(
-            bounds, self.path_velocity, self._target_path_velocity, period
-        )
-
-    @property
-    def _target_path_velocity(self) -> float:
-        return self.speed if self.state is ExecutionState.EXECUTING else 0.0
-
-
-def _hold_setpoint(time: float, q: Array, num_velocities: int) -> Setpoint:
-    return Setpoint(time, q, np.zeros(num_velocities), np.zeros(num_velocities))
-
-
-def _contact_failure(measured: Measurement) -> Contact:
-    deepest = measured.contacts[0]
-    a, b = deepest.bodies
-    depth = -deepest.distance
-    message = f"contact of {a} and {b}, {depth * 1000:.2f} mm deep, at {measured.time:.3f} s"
-    evidence = {"pair": list(deepest.bodies), "depth": depth, "time": measured.time}
-    return Contact(message, evidence)
-
-
-def _tracking_failure(error: float, bound: float, time: float) -> TrackingLost:
-    message = f"tracking error {error:.4f} rad or m exceeds {bound:g} at {time:.3f} s"
-    return TrackingLost(message, {"error": error, "bound": bound, "time": time})
+        target = self.speed if self.state is ExecutionState.EXECUTING else 0.0
+        limits = PathLimits(self.limits, 1.0 / self.tolerances.ramp_time)
+        motion = self.motion.accelerated(self.trajectory, limits, target, period)
+        setpoint = Setpoint(self.driver_time, self.desired, *motion.rates(self.trajectory))
+        moved = motion.moved(self.trajectory.duration, target, period)
+        if moved.velocity != 0.0:
+            return replace(self, motion=moved, at_rest_since=None), setpoint
+        since = self.driver_time + period if self.at_rest_since is None else self.at_rest_since
+        return replace(self, motion=moved, at_rest_since=since), setpoint

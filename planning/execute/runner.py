@@ -1,13 +1,13 @@
 """Runner: control loop of an execution and a driver, stepped by the caller's clock."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
+from planning.domain.geometry.touching_pair import worst_of_each
 from planning.errors import ExecutionFailure, ProblemInvalid
 from planning.execute.driver import Driver
 from planning.execute.execution import Execution
 from planning.execute.status import ExecutionStatus
-
-MAX_REALTIME_FACTOR = 100.0
 
 
 def _always() -> bool:
@@ -18,9 +18,9 @@ class Runner:
     """Control loop that reads the driver, steps the `Execution` and sends its setpoints.
 
     It has no clock and no thread: call `tick(now)` often. `speed` up to 1 slows the motion itself
-    down along its path. Beyond 1 the motion stays as it is and the driver's clock runs `speed`
-    times as fast as the caller's, which only a simulation can do; either way the trajectory
-    advances `speed` times as fast as real time.
+    down along its path, negative moves it back. Beyond 1 the motion stays as it is and the driver's
+    clock runs `speed` times as fast as the caller's, which only a simulation can do; either way the
+    trajectory advances `speed` times as fast as real time.
 
     Attributes:
         execution: Present state of the execution.
@@ -32,30 +32,31 @@ class Runner:
         execution: Execution,
         driver: Driver,
         *,
-        period: float = 0.004,
         max_catch_up: float = 0.25,
-        max_realtime_factor: float = MAX_REALTIME_FACTOR,
     ) -> None:
-        """Connect an accepted execution to a driver.
+        """Connect an accepted execution to a driver, which is started.
 
         Args:
             execution: Execution to run, in state accepted.
-            driver: Driver of the robot; its clock is at 0.
-            period: Time between setpoints, on the driver's clock [s].
+            driver: Driver of the robot.
             max_catch_up: Longest gap that a late tick makes up for, on the caller's clock [s]; the
-                rest of a longer gap is dropped, which bounds the steps of one tick.
-            max_realtime_factor: Largest ratio of the driver's clock to the caller's; 1 for a real
-                robot.
+                rest of a longer gap is dropped, which bounds the steps of one tick. A driver whose
+                clock is real time makes up for one period at most: a robot does not wait.
+
+        Raises:
+            DriverLost: The robot does not answer.
         """
         self.execution = execution
         self._driver = driver
-        self._period = period
-        self._max_catch_up = max_catch_up
-        self._max_realtime_factor = max_realtime_factor
+        traits = driver.traits
+        self._period = traits.period
+        self._max_realtime_factor = traits.max_realtime_factor
+        self._max_catch_up = max_catch_up if traits.max_realtime_factor > 1 else traits.period
         self._realtime_factor = 1.0
         self._last_tick: float | None = None
         self._pending_time = 0.0
-        self._measurement = driver.read(0.0)
+        self._measurement = driver.start()
+        self._contacts = self._measurement.contacts
         self.status: ExecutionStatus = execution.status(self._measurement)
 
     @property
@@ -89,20 +90,23 @@ class Runner:
         return self._report()
 
     def set_speed(self, speed: float) -> ExecutionStatus:
-        """Advance the trajectory `speed` times as fast as real time.
+        """Advance the trajectory `speed` times as fast as real time; negative is backwards.
 
         Raises:
-            ProblemInvalid: `speed` is not above 0, or exceeds `max_realtime_factor`.
-            IllegalTransition: The execution has ended or is being canceled.
+            ProblemInvalid: The magnitude of `speed` exceeds the driver's largest.
+            IllegalTransition: The execution has ended or is coming to its end.
         """
-        if not 0 < speed <= self._max_realtime_factor:
-            message = (
-                f"speed must be above 0 and at most {self._max_realtime_factor:g}, got {speed}"
-            )
+        most = self._max_realtime_factor
+        if not -most <= speed <= most:
+            message = f"speed must be at least -{most:g} and at most {most:g}, got {speed}"
             raise ProblemInvalid(message, {"field": "speed"})
-        self.execution = self.execution.with_speed(min(speed, 1.0))
-        self._realtime_factor = max(speed, 1.0)
+        self.execution = self.execution.with_speed(min(max(speed, -1.0), 1.0))
+        self._realtime_factor = max(abs(speed), 1.0)
         return self._report()
+
+    def stop(self) -> None:
+        """Let go of the robot; nothing can be run any more."""
+        self._driver.stop()
 
     def tick(self, now: float, has_time: Callable[[], bool] = _always) -> ExecutionStatus:
         """Run all control periods that are due by `now` [s], and return the status.
@@ -113,6 +117,7 @@ class Runner:
                 at the next tick. At a high speed a simulation may need seconds for the periods that
                 are due, and the caller has to check meanwhile whether to stop.
         """
+        self._contacts = ()
         elapsed = 0.0 if self._last_tick is None else max(0.0, now - self._last_tick)
         self._last_tick = now
         self._pending_time = min(
@@ -133,9 +138,12 @@ class Runner:
             self._driver.send(setpoint)
             if not self.is_done:
                 self._measurement = self._driver.read(self._measurement.time + self._period)
+                self._contacts += self._measurement.contacts
         except ExecutionFailure as failure:
-            self.execution = self.execution.fail(failure)
+            if not self.is_done:
+                self.execution = self.execution.lose(failure)
 
     def _report(self) -> ExecutionStatus:
-        self.status = self.execution.status(self._measurement)
+        contacts = worst_of_each(self._contacts)
+        self.status = self.execution.status(replace(self._measurement, contacts=contacts))
         return self.status

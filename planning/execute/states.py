@@ -1,8 +1,8 @@
 """ExecutionState: the state machine of an execution, as a transition table.
 
-The states are those of a ROS 2 action goal (design.ros2.org/articles/actions.html), and `paused`:
-a ROS 2 client should see it as executing. It is a state of its own because its legal events differ:
-a paused motion can be resumed, and it never succeeds.
+The states are those of a ROS 2 action goal (design.ros2.org/articles/actions.html), and two more,
+which a ROS 2 client should see as executing: `paused` can be resumed and never succeeds; `aborting`
+has failed, and the robot is not at rest yet.
 
     accepted --start--> executing --succeed--> succeeded
         |                |  ^   |
@@ -11,11 +11,14 @@ a paused motion can be resumed, and it never succeeds.
         |               paused
         |                  |
         +-----cancel-------+---> canceling --stopped--> canceled
-    any of these --fail--> aborted; all but canceling --set_speed--> themselves
+    executing, paused, canceling --fail--> aborting --stopped--> aborted
+    accepted --fail--> aborted; any of these --lose--> aborted
+    accepted, executing, paused --set_speed--> themselves
 
 Pause, resume and cancel are idempotent, so a client may repeat a request. Beyond ROS 2, `accepted`
 may abort: the robot may be elsewhere than at the start. A motion that happens to reach its goal
-while it is being canceled ends as `canceled`, as requested.
+while it is being canceled ends as `canceled`, as requested. One that fails ends as `aborted`,
+whatever is asked of it then.
 """
 
 from enum import StrEnum
@@ -30,6 +33,7 @@ class ExecutionState(StrEnum):
     EXECUTING = "executing"
     PAUSED = "paused"
     CANCELING = "canceling"
+    ABORTING = "aborting"
     SUCCEEDED = "succeeded"
     CANCELED = "canceled"
     ABORTED = "aborted"
@@ -41,7 +45,10 @@ class ExecutionState(StrEnum):
 
 
 class ExecutionEvent(StrEnum):
-    """Event of an execution; the first five are commands, the others results of measurements."""
+    """Event of an execution; the first five are commands, the others results of measurements.
+
+    `fail` is a failure of the motion, `lose` one after which nothing can be sent to the robot.
+    """
 
     START = "start"
     PAUSE = "pause"
@@ -51,6 +58,7 @@ class ExecutionEvent(StrEnum):
     SUCCEED = "succeed"
     STOPPED = "stopped"
     FAIL = "fail"
+    LOSE = "lose"
 
 
 _S, _E = ExecutionState, ExecutionEvent
@@ -60,20 +68,28 @@ TRANSITIONS: dict[tuple[ExecutionState, ExecutionEvent], ExecutionState] = {
     (_S.ACCEPTED, _E.SET_SPEED): _S.ACCEPTED,
     (_S.ACCEPTED, _E.CANCEL): _S.CANCELING,
     (_S.ACCEPTED, _E.FAIL): _S.ABORTED,
+    (_S.ACCEPTED, _E.LOSE): _S.ABORTED,
     (_S.EXECUTING, _E.PAUSE): _S.PAUSED,
     (_S.EXECUTING, _E.RESUME): _S.EXECUTING,
     (_S.EXECUTING, _E.SET_SPEED): _S.EXECUTING,
     (_S.EXECUTING, _E.CANCEL): _S.CANCELING,
     (_S.EXECUTING, _E.SUCCEED): _S.SUCCEEDED,
-    (_S.EXECUTING, _E.FAIL): _S.ABORTED,
+    (_S.EXECUTING, _E.FAIL): _S.ABORTING,
+    (_S.EXECUTING, _E.LOSE): _S.ABORTED,
     (_S.PAUSED, _E.PAUSE): _S.PAUSED,
     (_S.PAUSED, _E.RESUME): _S.EXECUTING,
     (_S.PAUSED, _E.SET_SPEED): _S.PAUSED,
     (_S.PAUSED, _E.CANCEL): _S.CANCELING,
-    (_S.PAUSED, _E.FAIL): _S.ABORTED,
+    (_S.PAUSED, _E.FAIL): _S.ABORTING,
+    (_S.PAUSED, _E.LOSE): _S.ABORTED,
     (_S.CANCELING, _E.CANCEL): _S.CANCELING,
     (_S.CANCELING, _E.STOPPED): _S.CANCELED,
-    (_S.CANCELING, _E.FAIL): _S.ABORTED,
+    (_S.CANCELING, _E.FAIL): _S.ABORTING,
+    (_S.CANCELING, _E.LOSE): _S.ABORTED,
+    (_S.ABORTING, _E.CANCEL): _S.ABORTING,
+    (_S.ABORTING, _E.STOPPED): _S.ABORTED,
+    (_S.ABORTING, _E.FAIL): _S.ABORTING,
+    (_S.ABORTING, _E.LOSE): _S.ABORTED,
 }
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.geometry.touching_pair import TouchingPair
 from planning.domain.value import Value
 from planning.errors import ExecutionFailure
 from planning.execute.states import ExecutionState
@@ -17,14 +17,17 @@ class ExecutionStatus(Value):
 
     Attributes:
         state: State of the state machine.
-        progress: Time along the trajectory over its duration, 0 to 1.
+        progress: Share of the path's length that is done, 0 to 1 (`path_fraction`).
         time: Time along the trajectory [s].
         driver_time: Time on the driver's clock, since the start [s].
-        path_velocity: Seconds of trajectory per second of the driver's clock, at this instant.
+        path_velocity: Seconds of trajectory per second of the driver's clock, at this instant;
+            negative is backwards.
         measured: Positions of the group, shape (nq,).
+        velocities: Measured velocities of the group, shape (nv,).
+        torques: Measured torques or forces of its motors [N m or N], shape (nv,); None if unknown.
         desired: Desired positions of the group, shape (nq,).
         tracking_error: Largest coordinate of `measured [-] desired` [rad or m].
-        contacts: Body pairs in contact since the previous measurement.
+        contacts: Body pairs in contact since the previous tick, deepest first.
         failure: Reason of an abort, or None.
     """
 
@@ -34,7 +37,9 @@ class ExecutionStatus(Value):
     driver_time: float
     path_velocity: float
     measured: Float64[np.ndarray, " nq"]
+    velocities: Float64[np.ndarray, " nv"]
+    torques: Float64[np.ndarray, " nv"] | None
     desired: Float64[np.ndarray, " nq"]
     tracking_error: float
-    contacts: tuple[BodyPair, ...]
+    contacts: tuple[TouchingPair, ...]
     failure: ExecutionFailure | None

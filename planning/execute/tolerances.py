@@ -1,4 +1,4 @@
-"""Tolerances: bounds on the tracking error and on the time to settle at the goal."""
+"""Tolerances: bounds on the tracking error, on torques, and on the time to settle."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from planning.domain.value import Value
 
 @dataclass(frozen=True, eq=False)
 class Tolerances(Value):
-    """Bounds on the tracking error of an execution, in tangent coordinates [rad or m].
+    """Bounds on what an execution may measure, in tangent coordinates [rad or m].
 
     Attributes:
         tracking: Largest allowed coordinate of `measured [-] desired` [rad or m]; beyond it the
@@ -18,6 +18,7 @@ class Tolerances(Value):
             at rest [s].
         ramp_time: Shortest time from full speed to rest and back [s]; joint accelerations may need
             longer.
+        saturation_time: Longest time at a torque limit [s]; beyond it the execution is aborted.
     """
 
     tracking: float = 0.1
@@ -25,3 +26,4 @@ class Tolerances(Value):
     rest: float = 0.01
     settle_time: float = 2.0
     ramp_time: float = 0.1
+    saturation_time: float = 0.25

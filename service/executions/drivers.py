@@ -1,30 +1,24 @@
-"""What a driver leaves behind: whether its robot is known to rest once an execution has ended."""
+"""Drivers by their names in requests."""
 
-from collections.abc import Mapping
-from typing import Any
+from typing import Literal
 
-from service.executions.models import ExecutionState
-from service.scenes.live import RobotStatus
-
-# Robots of these drivers rest where they were last measured if the driver is gone at any moment,
-# as the next simulation begins there. A robot of metal may have gone on.
-RESTS_WHEN_LOST = frozenset({"simulated"})
-# Code of a failure by which a driver says that it has lost its robot, and whether that `rests`.
-_LOST = "driver_lost"
-_ENDED = {ExecutionState.SUCCEEDED, ExecutionState.CANCELED, ExecutionState.ABORTED}
+from planning import Simulation, World
+from planning.domain.arrays import Array
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.execute.driver import Driver
+from planning.execute.kinematic_driver import KinematicDriver
+from planning.execute.simulated_driver import SimulatedDriver
 
 
-def status_after(
-    driver: str, last: ExecutionState, failure: Mapping[str, Any] | None
-) -> RobotStatus:
-    """Return the status of a robot whose execution has ended.
+def driver_of(
+    name: Literal["simulated", "kinematic"], world: World, group: JointGroup, start: Array
+) -> Driver:
+    """Return a driver of a group that is at rest at `start`, shape (nq,).
 
-    Args:
-        driver: That moved it.
-        last: State that the driver told last: one that is not final if the driver died.
-        failure: That the execution ended with, if with one: its `code` and `evidence`.
+    Raises:
+        ModelInvalid: The group cannot be simulated: a joint moves no mass.
     """
-    is_known = last in _ENDED or driver in RESTS_WHEN_LOST
-    if failure is not None and failure["code"] == _LOST:
-        is_known = bool(failure["evidence"].get("rests"))
-    return RobotStatus.AT_REST if is_known else RobotStatus.UNKNOWN
+    if name == "kinematic":
+        return KinematicDriver(Manifold.of(group.joints), start)
+    return SimulatedDriver(Simulation(world, group, start))

@@ -11,7 +11,7 @@ from datetime import datetime
 from sqlalchemy import Connection, select
 
 from planning.domain.robot.joints import JointType
-from service.executions.drivers import status_after
+from service.executions.robot_status import status_after
 from service.executions.models import ExecutionState
 from service.executions.tasks import EXECUTE, ExecutionOutline
 from service.jobs.job import FINISHED, JobSummary, LoggedEvent

@@ -4,7 +4,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Annotated, Literal, Self
 
-from pydantic import ConfigDict, Field, Json
+from pydantic import ConfigDict, Field, Json, model_validator
 
 from planning.execute import status as domain
 from service.api.events import (
@@ -26,22 +26,53 @@ from service.api.models import (
     ResponseModel,
     Timings,
 )
+from service.trajectories.models import CertifyMotionRequest
 
 
 class ExecutionState(StrEnum):
-    """States of an execution: those of ROS 2 actions, and paused; the last three are final."""
+    """States of an execution: those of ROS 2 actions, paused, aborting; the last three are final.
+
+    One that is aborting has failed, and its robot comes to rest.
+    """
 
     ACCEPTED = "accepted"
     EXECUTING = "executing"
     PAUSED = "paused"
     CANCELING = "canceling"
+    ABORTING = "aborting"
     SUCCEEDED = "succeeded"
     CANCELED = "canceled"
     ABORTED = "aborted"
 
 
-class ExecutionRequest(RequestModel):
-    """Carry out a plan."""
+type DriverName = Annotated[
+    Literal["simulated", "kinematic"],
+    Field(
+        description="What moves: `simulated`, Drake's simulation under a joint controller; "
+        "`kinematic`, a robot without mass that is always where it should be, and feels nothing"
+    ),
+]
+
+
+class ExecutionTerms(RequestModel):
+    """How a motion is carried out, and of which plan it is."""
+
+    plan: Identifier | None = Field(
+        default=None, description="Id of a plan that succeeded; null for a motion of one's own"
+    )
+    driver: DriverName = Field(default="simulated", description="What moves")
+    speed: Annotated[Real, Field(gt=0, le=100)] = Field(
+        default=1.0,
+        description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
+        "than real time, and the motion stays as it is",
+    )
+    title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
+        default=None, description="Title of the motion in replays of the scene"
+    )
+
+
+class ExecutionRequest(ExecutionTerms):
+    """Carry out a plan, or a motion of your own."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -49,24 +80,51 @@ class ExecutionRequest(RequestModel):
         }
     )
 
-    plan: Identifier = Field(description="Id of a plan that succeeded")
-    driver: Literal["simulated"] = Field(
-        default="simulated", description="What moves: Drake's simulation under a joint controller"
+    trajectory: CertifyMotionRequest | None = Field(
+        default=None,
+        description="A motion of your own, as `POST /trajectories/certify` takes it, without "
+        "`revision`: it is proven in the latest one, and refused (`not_certified`) if it is not",
     )
-    speed: Annotated[Real, Field(gt=0, le=100)] = Field(
-        default=1.0, description="Factor on the pace at which the simulation runs; 1 is real time"
-    )
-    title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
-        default=None, description="Title of the motion in replays of the scene"
-    )
+
+    @model_validator(mode="after")
+    def _one_motion(self) -> Self:
+        if (self.plan is None) == (self.trajectory is None):
+            message = "plan: exactly one of `plan` and `trajectory` must be given"
+            raise ValueError(message)
+        if self.trajectory is not None and self.trajectory.revision is not None:
+            message = "trajectory.revision: leave it out, an execution is in the latest revision"
+            raise ValueError(message)
+        return self
+
+    @property
+    def group(self) -> str:
+        """Group of a motion of one's own; a plan knows its own."""
+        return "" if self.trajectory is None else self.trajectory.group
+
+    @property
+    def terms(self) -> ExecutionTerms:
+        """All but the motion of one's own, which is long."""
+        return ExecutionTerms.model_validate(self.model_dump(exclude={"trajectory"}))
 
 
 class Contact(ResponseModel):
     """Two bodies that touched during the motion."""
 
     bodies: tuple[str, str] = Field(description="Full names")
-    depth: float = Field(description="Depth of penetration [m]")
-    time: float = Field(description="Time along the motion [s]")
+    depth: float = Field(description="Largest depth of penetration [m]")
+    force: float | None = Field(
+        default=None, description="Largest force between them [N]; null if it is not known"
+    )
+    time: float = Field(description="Time along the motion of the first touch [s]")
+
+
+class Jitter(ResponseModel):
+    """How much later than they were due the ticks of the controller came."""
+
+    ticks: int = Field(description="How many there were")
+    median: float = Field(description="Median delay, at most 5 % too large [s]")
+    p99: float = Field(description="99th percentile, at most 5 % too large [s]")
+    max: float = Field(description="Largest delay [s]")
 
 
 class ExecutionStatus(ResponseModel):
@@ -74,10 +132,25 @@ class ExecutionStatus(ResponseModel):
 
     state: ExecutionState = Field(description="State of the execution")
     progress: float = Field(
-        description="Time along the motion over its duration, 0 to 1", ge=0, le=1
+        description="Share of the path's length that is done, 0 to 1, by place, not by the clock: "
+        "it shrinks on the way back",
+        ge=0,
+        le=1,
     )
     time: float = Field(description="Time along the motion [s]")
+    path_velocity: float | None = Field(
+        default=None,
+        description="Seconds of the motion per second of the robot's clock, now; negative is "
+        "backwards; null if not recorded",
+    )
     positions: list[float] = Field(description="Measured positions [rad or m]")
+    velocities: list[float] | None = Field(
+        default=None, description="Measured velocities [rad/s or m/s]; null if not recorded"
+    )
+    torques: list[float] | None = Field(
+        default=None,
+        description="Measured torques or forces of the motors [N m or N]; null if not known",
+    )
     tracking_error: float = Field(
         description="Largest distance of a joint from where it should be, now [rad or m]"
     )
@@ -87,6 +160,10 @@ class ExecutionStatus(ResponseModel):
         description="The longest so far that the controller was late to look at the clock [s]: "
         "what else runs on the machine makes the motion fall behind; null if not recorded",
     )
+    jitter: Jitter | None = Field(
+        default=None,
+        description="How late the ticks were so far; null if not recorded",
+    )
     contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
 
     @classmethod
@@ -94,7 +171,7 @@ class ExecutionStatus(ResponseModel):
         cls,
         status: domain.ExecutionStatus,
         max_tracking_error: float,
-        lateness: float,
+        jitter: Jitter,
         contacts: list[Contact],
     ) -> Self:
         """Return a status, with the worst of all before it."""
@@ -102,10 +179,14 @@ class ExecutionStatus(ResponseModel):
             state=ExecutionState(status.state),
             progress=min(1.0, max(0.0, status.progress)),
             time=status.time,
+            path_velocity=status.path_velocity,
             positions=status.measured.tolist(),
+            velocities=status.velocities.tolist(),
+            torques=None if status.torques is None else status.torques.tolist(),
             tracking_error=status.tracking_error,
             max_tracking_error=max_tracking_error,
-            lateness=lateness,
+            lateness=jitter.max,
+            jitter=jitter,
             contacts=contacts,
         )
 
@@ -118,7 +199,9 @@ class ControlsData(EventData):
     """What is asked of an execution from now on; what is left out stays as it was."""
 
     is_paused: bool | None = Field(default=None, description="Whether it rests on its path")
-    speed: float | None = Field(default=None, description="Seconds of the motion per second")
+    speed: float | None = Field(
+        default=None, description="Seconds of the motion per second; negative is backwards"
+    )
 
 
 class StatusEvent(ResponseModel):
@@ -144,7 +227,7 @@ type ExecutionEvent = Annotated[
 
 
 class Execution(ResponseModel):
-    """An execution of a plan; poll it until its state is final."""
+    """An execution of a motion; poll it until its state is final."""
 
     id: str = Field(description="Id of the execution")
     state: ExecutionState = Field(description="succeeded, canceled and aborted are final")
@@ -153,7 +236,9 @@ class Execution(ResponseModel):
     finished_at: datetime | None = Field(description="When it ended (UTC)")
     cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
     attempts: int = Field(description=ATTEMPTS)
-    request: ExecutionRequest = Field(description="The request, defaults filled in")
+    request: ExecutionTerms = Field(
+        description="The request, defaults filled in, without a motion of one's own"
+    )
     scene: str = Field(description="Id of the scene it moves in")
     group: str = Field(description="Group that moves")
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
@@ -174,10 +259,11 @@ class ExecutionPage(ResponseModel):
 
 
 class SpeedRequest(RequestModel):
-    """Change how fast a motion is carried out."""
+    """Change how fast a motion is carried out, and which way."""
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"speed": 0.5}]})
+    model_config = ConfigDict(json_schema_extra={"examples": [{"speed": 0.5}, {"speed": -0.2}]})
 
-    speed: Annotated[Real, Field(gt=0, le=100)] = Field(
-        description="Seconds of the motion per second; above 1 only a simulation can do"
+    speed: Annotated[Real, Field(ge=-100, le=100)] = Field(
+        description="Seconds of the motion per second: 0 rests on the path, negative goes back "
+        "along it; beyond 1 and -1 only what has a clock of its own can do"
     )

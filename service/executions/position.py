@@ -26,7 +26,7 @@ def check_at_start(group: Group, start: list[float]) -> None:
     distance = joint_distance(group, start, positions)
     if distance > TOLERANCE:
         message = (
-            f"the plan starts {distance:.4g} rad or m from where {group.name} is; "
+            f"the motion starts {distance:.4g} rad or m from where {group.name} is; "
             "plan from `positions` instead"
         )
         evidence = {

@@ -1,13 +1,17 @@
-"""The proof of a plan's motion in another revision of its scene than it was planned in."""
+"""Proofs of motions before they are carried out: of plans in another revision, of one's own."""
 
 import time
 
 from planning import Deadline, certify_trajectory
 from planning.domain.report.certificate import Certificate
-from planning.errors import NotCertified
-from service.executions.tasks import PROVE, Proof, ProofWork
+from planning.errors import NotCertified, ProblemInvalid
+from service.executions.tasks import PROVE, PROVE_MOTION, Proof, ProofWork, ProvenMotion
 from service.jobs.context import TaskContext
+from service.plans.models.trajectory import Polynomial
+from service.scenes.tasks import RequestWork
 from service.scenes.world_cache import borrow_world
+from service.trajectories.demands import deadline_of, demands_of, options_of
+from service.trajectories.models import CertifyMotionRequest
 
 # A motion is proven in milliseconds, or it is a hard case [s].
 _ALLOWED = 10.0
@@ -37,6 +41,40 @@ def certify_again(work: ProofWork, context: TaskContext) -> Proof:
     if not certificate.proven:
         raise _refusal(certificate)
     return Proof(min_clearance=certificate.min_clearance)
+
+
+@PROVE_MOTION.runs
+def prove_motion(work: RequestWork[CertifyMotionRequest], context: TaskContext) -> ProvenMotion:
+    """Hold a motion of the client against the scene, and return it if it is proven.
+
+    Raises:
+        NotCertified: It is not proven; evidence as of `certify_again`.
+        DeadlineExceeded: Time ran out before the verdict.
+        InputError: It does not fit the scene, or is made of straight lines, which have corners.
+    """
+    request = work.request
+    with borrow_world(work) as world:
+        trajectory, kind = request.trajectory.to_domain(
+            world.group(request.group), "trajectory.trajectory"
+        )
+        if kind == "linear":
+            message = "trajectory.trajectory.interpolation: no robot follows straight lines, which "
+            message += "have corners; `/v1/trajectories/retime` times a path"
+            field = "trajectory.trajectory.interpolation"
+            raise ProblemInvalid(message, {"field": field})
+        certificate, _ = certify_trajectory(
+            world,
+            request.group,
+            trajectory,
+            deadline=deadline_of(request, context),
+            start=request.start,
+            goal=request.goal,
+            **demands_of(request, options_of(request, limit_jerk=request.limit_jerk)),
+        )
+    if not certificate.proven:
+        raise _refusal(certificate)
+    polynomial = Polynomial.from_domain(trajectory)
+    return ProvenMotion(trajectory=polynomial, start=trajectory.start.tolist())
 
 
 def _refusal(certificate: Certificate) -> NotCertified:

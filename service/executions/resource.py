@@ -19,6 +19,7 @@ JOB_STATES = {
     ExecutionState.EXECUTING: JobState.RUNNING,
     ExecutionState.PAUSED: JobState.RUNNING,
     ExecutionState.CANCELING: JobState.RUNNING,
+    ExecutionState.ABORTING: JobState.RUNNING,
     ExecutionState.SUCCEEDED: JobState.SUCCEEDED,
     ExecutionState.CANCELED: JobState.CANCELED,
     ExecutionState.ABORTED: JobState.FAILED,

@@ -1,4 +1,4 @@
-"""/v1/executions: carry out plans, watch them, stop them."""
+"""/v1/executions: carry out motions, watch them, steer them, stop them."""
 
 # ruff: noqa: FAST003  (the dependencies take the path parameters)
 
@@ -57,7 +57,7 @@ type State = Annotated[ExecutionState | None, Query(description="Only those in t
 async def create_execution(
     request: ExecutionRequest, asked: SubmissionDep, scenes: ScenesDep
 ) -> Execution:
-    """Carry out a plan, if its start is where the robot is."""
+    """Carry out a plan or a motion of your own, if it starts where the robot is and is proven."""
     job = await submit_execution(request, asked.key, scenes, asked.jobs)
     found = await asked.awaited(job, "/v1/executions")
     return await execution_resource(asked.jobs, found.summary)
@@ -157,7 +157,10 @@ async def resume_execution(job: OpenExecution, jobs: JobsDep) -> Execution:
 async def set_execution_speed(
     job: OpenExecution, jobs: JobsDep, request: SpeedRequest
 ) -> Execution:
-    """Change how fast the motion is carried out; the robot gets there along its path."""
+    """Change how fast and which way the motion is carried out; the robot stays on its path.
+
+    With 0 it rests and is still `executing`; back at the beginning of its path it rests and waits.
+    """
     return await execution_resource(
         jobs, await send_command(jobs, job, Commands(speed=request.speed))
     )

@@ -1,42 +1,41 @@
-"""Queueing the execution of a plan, once it is known to hold."""
+"""Queueing the execution of a motion, once it is known to hold."""
 
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 from service.executions.models import ExecutionRequest
-from service.executions.position import check_at_start, require_at_rest, require_known
-from service.executions.tasks import EXECUTE, PROVE, ExecutionWork, ProofWork
+from service.executions.motions import asked_motion
+from service.executions.position import require_at_rest, require_known
+from service.executions.tasks import EXECUTE, ExecutionWork
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
 from service.jobs.service import JobService
-from service.plans.models.trajectory import Polynomial
-from service.plans.resource import motion_of, work_of
-from service.plans.tasks import MotionWork
 from service.scenes.job_spec import spec_of
 from service.scenes.live import joint_types
 from service.scenes.store.scene_store import SceneStore
-from service.scenes.tasks import SceneWork
-from service.scenes.validation import find_group
 
 
 async def submit_execution(
     request: ExecutionRequest, key: str | None, scenes: SceneStore, jobs: JobService
 ) -> Job:
-    """Queue an execution in the latest revision of the plan's scene.
+    """Queue an execution in the latest revision of its motion's scene.
 
     Raises:
         UnknownResource: There is no such plan, or its scene is gone.
-        UnknownName: The scene has no such group any more.
+        UnknownName: The scene has no such group, any more.
         NotFinished: The plan has no trajectory.
         RobotBusy: Another execution moves something in the scene.
         RobotStateUnknown: It is not known where a robot of the scene is.
-        StartMismatch: The plan starts elsewhere.
+        StartMismatch: The motion starts elsewhere.
         NotCertified: The motion cannot be proven in the latest revision.
         QueueFull: The queue is full.
     """
-    job = await jobs.job("plan", request.plan)
-    motion, plan = motion_of(job), work_of(job)
-    idempotency = IdempotencyKey(key, request.model_dump(mode="json"))
+    asked = await asked_motion(request, jobs)
+    # Keys that are older than motions of one's own have no word of them.
+    words = request.model_dump(mode="json")
+    known_words = words if request.trajectory is not None else _without(words, "trajectory")
+    idempotency = IdempotencyKey(key, known_words)
     again = JobSpec(
         EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
     )
@@ -45,20 +44,18 @@ async def submit_execution(
             return known
         # Before the scene is read: what ends until then is in it. Of what begins later the database
         # knows, whichever server it was asked of; then all is looked at once more.
-        last = await require_at_rest(jobs, plan.request.scene)
-        record = await scenes.fresh(plan.request.scene)
+        last = await require_at_rest(jobs, asked.scene)
+        record = await scenes.fresh(asked.scene)
         require_known(record)
-        group = find_group(record, plan.request.group)
-        check_at_start(group, motion.result.start)
+        group = asked.group_in(record)
         loaded = scenes.work(record)
-        await _check_proven(jobs, loaded, plan, motion.polynomial)
         work = ExecutionWork(
             library=loaded.library,
             scene=loaded.scene,
-            request=request,
+            request=request.terms,
             scene_id=record.id,
             group=group.name,
-            trajectory=motion.polynomial,
+            trajectory=await asked.proven(loaded, group, jobs),
             speed=request.speed,
             joints=joint_types(group),
         )
@@ -68,21 +65,5 @@ async def submit_execution(
             return await jobs.submit(replace(spec, follows=last))
 
 
-async def _check_proven(
-    jobs: JobService, scene: SceneWork, plan: MotionWork, trajectory: Polynomial
-) -> None:
-    """Check that the motion is proven in a scene, by the plan's own proof or by a new one.
-
-    Raises:
-        NotCertified: It is not.
-    """
-    if plan.scene.is_same(scene.scene):
-        return
-    work = ProofWork(
-        library=scene.library,
-        scene=scene.scene,
-        request=plan.request,
-        origin=plan.origin,
-        trajectory=trajectory,
-    )
-    await jobs.call(PROVE, work)
+def _without(words: dict[str, Any], name: str) -> dict[str, Any]:
+    return {key: said for key, said in words.items() if key != name}

@@ -1,15 +1,16 @@
-"""Tasks about executions: to carry a plan out, to prove it anew before, to replay it after."""
+"""Tasks about executions: to prove a motion before, to carry it out, to replay it after."""
 
 from pydantic import Field
 
 from planning.domain.robot.joints import JointType
-from service.executions.models import ExecutionRequest, ExecutionStatus
+from service.executions.models import ExecutionStatus, ExecutionTerms
 from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, Page
-from service.scenes.tasks import SceneWork
+from service.scenes.tasks import RequestWork, SceneWork
+from service.trajectories.models import CertifyMotionRequest
 
 
 class ExecutionOutline(SceneWork):
@@ -20,7 +21,7 @@ class ExecutionOutline(SceneWork):
             nothing of them.
     """
 
-    request: ExecutionRequest
+    request: ExecutionTerms
     scene_id: str
     group: str
     speed: float
@@ -45,7 +46,7 @@ class Commands(TaskModel):
 
     Attributes:
         is_paused: Whether the robot shall rest on its path.
-        speed: Seconds of the motion per second; None for what the request says.
+        speed: Seconds of the motion per second, negative backwards; None for what the request says.
     """
 
     is_paused: bool = False
@@ -70,6 +71,18 @@ class Proof(TaskModel):
     """A lower bound on the distance of all pairs [m]; infinite, and null as JSON, without any."""
 
     min_clearance: float | None
+
+
+class ProvenMotion(TaskModel):
+    """A motion of one's own that is proven.
+
+    Attributes:
+        trajectory: Its exact polynomial.
+        start: Its first configuration.
+    """
+
+    trajectory: Polynomial
+    start: list[float]
 
 
 class ShownWork(DeliveredWork):
@@ -97,4 +110,5 @@ EXECUTE = Task(
     outline=Outline(payload=("trajectory",)),
 )
 PROVE = Task("prove_execution", ProofWork, Proof)
+PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
 REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)

@@ -1,19 +1,20 @@
-"""Executing a plan in simulation, as a job."""
+"""Carrying a motion out, as a job."""
 
 import threading
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
-from planning import Simulation, World
+from planning import World
 from planning.domain.report.motion_plan import Progress
 from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import Canceled
 from planning.execute import status as domain
-from planning.execute.driver import SimulatedDriver
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
+from service.executions.drivers import driver_of
+from service.executions.jitter import JitterLog
 from service.executions.models import Contact, ExecutionStatus
 from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
@@ -23,13 +24,15 @@ from service.scenes.world_cache import borrow_world
 # How long a tick takes, or works [s].
 TICK = 0.01
 _EVENT_PERIOD = 0.05
+# In these it comes to rest, whatever is asked of it.
+_ENDING = {ExecutionState.CANCELING, ExecutionState.ABORTING}
 # A process that sends nothing for so long hangs [s]: it sends its status twenty times a second.
 MAX_SILENCE = 3.0
 
 
 @EXECUTE.runs
 def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
-    """Follow a plan until it has ended; every `status` event says how far it is.
+    """Follow a motion until it has ended; every `status` event says how far it is.
 
     Raises:
         Canceled: The end was asked for; the robot came to rest on its path first.
@@ -41,7 +44,9 @@ def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
         with watch.stage("load"):
             world = stack.enter_context(borrow_world(work))
         with watch.stage("execute"):
-            status = _carried_out(_runner(world, work), context, work.speed)
+            runner = _runner(world, work)
+            stack.callback(runner.stop)
+            status = _carried_out(runner, context, work.speed)
     return ExecutionOutcome(status=status, timings=watch.seconds_by_name)
 
 
@@ -59,9 +64,8 @@ def _carried_out(runner: Runner, context: TaskContext, speed: float) -> Executio
 def _runner(world: World, work: ExecutionWork) -> Runner:
     trajectory = work.trajectory.to_domain()
     group = world.group(work.group)
-    simulation = Simulation(world, group, trajectory.start)
-    execution = Execution(trajectory, world.limits(group))
-    runner = Runner(execution, SimulatedDriver(simulation))
+    driver = driver_of(work.request.driver, world, group, trajectory.start)
+    runner = Runner(Execution(trajectory, world.limits(group)), driver)
     runner.set_speed(work.speed)
     return runner
 
@@ -109,7 +113,7 @@ def follow(
 
 def _apply_commands(runner: Runner, context: TaskContext, applied: Commands) -> Commands:
     """Carry out the commands since the last tick; return those that are carried out now."""
-    if runner.is_done or runner.execution.state is ExecutionState.CANCELING:
+    if runner.is_done or runner.execution.state in _ENDING:
         return applied
     if context.is_canceled():
         runner.cancel()
@@ -129,20 +133,30 @@ class _StatusLog:
 
     def __init__(self) -> None:
         self._max_error = 0.0
-        self._lateness = 0.0
+        self._delays = JitterLog()
         self._contacts: dict[tuple[str, str], Contact] = {}
 
     def note_delay(self, seconds: float) -> None:
         """Note how much later than it was due a look at the clock came [s]."""
-        self._lateness = max(self._lateness, seconds)
+        self._delays.note(seconds)
 
     def enter(self, status: domain.ExecutionStatus) -> ExecutionStatus:
         """Return a status as clients see it."""
         self._max_error = max(self._max_error, status.tracking_error)
         for contact in status.contacts:
             depth = max(0.0, -contact.distance)
-            first = Contact(bodies=contact.bodies, depth=depth, time=status.time)
-            self._contacts.setdefault(contact.bodies, first)
+            touch = Contact(
+                bodies=contact.bodies, depth=depth, force=contact.force, time=status.time
+            )
+            known = self._contacts.get(contact.bodies, touch)
+            self._contacts[contact.bodies] = _worst(known, touch)
         return ExecutionStatus.from_domain(
-            status, self._max_error, self._lateness, list(self._contacts.values())
+            status, self._max_error, self._delays.jitter, list(self._contacts.values())
         )
+
+
+def _worst(first: Contact, now: Contact) -> Contact:
+    """Return a contact with the largest depth and force of two, and the time of the first."""
+    forces = [touch.force for touch in (first, now) if touch.force is not None]
+    depth = max(first.depth, now.depth)
+    return first.model_copy(update={"depth": depth, "force": max(forces, default=None)})

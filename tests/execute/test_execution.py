@@ -147,7 +147,7 @@ def test_a_step_changes_nothing_but_its_result(execution: Execution, new_driver:
     assert first[0] != started
 
 
-@pytest.mark.parametrize("speed", [0.0, -1.0, 1.01, float("nan"), float("inf")])
+@pytest.mark.parametrize("speed", [-1.01, 1.01, float("nan"), float("inf")])
 def test_speeds_that_break_the_limits_are_refused(execution: Execution, speed: float) -> None:
     with pytest.raises(ProblemInvalid, match="speed"):
         execution.with_speed(speed)

@@ -10,14 +10,15 @@ from planning.execute.states import ExecutionEvent, ExecutionState, advance, leg
 
 # Written out once more, by hand: a row per state, a column per event, "." where it is illegal.
 GRID = """
-            start      pause   resume     set_speed  cancel     succeed    stopped   fail
-accepted    executing  .       .          accepted   canceling  .          .         aborted
-executing   .          paused  executing  executing  canceling  succeeded  .         aborted
-paused      .          paused  executing  paused     canceling  .          .         aborted
-canceling   .          .       .          .          canceling  .          canceled  aborted
-succeeded   .          .       .          .          .          .          .         .
-canceled    .          .       .          .          .          .          .         .
-aborted     .          .       .          .          .          .          .         .
+           start      pause   resume     set_speed  cancel     succeed    stopped  fail      lose
+accepted   executing  .       .          accepted   canceling  .          .        aborted   aborted
+executing  .          paused  executing  executing  canceling  succeeded  .        aborting  aborted
+paused     .          paused  executing  paused     canceling  .          .        aborting  aborted
+canceling  .          .       .          .          canceling  .          canceled aborting  aborted
+aborting   .          .       .          .          aborting   .          aborted  aborting  aborted
+succeeded  .          .       .          .          .          .          .        .         .
+canceled   .          .       .          .          .          .          .        .         .
+aborted    .          .       .          .          .          .          .        .         .
 """
 HEAD, *ROWS = [line.split() for line in GRID.strip().splitlines()]
 EXPECTED = {(row[0], event): to for row in ROWS for event, to in zip(HEAD, row[1:], strict=True)}
@@ -45,5 +46,6 @@ def test_only_terminal_states_allow_nothing_and_all_others_can_end() -> None:
     terminal = {state for state in ExecutionState if state.is_terminal}
     assert terminal == {"succeeded", "canceled", "aborted"}
     for state in set(ExecutionState) - terminal:
-        assert advance(state, ExecutionEvent.FAIL) is ExecutionState.ABORTED
+        assert advance(state, ExecutionEvent.LOSE) is ExecutionState.ABORTED
+        assert advance(state, ExecutionEvent.FAIL) in {"aborting", "aborted"}
         assert ExecutionEvent.CANCEL in legal_events(state)

@@ -13,6 +13,9 @@ from planning.domain.robot.joints import Joint
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import Value, frozen
 
+# Steps in which the length of a path is summed: in all and in each piece, at least.
+_LENGTH_STEPS, _STEPS_PER_PIECE = 1024, 4
+
 
 @dataclass(frozen=True, eq=False)
 class Curve(Value):
@@ -139,6 +142,27 @@ class TimedTrajectory(Curve):
     def duration(self) -> float:
         """Duration of the motion [s]."""
         return float(self.breaks[-1])
+
+    def path_fraction(self, time: float) -> float:
+        """Return the share of the path's length that is done at an instant, 0 to 1.
+
+        The length is that of q(t) in velocity coordinates [rad and m, as they are]. A motion
+        without length has the share of its time.
+        """
+        times, lengths = self._lengths
+        return float(np.interp(time, times, lengths / lengths[-1]))
+
+    @cached_property
+    def _lengths(self) -> tuple[Array, Array]:
+        """Instants and the length until each, by the trapezoidal rule; shapes (m,)."""
+        steps = max(_STEPS_PER_PIECE, -(-_LENGTH_STEPS // self.num_pieces))
+        shares = np.arange(steps) / steps
+        inner = (self.breaks[:-1, None] + self.widths[:, None] * shares).ravel()
+        times = np.append(inner, self.duration)
+        speeds = np.linalg.norm(self.velocities(times), axis=1)
+        increments = 0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times)
+        lengths = np.concatenate([[0.0], np.cumsum(increments)])
+        return (times, lengths) if lengths[-1] > 0 else (times, times)
 
     def sample_times(self, period: float) -> Array:
         """Return instants every `period` [s], the first and the last instant included."""

@@ -150,6 +150,17 @@ class Manifold(Value):
             v[..., iv : iv + 3] = rotation.rotate(q[..., iq : iq + 4], body)
         return v
 
+    def tangent_velocity(self, q: Array, v: Array) -> Array:
+        """Return delta' of q [+] delta at delta = 0 from Drake's v.
+
+        The inverse of `generalized_velocity` there: R^T omega of a floating joint.
+        """
+        rate = np.array(v)
+        for iq, iv in self._floating:
+            turn_back = rotation.conjugate(q[..., iq : iq + 4])
+            rate[..., iv : iv + 3] = rotation.rotate(turn_back, v[..., iv : iv + 3])
+        return rate
+
     def generalized_acceleration(
         self, q: Array, delta: Array, rate: Array, curvature: Array
     ) -> Array:

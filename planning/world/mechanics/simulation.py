@@ -3,25 +3,26 @@
 The controller is inverse dynamics with feedback on the acceleration (Siciliano et al., Robotics:
 Modelling, Planning and Control, section 8.5.2),
 
-    tau = M(q) (vdot_d + Kd (v_d - v) + Kp (q_d [-] q)) + C(q, v) v - tau_g(q) - tau_damping(v),
+    tau = M(q) (vdot_d + Kd (v_d - v) + Kp (q_d [-] q)) + C(q, v) v - tau_g(q) - tau_damping(v)
+          - tau_friction(v_d),
 
 so every joint's error obeys e'' + Kd e' + Kp e = 0 for any mass of the robot, unless the effort
-limits clip tau. Joints that follow the group's are controlled with them; all others are held.
+limits clip tau, or dry friction is not that of the desired velocity. It is computed anew in every
+step of the plant. Joints that follow the group's are controlled with them; all others are held.
 """
-
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.multibody.plant import PointPairContactInfo
 from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.analysis import Simulator
 
 from planning.domain.arrays import Array
-from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.geometry.touching_pair import TouchingPair, worst_of_each
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
 from planning.errors import ModelInvalid, TrackingLost
+from planning.world.mechanics.contact_probe import ContactProbe
+from planning.world.mechanics.joint_friction import JointFriction
 from planning.world.world import World
 
 # Critically damped: an error dies out within about five times 1 / bandwidth. The product with the
@@ -33,9 +34,10 @@ CONTACT_DEPTH = 1e-4
 class Simulation:
     """Simulation of a group of a world. It owns its context; the world stays as it is.
 
-    Not promised: joint friction, motors or gears; contacts are Drake's compliant point contacts.
-    Contacts with objects outside of Drake's model, in scenes of many objects, are detected but
-    exert no force.
+    The plant has gravity, damping and dry friction of the joints where descriptions state them, and
+    effort limits. Not promised: the dynamics of motors or gears; contacts are Drake's compliant
+    point contacts. Contacts with objects outside of Drake's model, in scenes of many objects, are
+    detected but exert no force.
     """
 
     def __init__(
@@ -64,7 +66,7 @@ class Simulation:
         limits = world.limits(group)
         self._block_members, self._effort = _block_members(limits), limits.effort
         self._manifold = Manifold(group.joints)
-        self._kp, self._kd, self._contact_depth = bandwidth**2, 2 * bandwidth, contact_depth
+        self._kp, self._kd = bandwidth**2, 2 * bandwidth
         self._in_q = self._model.position_indices(self.group)
         self._in_v = self._model.velocity_indices(self.group)
         plant = self._model.plant
@@ -74,17 +76,20 @@ class Simulation:
         self._context = plant.GetMyMutableContextFromRoot(self._root)
         plant.SetPositions(self._context, self._model.embed(self.group, start, world.state))
         plant.SetVelocities(self._context, np.zeros(plant.num_velocities()))
-        self._validate_masses()
+        inertia = plant.CalcMassMatrix(self._context)
+        self._validate_masses(inertia)
+        self._friction = JointFriction(world, inertia, plant.time_step())
         self._held_joints = self._hold_others()
         self._tau = plant.get_applied_generalized_force_input_port().FixValue(
             self._context, np.zeros(plant.num_velocities())
         )
-        self._static_probe = (
-            world.distance_probe(world.margins()) if len(self._model.static_objects) else None
-        )
+        has_static = len(self._model.static_objects) > 0
+        probe = world.distance_probe(world.margins()) if has_static else None
+        self._contact_probe = ContactProbe(self._model, probe, contact_depth)
         self._simulator = Simulator(self._model.diagram, self._root)
         self._simulator.Initialize()
         self._v_desired = self._vdot_desired = self._error = np.zeros(len(self._in_v))
+        self._torques = np.zeros(len(self._in_v))
 
     @property
     def time(self) -> float:
@@ -106,6 +111,11 @@ class Simulation:
         """Measured velocities of the group, shape (nv,)."""
         return self._model.plant.GetVelocities(self._context)[self._in_v]
 
+    @property
+    def torques(self) -> Array:
+        """Torques or forces of the group's motors in the last step [N m or N], shape (nv,)."""
+        return self._torques
+
     def command(
         self,
         q: Float64[np.ndarray, " nq"],
@@ -123,22 +133,19 @@ class Simulation:
         self._error = self._manifold.generalized_velocity(now, at_base, tangent)
         self._v_desired, self._vdot_desired = v, vdot
 
-    def advance_to(self, time: float) -> tuple[BodyPair, ...]:
-        """Simulate until `time` [s] and return the bodies in contact, each pair at its deepest.
+    def advance_to(self, time: float) -> tuple[TouchingPair, ...]:
+        """Simulate until `time` [s]; return pairs in contact at their deepest and largest force.
 
         Raises:
             TrackingLost: The solver of the contact problem failed: the motion has diverged.
         """
-        deepest: dict[tuple[str, str], BodyPair] = {}
+        contacts: list[TouchingPair] = []
         step = self._model.plant.time_step()
         first, last = round(self.time / step), round(time / step)
         for i in range(first + 1, last + 1):
             self._step_to(i * step)
-            for pair in self._contacts():
-                known = deepest.get(pair.bodies)
-                if known is None or pair.distance < known.distance:
-                    deepest[pair.bodies] = pair
-        return tuple(sorted(deepest.values(), key=lambda pair: pair.distance))
+            contacts += self._contact_probe.touching(self._context, self.state)
+        return worst_of_each(contacts)
 
     def _step_to(self, time: float) -> None:
         period = time - self.time
@@ -162,8 +169,12 @@ class Simulation:
         self._set_other_accelerations(plant.GetPositions(context), v, vdot)
         plant.CalcForceElementsContribution(context, self._forces)
         tau = plant.CalcInverseDynamics(context, vdot, self._forces)
+        v_desired = np.zeros(len(v))
+        v_desired[self._in_v] = self._v_desired
+        tau -= self._friction.torques(v_desired)
         tau[self._in_v] *= self._effort_factors(tau[self._in_v])
-        self._tau.GetMutableData().set_value(tau)
+        self._torques = tau[self._in_v]
+        self._tau.GetMutableData().set_value(tau + self._friction.torques(v))
 
     def _effort_factors(self, tau: Array) -> Array:
         """Return the factors, shape (nv,), that scale every block's norm to its effort limit."""
@@ -181,38 +192,6 @@ class Simulation:
             error = target - q[c.follower_position]
             leader = c.multiplier * vdot[c.leader_velocity]
             vdot[c.follower_velocity] = leader + self._kd * velocity_error + self._kp * error
-
-    def _contacts(self) -> list[BodyPair]:
-        port: Any = self._model.plant.get_contact_results_output_port()
-        results = port.Eval(self._context)
-        infos = [
-            results.point_pair_contact_info(i) for i in range(results.num_point_pair_contacts())
-        ]
-        touching = [
-            self._body_pair(info) for info in infos if info.point_pair().depth > self._contact_depth
-        ]
-        return touching + self._static_contacts()
-
-    def _static_contacts(self) -> list[BodyPair]:
-        """Return contacts with objects outside of Drake's model, which exert no force."""
-        if self._static_probe is None:
-            return []
-        rows = self._model.static_objects.rows
-        return [
-            pair
-            for pair in self._static_probe.pairs_within(self.state, -self._contact_depth)
-            if not rows.keys().isdisjoint(pair.bodies)
-        ]
-
-    def _body_pair(self, info: PointPairContactInfo) -> BodyPair:
-        pair = info.point_pair()
-        names = self._model.body_names
-        sides = [
-            (names[info.bodyA_index()], pair.p_WCa),
-            (names[info.bodyB_index()], pair.p_WCb),
-        ]
-        (a, p_wa), (b, p_wb) = sorted(sides, key=lambda side: side[0])
-        return BodyPair((a, b), -float(pair.depth), np.array([p_wa, p_wb]))
 
     def _hold_others(self) -> tuple[list[int], list[int], Array]:
         """Lock the other planar and floating joints; return the scalar ones and their positions.
@@ -235,8 +214,7 @@ class Simulation:
                 joint.Lock(self._context)
         return in_q, in_v, plant.GetPositions(self._context)[in_q]
 
-    def _validate_masses(self) -> None:
-        inertia = self._model.plant.CalcMassMatrix(self._context)
+    def _validate_masses(self, inertia: Array) -> None:
         own = inertia[np.ix_(self._in_v, self._in_v)]
         if not (np.isfinite(own).all() and np.linalg.eigvalsh(own)[0] > 0):
             message = (

@@ -67,6 +67,7 @@ class ModelFile:
         floating: Every URDF joint of type floating.
         mimics: Joints that follow others.
         effort: Largest effort by joint, where the file states it [N m or N].
+        friction: Dry friction by joint, where a URDF states it, which Drake ignores [N m or N].
         packages: Folder of every package that the file names.
         rewritten: The description with converted meshes; None if Drake reads the original ones.
         disabled_pairs: Pairs of links that an SRDF of the same name allows to touch.
@@ -79,6 +80,7 @@ class ModelFile:
     floating: tuple[FloatingJoint, ...]
     mimics: tuple[Mimic, ...]
     effort: dict[str, float]
+    friction: dict[str, float]
     packages: dict[str, Path]
     rewritten: str | None
     disabled_pairs: tuple[tuple[str, str], ...]
@@ -125,6 +127,7 @@ def inspect_model(file: Path, converted_meshes: Path) -> ModelFile:
         ),
         mimics=tuple(_equalities(file, root) if is_mjcf else _mimics(file, models)),
         effort=_efforts(root),
+        friction=_frictions(file, root),
         packages=packages,
         rewritten=with_readable_meshes(
             file, root, meshes, converted_meshes, always=is_nameless or includes
@@ -253,6 +256,22 @@ def _efforts(root: ET.Element) -> dict[str, float]:
         if word is not None:
             efforts[joint.get("name", "")] = float(word)  # checked by `validate_description`
     return efforts
+
+
+def _frictions(file: Path, root: ET.Element) -> dict[str, float]:
+    frictions: dict[str, float] = {}
+    for joint in root.iter("joint"):
+        dynamics = joint.find("dynamics")
+        word = dynamics.get("friction") if dynamics is not None else None
+        if word is None:
+            continue
+        name = joint.get("name", "")
+        friction = number_in(file, f"joint {name!r}: friction", word)
+        if friction < 0:
+            raise invalid(file, f"joint {name!r}: friction {word} must not be negative")
+        if friction > 0:
+            frictions[name] = friction
+    return frictions
 
 
 def _disabled_pairs(file: Path) -> list[tuple[str, str]]:

@@ -209,5 +209,35 @@ class ContactEvidence(TypedDict):
     """Full names of both bodies"""
     depth: NotRequired[float]
     """By which they overlap [m]"""
+    force: NotRequired[float | None]
+    """Force between them [N]; null where it is not known"""
     time: float
     """On the motion [s]"""
+
+
+@with_config(OPEN)
+class TorqueEvidence(TypedDict):
+    """Which joint's torque was at its limit, and for how long."""
+
+    joint: str
+    """Full name"""
+    torque: float
+    """Of the motor [N m or N]"""
+    bound: float
+    """What it may be [N m or N]"""
+    seconds: float
+    """How long some joint was at its limit [s]"""
+    time: float
+    """On the motion [s]"""
+
+
+@with_config(OPEN)
+class DriverLostEvidence(TypedDict):
+    """Which driver was lost, and what is known of its robot."""
+
+    driver: str
+    """Its name"""
+    reason: str
+    """What happened"""
+    rests: bool
+    """Whether the robot is known to rest where it was last measured"""

@@ -43,6 +43,8 @@ _STAGES: dict[type[WayproofError], Any] = {
     planning_errors.IllegalTransition: motions.TransitionEvidence,
     planning_errors.TrackingLost: motions.TrackingEvidence,
     planning_errors.Contact: motions.ContactEvidence,
+    planning_errors.TorqueLimitReached: motions.TorqueEvidence,
+    planning_errors.DriverLost: motions.DriverLostEvidence,
 }
 _JOBS: dict[type[WayproofError], Any] = {
     job_errors.WorkerCrashed: jobs.WorkerCrashedEvidence,
@@ -102,6 +104,8 @@ EVIDENCE = {**_INPUTS, **_STAGES, **_JOBS, **_REFUSALS}
 _NEVER_PROBLEMS = {
     planning_errors.TrackingLost,
     planning_errors.Contact,
+    planning_errors.TorqueLimitReached,
+    planning_errors.DriverLost,
     job_errors.ServerRestarted,
     job_errors.DatabaseInUse,
     job_errors.DatabaseTooNew,

@@ -23,7 +23,16 @@ _SHA256 = re.compile(r"\b[0-9a-f]{64}\b")
 _INSTANT = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|\+00:00)")
 _SECRET = re.compile(r"\bwhsec_[A-Za-z0-9+/=]+")
 _CANCELED_AT = re.compile(r"canceled [0-9.]+ s into")
-_MEASURED = {"positions", "tracking_error", "max_tracking_error", "lateness"}
+_MEASURED = {
+    "positions",
+    "velocities",
+    "torques",
+    "path_velocity",
+    "tracking_error",
+    "max_tracking_error",
+    "lateness",
+    "jitter",
+}
 _MOVING = {
     "state",
     "stage",
@@ -122,7 +131,8 @@ def _mask_of_status(key: str, whole: dict[str, Any]) -> Any:
     if "tracking_error" not in whole:
         return None
     is_open = whole["state"] != "succeeded" and key in {"progress", "time"}
-    return "<measured>" if is_open or key in _MEASURED else None
+    is_measured = is_open or key in _MEASURED
+    return "<measured>" if is_measured and whole[key] is not None else None
 
 
 def _mask_of_ended(key: str, whole: dict[str, Any]) -> Any:

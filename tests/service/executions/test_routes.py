@@ -160,3 +160,111 @@ def test_a_replay_of_a_scene_shows_what_was_executed_in_it(client, scene):
     assert [section["title"] for section in overlay(last)["sections"]] == ["arm moves"]
     assert client.get("/v1/scenes/scn_nothing/replay.html").status_code == 404
     assert client.get(f"{path}?last=0").status_code == 422
+
+
+def own(client, scene, goal="ready", **fields):
+    """Return a motion of one's own: the exact polynomial of a plan."""
+    plan = planned(client, scene, goal)
+    exact = client.get(f"/v1/plans/{plan['id']}/trajectory?polynomial=true").json()
+    return {"scene": scene["id"], "group": "arm", "trajectory": exact, **fields}
+
+
+def test_a_motion_of_ones_own_is_proven_and_carried_out(client, scene):
+    motion = own(client, scene)
+    answer = client.post("/v1/executions?wait=60", json={"trajectory": motion, "speed": 20})
+    assert answer.status_code == 200, answer.json()
+    execution = answer.json()
+    assert (execution["state"], execution["group"]) == ("succeeded", "arm")
+    assert execution["request"] == {
+        "plan": None,
+        "driver": "simulated",
+        "speed": 20,
+        "title": None,
+    }
+    end = motion["trajectory"]["positions"][-1]
+    np.testing.assert_allclose(execution["status"]["positions"], end, atol=0.01)
+    again = client.post("/v1/executions", json={"trajectory": motion})
+    assert (again.status_code, again.json()["code"]) == (409, "start_mismatch")
+
+
+def test_a_motion_of_ones_own_that_is_not_proven_is_refused(client, scene):
+    motion = own(client, scene)
+    hasty = {**motion, "velocity_scale": 0.5}
+    refused = client.post("/v1/executions", json={"trajectory": hasty})
+    assert (refused.status_code, refused.json()["code"]) == (409, "not_certified")
+    assert refused.json()["evidence"]["check"].startswith("velocity")
+    samples = motion["trajectory"]
+    moving = {
+        "times": samples["times"],
+        "positions": samples["positions"],
+        "velocities": [[0.3] * 6, *samples["velocities"][1:]],
+    }
+    refused = client.post("/v1/executions", json={"trajectory": {**motion, "trajectory": moving}})
+    checks = {check["name"] for check in refused.json()["evidence"]["checks"]}
+    assert "rest" in checks  # it begins at rest, or it is none that a robot at rest can begin
+    cornered = {"times": [0, 5], "positions": [samples["positions"][0]] * 2}
+    cornered["interpolation"] = "linear"
+    refused = client.post("/v1/executions", json={"trajectory": {**motion, "trajectory": cornered}})
+    assert refused.status_code == 422
+    assert refused.json()["evidence"]["field"] == "trajectory.trajectory.interpolation"
+    elsewhere = client.post("/v1/executions", json={"trajectory": {**motion, "group": "harm"}})
+    assert elsewhere.status_code == 422
+    assert elsewhere.json()["errors"][0]["pointer"] == "/trajectory/group"
+
+
+def test_exactly_one_motion_is_asked_for(client, scene):
+    motion = own(client, scene)
+    plan = planned(client, scene, "ready")
+    for wrong, named in (
+        ({}, "exactly one"),
+        ({"plan": plan["id"], "trajectory": motion}, "exactly one"),
+        ({"trajectory": {**motion, "revision": 1}}, "revision"),
+    ):
+        refused = client.post("/v1/executions", json=wrong)
+        assert (refused.status_code, refused.json()["code"]) == (422, "request_invalid")
+        assert named in refused.text
+
+
+def test_it_goes_back_waits_at_its_beginning_and_goes_on(client, scene):
+    plan = planned(client, scene, "ready")
+    request = {"plan": plan["id"], "driver": "kinematic", "speed": 0.5}
+    path = client.post("/v1/executions", json=request).headers["location"]
+    wait_until(client, path, lambda status: status["progress"] > 0.1)
+    assert client.post(f"{path}/speed", json={"speed": -20}).status_code == 200
+    back = wait_until(client, path, lambda status: status["path_velocity"] < -0.5)
+    assert back["state"] == "executing"
+    waiting = wait_until(client, path, lambda status: status["progress"] == 0)
+    assert waiting["state"] == "executing"
+    np.testing.assert_allclose(waiting["positions"], plan["result"]["start"], atol=1e-3)
+    assert client.post(f"{path}/speed", json={"speed": 0}).status_code == 200
+    assert client.get(path).json()["state"] == "executing"
+    assert client.post(f"{path}/speed", json={"speed": 20}).status_code == 200
+    assert finished(client, path)["state"] == "succeeded"
+
+
+def test_a_status_says_what_is_measured(client, scene):
+    execution = executed(client, planned(client, scene, "ready"), speed=5).json()
+    status = execution["status"]
+    assert max(map(abs, status["velocities"])) <= 0.01
+    assert max(map(abs, status["torques"])) > 1.0  # it is held against gravity
+    assert status["path_velocity"] == 0
+    jitter = status["jitter"]
+    assert jitter["ticks"] > 5
+    assert 0 <= jitter["median"] <= jitter["p99"] <= jitter["max"] == status["lateness"]
+
+
+def test_speeds_beyond_a_hundred_are_refused(client, scene):
+    plan = planned(client, scene, "ready")
+    path = client.post("/v1/executions", json={"plan": plan["id"]}).headers["location"]
+    for speed in (101, -101, "back"):
+        assert client.post(f"{path}/speed", json={"speed": speed}).status_code == 422
+    client.post(f"{path}/cancel")
+    assert finished(client, path)["state"] == "canceled"
+
+
+def wait_until(client, path, holds):
+    with client.stream("GET", f"{path}/events") as answer:
+        for event in decode_events(answer):
+            if event.type == "status" and holds(event.data):
+                return event.data
+    pytest.fail(f"{path} ended before")

@@ -9,9 +9,9 @@ import pytest
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 from planning.errors import Contact, ModelInvalid, TrackingLost
-from planning.execute.driver import SimulatedDriver
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
+from planning.execute.simulated_driver import SimulatedDriver
 from planning.world.mechanics.simulation import Simulation
 from planning.world.world import World
 from tests.conftest import bundled_world
@@ -137,6 +137,32 @@ def test_what_does_not_belong_to_the_group_is_held() -> None:
     np.testing.assert_allclose(q[others], world.state[others], atol=1e-5)
 
 
+def test_torques_are_those_of_inverse_dynamics(urdf_world: Callable[..., World]) -> None:
+    world = urdf_world(PENDULUM.format(effort=100))
+    simulation = Simulation(world, world.group("r"), np.array([1.0]))
+    simulation.command(np.array([1.0]), np.zeros(1), np.zeros(1))
+    simulation.advance_to(0.3)
+    np.testing.assert_allclose(simulation.torques, [2 * 9.81 * 0.5 * np.sin(1.0)], rtol=1e-4)
+
+
+@pytest.mark.parametrize("friction", [0.0, 4.0])
+def test_dry_friction_takes_its_torque_whichever_way_a_joint_moves(
+    urdf_world: Callable[..., World], friction: float
+) -> None:
+    """m g and f, upwards; m g less f, downwards, at a constant velocity."""
+    slide = SLIDE.replace('damping="30"', f'damping="0" friction="{friction}"')
+    world = urdf_world(slide)
+    for velocity in (0.2, -0.2):
+        simulation = Simulation(world, world.group("r"), np.zeros(1))
+        for i in range(100):
+            time = 0.004 * i
+            simulation.command(np.array([velocity * time]), np.array([velocity]), np.zeros(1))
+            simulation.advance_to(time + 0.004)
+        expected = 3 * 9.81 + np.sign(velocity) * friction
+        np.testing.assert_allclose(simulation.torques, [expected], rtol=0.01)
+        assert simulation.q[0] == pytest.approx(velocity * 0.4, abs=1e-3)
+
+
 def test_what_the_efforts_cannot_do_is_lost(urdf_world: Callable[..., World]) -> None:
     world = urdf_world(PENDULUM.format(effort=5))  # half a turn in 0.2 s takes 230 N m
     runner, _ = execute(world, "r", quintic(world, "r", [2.5], 0.2))
@@ -148,13 +174,18 @@ def test_what_the_efforts_cannot_do_is_lost(urdf_world: Callable[..., World]) ->
 def test_a_wall_in_the_way_is_touched_and_named(urdf_world: Callable[..., World]) -> None:
     wall = {"name": "lid", "shape": {"box": [1, 1, 0.1]}, "pose": {"position": [0, 0, 0.35]}}
     world = urdf_world(SLIDE, objects=[wall])
-    runner, _ = execute(world, "r", quintic(world, "r", [0.5], 1.0))
-    run(runner, 3.0)
-    failure, contact = runner.status.failure, runner.status.contacts[0]
+    runner, simulation = execute(world, "r", quintic(world, "r", [0.5], 1.0))
+    touching = next(status for status in run(runner, 3.0) if status.contacts)
+    assert touching.state in {"aborting", "aborted"}
+    failure, contact = runner.status.failure, touching.contacts[0]
     assert isinstance(failure, Contact)
+    assert contact.force is not None
+    assert contact.force >= failure.evidence["force"] > 0  # the worst of the tick that it is in
+    assert runner.status.state == "aborted"
+    assert abs(simulation.v[0]) <= 0.01  # it ends at rest, not in mid-motion
     assert failure.evidence["pair"] == ["lid", "r::cart"]
     assert contact.bodies == ("lid", "r::cart")
-    assert contact.distance == -failure.evidence["depth"] < -1e-4
+    assert contact.distance <= -failure.evidence["depth"] < -1e-4
     # the sphere's top meets the underside of the lid at a height of 0.3
     np.testing.assert_allclose(contact.points, [[0, 0, 0.3], [0, 0, 0.3]], atol=0.01)
     assert runner.status.measured[0] == pytest.approx(0.2, abs=0.01)

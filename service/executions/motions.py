@@ -1,0 +1,123 @@
+"""Motions that are asked for: of a plan, or of the client; each knows how it is proven."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from planning.errors import UnknownName
+from service.api.names import located
+from service.executions.models import ExecutionRequest
+from service.executions.position import check_at_start
+from service.executions.tasks import PROVE, PROVE_MOTION, ProofWork
+from service.jobs.service import JobService
+from service.plans.models.trajectory import Polynomial
+from service.plans.resource import DeliveredMotion, motion_of, work_of
+from service.plans.tasks import MotionWork
+from service.scenes.models.summary import Group
+from service.scenes.store.records import SceneRecord
+from service.scenes.tasks import RequestWork, SceneWork
+from service.scenes.validation import check_request, find_group
+from service.trajectories.models import CertifyMotionRequest
+
+
+class AskedMotion(Protocol):
+    """A motion that is asked for."""
+
+    @property
+    def scene(self) -> str:
+        """Id of the scene that it is in."""
+        ...
+
+    def group_in(self, record: SceneRecord) -> Group:
+        """Return the group that moves.
+
+        Raises:
+            UnknownName: The scene has no such group, or none of something that the motion names.
+        """
+        ...
+
+    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> Polynomial:
+        """Return the motion, once it is known to start where the group is and to hold.
+
+        Raises:
+            StartMismatch: It starts elsewhere.
+            NotCertified: It cannot be proven.
+        """
+        ...
+
+
+async def asked_motion(request: ExecutionRequest, jobs: JobService) -> AskedMotion:
+    """Return the motion that a request asks for.
+
+    Raises:
+        UnknownResource: There is no such plan.
+        NotFinished: The plan has no trajectory.
+    """
+    if request.trajectory is not None:
+        return OwnMotion(request, request.trajectory)
+    job = await jobs.job("plan", request.plan or "")
+    return PlannedMotion(work_of(job), motion_of(job))
+
+
+@dataclass(frozen=True)
+class PlannedMotion:
+    """The motion of a plan."""
+
+    work: MotionWork
+    motion: DeliveredMotion
+
+    @property
+    def scene(self) -> str:
+        """Id of the scene that it was planned in."""
+        return self.work.request.scene
+
+    def group_in(self, record: SceneRecord) -> Group:
+        """Return the group that moves; raises as `AskedMotion`."""
+        return find_group(record, self.work.request.group)
+
+    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> Polynomial:
+        """Return the motion, by the plan's own proof or by a new one; raises as `AskedMotion`."""
+        check_at_start(group, self.motion.result.start)
+        if not self.work.scene.is_same(scene.scene):
+            work = ProofWork(
+                library=scene.library,
+                scene=scene.scene,
+                request=self.work.request,
+                origin=self.work.origin,
+                trajectory=self.motion.polynomial,
+            )
+            await jobs.call(PROVE, work)
+        return self.motion.polynomial
+
+
+@dataclass(frozen=True)
+class OwnMotion:
+    """A motion of the client.
+
+    Attributes:
+        request: The whole request, in which names are located.
+        motion: The motion, and what it shall keep.
+    """
+
+    request: ExecutionRequest
+    motion: CertifyMotionRequest
+
+    @property
+    def scene(self) -> str:
+        """Id of the scene that it says."""
+        return self.motion.scene
+
+    def group_in(self, record: SceneRecord) -> Group:
+        """Return the group that moves; raises as `AskedMotion`."""
+        try:
+            find_group(record, self.motion.group)
+        except UnknownName as fault:
+            raise located(fault, {"trajectory": {"group": self.motion.group}}) from None
+        group = check_request(record, self.request)
+        self.motion.check_group(group)
+        return group
+
+    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> Polynomial:
+        """Return the motion, by a proof in the scene; raises as `AskedMotion`."""
+        found = await jobs.call(PROVE_MOTION, RequestWork.about(scene, self.motion))
+        check_at_start(group, found.start)
+        return found.trajectory
