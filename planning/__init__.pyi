@@ -1,6 +1,7 @@
 # The public names of `planning`, and the modules that define them.
 
 from .api.certify_trajectory import certify_trajectory as certify_trajectory
+from .api.combine_motions import combine_motions as combine_motions
 from .api.grow_regions import grow_regions as grow_regions
 from .api.ik import solve_ik as solve_ik
 from .api.retime_path import retime_path as retime_path
@@ -70,6 +71,8 @@ from .domain.request.constraint import (
     TightLimits as TightLimits,
 )
 from .domain.request.deadline import Deadline as Deadline
+from .domain.request.group_motion import CombinedMotion as CombinedMotion
+from .domain.request.group_motion import GroupMotion as GroupMotion
 from .domain.request.motion_limits import SpeedZone as SpeedZone
 from .domain.request.motion_limits import ToolLimit as ToolLimit
 from .domain.request.options import (

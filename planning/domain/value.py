@@ -64,10 +64,12 @@ class Value:
 
     A class with thousands of instances inside another value, most of them unchanged between
     digests, may set `caches_bytes`: the bytes that an instance adds to a digest are then computed
-    once.
+    once. Fields in `left_out_if_empty` enter a digest only with content, so a field that is added
+    later does not change the digests of the values that do not use it.
     """
 
     caches_bytes: ClassVar[bool] = False
+    left_out_if_empty: ClassVar[frozenset[str]] = frozenset()
 
     def __post_init__(self) -> None:
         """Freeze every array."""
@@ -170,7 +172,8 @@ def _validate_dtype(array: Any) -> None:
 
 def _feed_value(sha: Any, content: Any) -> None:
     """Feed the same bytes as a list of all fields' names and contents."""
-    kind, fields = _class_header(type(content))
+    empty = frozenset(name for name in content.left_out_if_empty if not getattr(content, name))
+    kind, fields = _class_header(type(content), empty)
     sha.update(kind)
     for name, encoded_name in fields:
         sha.update(encoded_name)
@@ -178,9 +181,11 @@ def _feed_value(sha: Any, content: Any) -> None:
 
 
 @cache
-def _class_header(kind: type[Any]) -> tuple[bytes, tuple[tuple[str, bytes], ...]]:
+def _class_header(
+    kind: type[Any], left_out: frozenset[str]
+) -> tuple[bytes, tuple[tuple[str, bytes], ...]]:
     """Return the leading bytes of a class, and its fields' names with their own bytes."""
-    names = [field.name for field in dataclasses.fields(kind)]
+    names = [field.name for field in dataclasses.fields(kind) if field.name not in left_out]
     begin = f"value {kind.__qualname__}({2 * len(names)})".encode()
     return begin, tuple((name, _scalar(name)) for name in names)
 

@@ -26,7 +26,9 @@ from planning.goals.joint_metric import JointMetric
 from planning.goals.lines.approach_checker import with_moves
 from planning.goals.predicate import find_predicate_goals
 from planning.goals.ranking import full_turn_equivalents, nearest_first
+from planning.goals.targets.target_selection import TargetSelection
 from planning.goals.timeout import check_time
+from planning.world.mechanics.idle_joints import idle_positions
 from planning.world.world import World
 
 # Share of the time for goals that the search under path constraints may take.
@@ -87,21 +89,21 @@ def _find_tool_goals(
         constrained_world = world.with_limits(
             query.group, query.constraints.limits_with_locks(world.limits(query.group))
         )
-        _, search = solve_tool_goal(
+        selection, search = solve_tool_goal(
             constrained_world,
             _with_min_solutions(query),
             rng,
             deadline.at_fraction(_CONSTRAINED_TIME_FRACTION),
         )
         if len(search.solutions):
-            return _rank_solutions(constrained_world, query, search, deadline)
+            return _rank_solutions(constrained_world, query, selection, search, deadline)
         check_time(constrained_world, query, search, deadline)
         unconstrained = replace(query, constraints=None)
     selection, search = solve_tool_goal(world, _with_min_solutions(unconstrained), rng, deadline)
     if not len(search.solutions):
         check_time(world, unconstrained, search, deadline)
         raise goal_failure(constrained_world, query, selection, search, rng, deadline)
-    return _rank_solutions(world, unconstrained, search, deadline)
+    return _rank_solutions(world, unconstrained, selection, search, deadline)
 
 
 def _with_min_solutions(query: GoalQuery) -> GoalQuery:
@@ -110,13 +112,18 @@ def _with_min_solutions(query: GoalQuery) -> GoalQuery:
 
 
 def _rank_solutions(
-    world: World, query: GoalQuery, search: PoseSearch, deadline: Deadline
+    world: World,
+    query: GoalQuery,
+    selection: TargetSelection,
+    search: PoseSearch,
+    deadline: Deadline,
 ) -> GoalConfigurations:
     """Return the solutions and their equivalents by full turns, nearest to the start first."""
     group, options = query.group, query.options
     metric = JointMetric.from_names(group, options.joint_weights)
     tally = count_collisions(world, query, search.colliding, query.num_measured, deadline)
-    rows, index = full_turn_equivalents(group, world.limits(group), search.solutions.rows)
+    idle = idle_positions(world.drake, group, selection.accepted[0].frame)
+    rows, index = full_turn_equivalents(group, world.limits(group), search.solutions.rows, idle)
     target_indices = search.solutions.targets[index]
     funnel = search.funnel(tally.summary)
     if search.checker is not None:

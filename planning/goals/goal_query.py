@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from planning.domain.goals.goal import Goal
 from planning.domain.request.options import IkOptions
@@ -25,6 +25,8 @@ class GoalQuery:
         num_measured: Number of colliding solutions whose colliding pairs and depths are measured.
             That takes longer than finding the solutions: plans use few.
         constraints: Path constraints that configurations of a tool goal satisfy; None for none.
+        kept: Coordinates that configurations of a tool goal have as the start has them, shape
+            (nq,); None for none.
     """
 
     group: JointGroup
@@ -34,3 +36,4 @@ class GoalQuery:
     options: IkOptions
     num_measured: int = 5
     constraints: PathConstraints | None = None
+    kept: Bool[np.ndarray, " nq"] | None = None

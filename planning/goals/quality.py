@@ -13,6 +13,7 @@ from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.goals.arm_branch import branch_of
 from planning.goals.joint_metric import JointMetric
 from planning.world.kernel.link_tree import link_tree
+from planning.world.mechanics.idle_joints import idle_positions
 from planning.world.mechanics.tool_kinematics import ToolKinematics
 from planning.world.world import World
 
@@ -34,7 +35,7 @@ class QualityProbe:
         self._diagram_context = world.drake.diagram.CreateDefaultContext()
         self._context = self._plant.GetMyMutableContextFromRoot(self._diagram_context)
         self._distances = world.distance_probe(world.margins())
-        self._axes = _arm_axes(world, group)
+        self._axes = _arm_axes(world, group, frame)
 
     def evaluate(
         self, q: Float64[np.ndarray, " nq"], start: Float64[np.ndarray, " nq"]
@@ -92,10 +93,18 @@ def limit_margin(limits: JointLimits, q: Float64[np.ndarray, " nq"]) -> float | 
     return float((gap / span[bounded]).min())
 
 
-def _arm_axes(world: World, group: JointGroup) -> list[Any] | None:
-    """Return the joints, base to tool, of a serial chain of six revolute joints; None otherwise."""
+def _arm_axes(world: World, group: JointGroup, frame: str) -> list[Any] | None:
+    """Return the joints, base to tool, of a serial chain of six revolute joints; None otherwise.
+
+    Of a group that spans several arms, these are the joints that move the frame.
+    """
     plant, tree = world.drake.plant, link_tree(world.drake)
-    joints: list[Any] = [plant.get_joint(world.drake.joint_indices[j.name]) for j in group.joints]
+    names = [joint.name for joint in group.joints]
+    if len(names) > 6:
+        idle = idle_positions(world.drake, group, frame)
+        idle_names = {name for name, flag in zip(group.position_names, idle, strict=True) if flag}
+        names = [name for name in names if name not in idle_names]
+    joints: list[Any] = [plant.get_joint(world.drake.joint_indices[name]) for name in names]
     if tree is None or len(joints) != 6:
         return None
     if not all(isinstance(joint, RevoluteJoint) for joint in joints):

@@ -103,12 +103,21 @@ class UniqueSolutions:
 
 
 def full_turn_equivalents(
-    group: JointGroup, limits: JointLimits, rows: Float64[np.ndarray, "m nq"]
+    group: JointGroup,
+    limits: JointLimits,
+    rows: Float64[np.ndarray, "m nq"],
+    idle: Bool[np.ndarray, " nq"] | None = None,
 ) -> tuple[Float64[np.ndarray, "n nq"], Int64[np.ndarray, " n"]]:
     """Return each row with full turns added to its revolute joints in every way within limits.
 
     Continuous joints get no turns: a full turn of theirs is the same point of the manifold. Nor do
     leaders of mimic joints in `group.winding`: their followers are elsewhere after a full turn.
+
+    Args:
+        group: The group.
+        limits: Its limits.
+        rows: Configurations within them.
+        idle: Coordinates that get no turns, as they do not move the tool; None for none.
 
     Returns:
         The rows, all equivalents of one given row in sequence, and the index of the given row of
@@ -122,6 +131,8 @@ def full_turn_equivalents(
         ],
         dtype=bool,
     )
+    if idle is not None:
+        is_revolute &= ~idle
     min_turns, max_turns = np.zeros(rows.shape), np.zeros(rows.shape)
     low, high = limits.lower[is_revolute], limits.upper[is_revolute]
     min_turns[:, is_revolute] = np.ceil((low - rows[:, is_revolute]) / (2 * np.pi) - 1e-12)

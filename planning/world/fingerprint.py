@@ -25,15 +25,17 @@ from planning.world.world import World
 _NUM_PROBE_CONFIGURATIONS = 4
 
 
-_cache: WeakKeyDictionary[StaticObjects, dict[str, str]] = WeakKeyDictionary()
+_cache: WeakKeyDictionary[StaticObjects, dict[tuple[str, ...], str]] = WeakKeyDictionary()
 
 
 def collision_fingerprint(world: World, group: JointGroup) -> str:
     """Return the sha256 of shapes, collision filters, and body poses over the group's motion."""
     fingerprints = _cache.setdefault(world.drake.static_objects, {})
-    if group.name not in fingerprints:
-        fingerprints[group.name] = _compute_fingerprint(world, group)
-    return fingerprints[group.name]
+    # By its joints: scenes that share an engine may give one name to different groups.
+    key = group.position_names
+    if key not in fingerprints:
+        fingerprints[key] = _compute_fingerprint(world, group)
+    return fingerprints[key]
 
 
 def _compute_fingerprint(world: World, group: JointGroup) -> str:

@@ -26,7 +26,7 @@ def scene_summary(world: World) -> SceneSummary:
             {name: tuple(map(float, q)) for name, q in world.configurations(group).items()},
             tuple(map(float, world.positions(group))),
         )
-        for group in world.groups
+        for group in (*world.groups, *world.scene_groups.spanning)
     }
     frames, bodies = _sorted_names(world.drake)
     return SceneSummary(

@@ -32,6 +32,7 @@ from planning.world.loading.scene_build import LoadedRobot
 from planning.world.models.groups import RobotGroups, group_limits, robot_groups
 from planning.world.models.mimic_limits import followers_of
 from planning.world.models.model_library import ModelLibrary
+from planning.world.models.scene_groups import SceneGroups
 
 type CollisionChecker = DrakeCollisionOracle | KernelCollisionOracle
 
@@ -47,6 +48,7 @@ class World:
         library: Library of its robots' files.
         drake: The engine objects, borrowed read-only by the stages.
         state: The current configuration of all joints, shape (num_positions,), read-only.
+        scene_groups: The groups of its robots, and those that span them.
     """
 
     def __init__(
@@ -66,12 +68,7 @@ class World:
         self._limits: dict[tuple[str, ...], JointLimits] = {}
         self._stated_limits: dict[tuple[str, ...], tuple[JointLimits, tuple[Follower, ...]]] = {}
         self._robot_groups = [robot_groups(drake, loaded) for loaded in robots]
-        self._groups = {
-            group.name: group for own in self._robot_groups for group in own.groups.values()
-        }
-        for own in self._robot_groups:
-            for name, group in own.groups.items():
-                self._groups.setdefault(f"{own.robot}::{name}", group)
+        self.scene_groups = SceneGroups(scene, self._robot_groups)
         self._configurations = named_configurations(scene, self._robot_groups, self.group)
         nominal = np.array(drake.plant.GetPositions(self._plant_context))
         self.state = initial_state(drake, robots, self._robot_groups, self._configurations, nominal)
@@ -103,18 +100,17 @@ class World:
 
     @property
     def groups(self) -> tuple[JointGroup, ...]:
-        """Every group once, in the order of the robots."""
-        return tuple(group for own in self._robot_groups for group in own.groups.values())
+        """Every group of a robot once, in the order of the robots."""
+        return self.scene_groups.own
 
     def group(self, name: str) -> JointGroup:
-        """Return a group by `robot` or `robot::group`.
+        """Return a group by `robot`, `robot::group`, its name, or several joined by `+`.
 
         Raises:
             UnknownName: There is none.
+            ProblemInvalid: Two of the joined groups have a joint in common.
         """
-        if name not in self._groups:
-            raise UnknownName.among("group", name, self._groups)
-        return self._groups[name]
+        return self.scene_groups.find(name)
 
     def limits(self, group: JointGroup) -> JointLimits:
         """Return the limits of a group under which its followers keep their own limits too.
@@ -146,7 +142,7 @@ class World:
 
     def configurations(self, group: JointGroup) -> dict[str, Array]:
         """Return the group's named configurations, each shape (nq,)."""
-        return self._configurations[group.name]
+        return self.scene_groups.configurations(group, self._configurations)
 
     def configuration(self, group: JointGroup, name: str) -> Array:
         """Return one named configuration of the group, shape (nq,).
@@ -154,9 +150,10 @@ class World:
         Raises:
             UnknownName: There is none of that name.
         """
-        if name not in self._configurations[group.name]:
-            raise UnknownName.among("configuration", name, self._configurations[group.name])
-        return self._configurations[group.name][name]
+        known = self.configurations(group)
+        if name not in known:
+            raise UnknownName.among("configuration", name, known)
+        return known[name]
 
     def positions(self, group: JointGroup) -> Array:
         """Return the group's positions in the scene, shape (nq,)."""

@@ -108,6 +108,19 @@ class NamedConfiguration(Value):
 
 
 @dataclass(frozen=True, eq=False)
+class NamedGroup(Value):
+    """Named group that spans groups of robots.
+
+    Attributes:
+        name: Its name; no robot has it.
+        members: `robot` or `robot::group` each, at least one; joints are in this order.
+    """
+
+    name: str
+    members: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class PairMargin(Value):
     """Collision margin of two bodies, other than the scene's.
 
@@ -136,7 +149,10 @@ class Scene(Value):
         files: Files of robots and meshes by content, by the name of the robot or object. For those
             missing here, `load_world` reads the files from disk and adds them to the `scene` of the
             world; for those given here, nothing else is read.
+        groups: Groups that span groups of robots; without any, the digest is that of older scenes.
     """
+
+    left_out_if_empty = frozenset({"groups"})
 
     name: str
     robots: tuple[SceneRobot, ...]
@@ -147,6 +163,7 @@ class Scene(Value):
     margin: float = 0.0
     margins: tuple[PairMargin, ...] = ()
     files: Mapping[str, KeptFiles] = field(default_factory=dict)
+    groups: tuple[NamedGroup, ...] = ()
 
     @property
     def digest(self) -> str:

@@ -108,7 +108,10 @@ class PoseSearch:
         """Return the seeds of ascending numbers, drawing more as needed."""
         missing = int(seeds[-1]) + 1 - len(self._drawn_seeds)
         if missing > 0:
-            self._drawn_seeds = np.concatenate([self._drawn_seeds, self._seeds.take(missing)])
+            drawn, kept = np.array(self._seeds.take(missing)), self._query.kept
+            if kept is not None:
+                drawn[:, kept] = self._query.start[kept]
+            self._drawn_seeds = np.concatenate([self._drawn_seeds, drawn])
         return self._drawn_seeds[seeds]
 
     def _add_batch(self, converged: Flags, q: Array, poses: Indices) -> None:

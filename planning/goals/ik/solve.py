@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -20,9 +21,12 @@ from planning.goals.lines.approach_checker import approach_checker
 from planning.goals.ranking import UniqueSolutions
 from planning.goals.targets.target_samples import ExactPoses, TargetSamples
 from planning.goals.targets.target_selection import TargetSelection, select_targets
+from planning.world.mechanics.idle_joints import idle_positions
 from planning.world.world import World
 
 _LOG = logging.getLogger(__name__)
+# Share of the time for a goal at which the group's other joints stay where they are.
+_KEPT_TIME_FRACTION = 0.5
 
 
 def solve_tool_goal(
@@ -30,14 +34,35 @@ def solve_tool_goal(
 ) -> tuple[TargetSelection, PoseSearch]:
     """Search for configurations of a tool goal by the kernel, if available; verify them by Drake.
 
-    If Drake's forward kinematics refutes a single solution of the kernel, all are discarded and
-    the search is repeated by Drake alone.
+    Joints that do not move the tool, such as those of a group's other arm, stay where the start has
+    them; only if nothing is found so, they are free.
 
     Returns:
         The target selection of the goal, and the finished search with its solutions.
     """
-    group = query.group
     selection = select_targets(world, query, rng)
+    kept = idle_positions(world.drake, query.group, selection.accepted[0].frame)
+    if kept.any():
+        own_deadline = deadline.at_fraction(_KEPT_TIME_FRACTION)
+        search = _verified_search(world, replace(query, kept=kept), selection, rng, own_deadline)
+        if len(search.solutions):
+            return selection, search
+    return selection, _verified_search(world, query, selection, rng, deadline)
+
+
+def _verified_search(
+    world: World,
+    query: GoalQuery,
+    selection: TargetSelection,
+    rng: np.random.Generator,
+    deadline: Deadline,
+) -> PoseSearch:
+    """Return the finished search over a target selection.
+
+    If Drake's forward kinematics refutes a single solution of the kernel, all are discarded and
+    the search is repeated by Drake alone.
+    """
+    group = query.group
     state = rng.bit_generator.state
     make_kernel_solver = partial(_kernel_solver, world, group)
     search = _run_search(world, query, selection, make_kernel_solver, rng, deadline)
@@ -51,7 +76,7 @@ def solve_tool_goal(
         make_drake_solver = partial(_drake_solver, world, group, deadline)
         search = _run_search(world, query, selection, make_drake_solver, rng, deadline)
     assert search is not None  # noqa: S101  (Drake always has a solver)
-    return selection, search
+    return search
 
 
 def _run_search(

@@ -15,10 +15,11 @@ _MAX_REPORTED_DISTANCE = 0.3
 def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Array]:
     """Return a function from rows of the group's q to obstacle distances [m], at most 0.3 m.
 
-    Distances are those between bodies of the group's robot and all others; self-collision pairs are
-    excluded, and nothing is computed before the function is first called.
+    Distances are those between bodies of the group's robots and all others, the group's other
+    robots included; self-collision pairs are excluded, and nothing is computed before the function
+    is first called.
     """
-    prefix = group.name.split("::")[0] + "::"
+    own = {joint.name.partition("::")[0] for joint in group.joints}
     margins = world.margins()
     probe = None
 
@@ -31,7 +32,7 @@ def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Arr
                 (
                     pair.distance
                     for pair in probe.pairs_within(q, _MAX_REPORTED_DISTANCE)
-                    if sum(name.startswith(prefix) for name in pair.bodies) == 1
+                    if _concerns(own, *(name.partition("::") for name in pair.bodies))
                 ),
                 default=_MAX_REPORTED_DISTANCE,
             )
@@ -39,3 +40,9 @@ def obstacle_distances(world: World, group: JointGroup) -> Callable[[Array], Arr
         ])
 
     return measure
+
+
+def _concerns(own: set[str], a: tuple[str, str, str], b: tuple[str, str, str]) -> bool:
+    """Return whether of two bodies, split at `::`, one is of these robots and they are of two."""
+    robot_a, robot_b = (part[0] if part[1] else None for part in (a, b))
+    return robot_a != robot_b and not own.isdisjoint((robot_a, robot_b))

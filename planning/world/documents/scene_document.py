@@ -15,6 +15,7 @@ from planning.domain.geometry.shapes import HalfSpace
 from planning.domain.scene.scene import (
     Attachment,
     NamedConfiguration,
+    NamedGroup,
     PairMargin,
     Scene,
     SceneFrame,
@@ -36,6 +37,10 @@ type Name = Annotated[
 ]
 type Path_ = Annotated[
     str, StringConstraints(min_length=1, max_length=256, pattern=r"^[A-Za-z0-9_.:\-]+$")
+]
+# Of several groups the names are joined by `+`.
+type GroupPath = Annotated[
+    str, StringConstraints(min_length=1, max_length=1024, pattern=r"^[A-Za-z0-9_.:\-+]+$")
 ]
 type Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
 type Quadruple = Annotated[list[Number], Field(min_length=4, max_length=4)]
@@ -182,7 +187,7 @@ class FrameDocument(StrictModel):
 class ConfigurationDocument(StrictModel):
     """A named configuration of a group."""
 
-    group: Path_ = Field(description="`robot` or `robot::group`")
+    group: GroupPath = Field(description="`robot`, `robot::group`, or a group of `groups`")
     positions: list[Number] = Field(description="In the group's order [rad or m]", min_length=1)
 
 
@@ -230,6 +235,10 @@ class SceneDocument(StrictModel):
     allowed_collisions: list[BodyPairDocument] = Field(
         default=[], max_length=100_000, description="Pairs of bodies that may touch"
     )
+    groups: dict[Name, Annotated[list[Path_], Field(min_length=1, max_length=64)]] = Field(
+        default={},
+        description="Groups that span groups of robots, `robot` or `robot::group` each, in order",
+    )
     configurations: dict[Name, ConfigurationDocument] = Field(
         default={}, description="Named configurations beside those of the robots"
     )
@@ -257,4 +266,5 @@ class SceneDocument(StrictModel):
                 PairMargin((entry.bodies[0], entry.bodies[1]), entry.margin)
                 for entry in self.margins
             ),
+            groups=tuple(NamedGroup(name, tuple(m)) for name, m in self.groups.items()),
         )

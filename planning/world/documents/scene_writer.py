@@ -66,6 +66,7 @@ def _scene_content(scene: Scene) -> dict[str, Any]:
         "objects": [_object(thing) for thing in scene.objects],
         "frames": [_frame(frame) for frame in scene.frames],
         "allowed_collisions": [list(pair) for pair in scene.allowed_collisions],
+        "groups": {group.name: list(group.members) for group in scene.groups},
         "configurations": {
             entry.name: {"group": entry.group, "positions": entry.positions.tolist()}
             for entry in scene.configurations

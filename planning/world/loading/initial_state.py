@@ -39,7 +39,7 @@ def named_configurations(
     for entry in scene.configurations:
         group = _group_of(entry, find_group)
         q = _validated_positions(group, entry.positions, f"configurations.{entry.name}.positions")
-        collected[group.name][entry.name] = q
+        collected.setdefault(group.name, {})[entry.name] = q
     return collected
 
 

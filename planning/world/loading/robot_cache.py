@@ -54,9 +54,13 @@ class RobotCache:
         return replace(robot, positions=merged)
 
     def _load(self, scene: Scene) -> World:
-        # Named configurations refer to groups of robots, so they are kept.
+        # Named configurations refer to groups of robots, so both are kept.
         robots_only = Scene(
-            scene.name, scene.robots, configurations=scene.configurations, files=scene.files
+            scene.name,
+            scene.robots,
+            configurations=scene.configurations,
+            files=scene.files,
+            groups=scene.groups,
         )
         if self._world is None or self._loaded_scene != robots_only:
             # The same bytes for the whole edit, even if the disk changes meanwhile.
