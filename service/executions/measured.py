@@ -11,8 +11,8 @@ from datetime import datetime
 from sqlalchemy import Connection, select
 
 from planning.domain.robot.joints import JointType
-from service.executions.robot_status import status_after
 from service.executions.models import ExecutionState
+from service.executions.robot_status import status_after
 from service.executions.tasks import EXECUTE, ExecutionOutline
 from service.jobs.job import FINISHED, JobSummary, LoggedEvent
 from service.jobs.service import JobService
