@@ -1,4 +1,4 @@
-"""The live state over HTTP: executions leave it, edits by hand replace it, everything begins there."""
+"""The live state over HTTP: executions leave it, edits by hand replace it, all begins there."""
 
 import numpy as np
 import pytest

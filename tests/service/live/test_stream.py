@@ -23,8 +23,8 @@ from tests.service.live.test_state import (
     finished,
     moved,
     planned,
-    posted,
     positions,
+    posted,
     state_of,
 )
 
