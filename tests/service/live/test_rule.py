@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from tests.profiles import PROFILE, num_cases
@@ -125,6 +125,16 @@ def check(client, scene, model):
 
 
 @RULES
+@example(
+    steps=[
+        ("execute", "body", [-0.1, -0.3, 0.2]),
+        ("attach", "body", None),
+        ("obstacle", None, None),
+        ("execute", "body", [0.2, -0.3, 0.0]),
+        ("detach", None, None),
+        ("set", "body", [-0.4, -0.3, 0.0]),
+    ]
+)
 @given(steps=st.lists(STEPS, min_size=2, max_size=7))
 def test_the_state_is_the_latest_revision_and_what_was_measured_since(client, steps):
     scene, model = posted(client, CELL), Model()
