@@ -48,7 +48,7 @@ class RobotState(ResponseModel):
     robot: str = Field(description="Its name in the scene")
     status: domain.RobotStatus = Field(
         description="`at_rest`; `moving`, by an execution; or `unknown`: an execution has ended "
-        "without its driver, and nothing in the scene is executed until `set_positions` says where it is"
+        "without its driver, and nothing in the scene moves until `set_positions` says where it is"
     )
     positions: JointPositions = Field(
         description="Of the joints of its groups [rad or m]; `set_positions` takes them as they are"

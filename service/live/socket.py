@@ -1,9 +1,9 @@
 """WebSocket /v1/scenes/{id}/state/ws: the events of a live state, each as a text of JSON."""
 
-import asyncio
 from contextlib import aclosing, suppress
 from typing import Annotated
 
+from anyio import CancelScope, create_task_group
 from fastapi import APIRouter, Query, WebSocket, WebSocketDisconnect
 
 from service.api.error_responses import respond
@@ -42,17 +42,15 @@ async def send_scene_state(
         await socket.send_denial_response(respond(fault))
         return
     await socket.accept()
-    sending = asyncio.ensure_future(_send(socket, feeds, record.id, Watch(rate, after)))
-    leaving = asyncio.ensure_future(_left(socket))
-    try:
-        await asyncio.wait({sending, leaving}, return_when=asyncio.FIRST_COMPLETED)
-        if sending.done():
-            sending.result()
+    has_ended = False
+    async with create_task_group() as both:
+        both.start_soon(_until_left, socket, both.cancel_scope)
+        await _send(socket, feeds, record.id, Watch(rate, after))
+        has_ended = True
+        both.cancel_scope.cancel()
+    if has_ended:
+        with suppress(RuntimeError, WebSocketDisconnect):  # the client was quicker
             await socket.close(_GOING_AWAY)
-    finally:
-        sending.cancel()
-        leaving.cancel()
-        await asyncio.gather(sending, leaving, return_exceptions=True)
 
 
 async def _send(socket: WebSocket, feeds: LiveFeeds, scene: str, watch: Watch) -> None:
@@ -65,6 +63,8 @@ async def _send(socket: WebSocket, feeds: LiveFeeds, scene: str, watch: Watch) -
                 )
 
 
-async def _left(socket: WebSocket) -> None:
+async def _until_left(socket: WebSocket, scope: CancelScope) -> None:
+    """End what is sent once the client has left."""
     while (await socket.receive())["type"] != "websocket.disconnect":
         pass
+    scope.cancel()

@@ -165,7 +165,7 @@ def moved_by(motion: Motion, state: RobotState) -> RobotState:
     """Return where a robot is once a motion has told it; one that has ended since tells nothing."""
     if motion.execution == state.ended:
         return state
-    found = replace(state, execution=motion.execution)
+    found = replace(state, execution=state.execution or motion.execution)
     if motion.positions is None:
         return found
     return replace(

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 import pytest
 
 from service.app import create_app
+from service.client.events import decode_events
 from service.settings import Settings
 from tests.profiles import PROFILE
 from tests.service.conftest import TestClient
@@ -150,6 +151,40 @@ def test_an_execution_is_steered_and_shown_at_the_other_server(servers, scene):
         assert list(positions(client, f"/v1/scenes/{scene['id']}").values()) == rest
     late = follower.post(f"{path}/pause")
     assert (late.status_code, late.json()["code"]) == (409, "illegal_transition")
+
+
+def test_the_live_state_is_told_by_the_other_server_as_it_changes(servers, scene):
+    """A follower hears of edits and of motions by notifications."""
+    leader, follower = servers
+    job = planned(leader, scene)
+    stream = f"/v1/scenes/{scene['id']}/state/events?rate=100"
+    with (
+        ThreadPoolExecutor(1) as threads,
+        follower.websocket_connect(f"/v1/scenes/{scene['id']}/state/ws?rate=100") as socket,
+    ):
+        first = socket.receive_json()
+        place = {"op": "add", "object": {"name": "ball", "shape": {"sphere": 0.1}}}
+        place["object"]["pose"] = {"position": [5, 5, 5]}
+        leader.patch(f"/v1/scenes/{scene['id']}", json={"operations": [place]})
+        assert socket.receive_json()["data"]["revision"] == first["data"]["revision"] + 1
+        body = {"plan": job["id"], "speed": 0.05}
+        told = threads.submit(decoded, follower, f"{stream}&most=4", first["id"])
+        path = leader.post("/v1/executions", json=body).headers["Location"]
+        events = told.result()
+        leader.post(f"{path}/cancel")
+        until(lambda: follower.get(path).json()["state"] == "canceled")
+        while (event := socket.receive_json())["data"]["robots"][0]["execution"] is not None:
+            pass  # it comes to rest
+    assert {event.data["robots"][0]["status"] for event in events} <= {"at_rest", "moving"}
+    rest = event["data"]["robots"][0]
+    assert rest["source"] == {"type": "execution", "id": path.rsplit("/", 1)[1]}
+    for client in servers:
+        assert client.get(f"/v1/scenes/{scene['id']}/state").json()["robots"] == [rest]
+
+
+def decoded(client, path, after):
+    with client.stream("GET", path, headers={"Last-Event-ID": after}) as answer:
+        return list(decode_events(answer))
 
 
 def test_a_key_at_both_servers_is_one_plan(servers, scene):

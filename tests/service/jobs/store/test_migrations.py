@@ -1,6 +1,7 @@
 """A database is brought to what the code has of it, from any revision; others are refused."""
 
 import asyncio
+import json
 import re
 import shutil
 import sqlite3
@@ -21,7 +22,9 @@ from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.migrations.upgrade import head, upgrade
 from service.jobs.store.schema import NEWEST, bring_up_to_date, stored_revision
+from service.scenes.live import ExecutionSource, RobotStatus
 from service.scenes.store import records
+from service.scenes.store.live_rows import read_states
 from service.security import keys
 from service.webhooks import records as webhook_records
 from tests.golden.service.stored import DUMP, load
@@ -99,6 +102,31 @@ def test_a_database_of_the_released_version_becomes_the_same(engine, released):
     with released.connect() as connection:
         names = set(connection.execute(text("SELECT task FROM jobs")).scalars())
     assert names == {"plan", "reverse", "grow_regions", "execute"}
+
+
+def test_where_an_execution_left_its_robot_is_kept_as_far_as_no_revision_says_it(released):
+    """Version 0.1 made a revision of it when the scene was next looked at."""
+    with released.begin() as connection:
+        [(scene, job)] = connection.execute(
+            text("SELECT scene, id FROM jobs WHERE lane = 'execution'")
+        ).all()
+        last = "SELECT data FROM job_events WHERE job = :job AND type = 'status' ORDER BY number"
+        *_, status = connection.execute(text(last), {"job": job}).scalars()
+        forget = "DELETE FROM scenes WHERE id = :scene AND revision = 3"
+        assert connection.execute(text(forget), {"scene": scene}).rowcount == 1
+    bring_up_to_date(released)
+    with released.connect() as connection:
+        [state] = read_states(connection, scene)
+    measured = json.loads(status)["positions"]
+    assert (state.robot, state.positions) == ("body", {"base_joint": measured})
+    assert (state.source, state.ended) == (ExecutionSource(job), job)
+    assert state.status is RobotStatus.AT_REST
+
+
+def test_of_what_a_revision_says_nothing_is_kept_besides(released):
+    bring_up_to_date(released)
+    with released.connect() as connection:
+        assert connection.execute(text("SELECT * FROM scene_states")).all() == []
 
 
 def test_the_first_revision_is_what_was_released(engine, released):
