@@ -254,3 +254,32 @@ def test_a_robot_that_never_rests_is_aborted_in_time(execution: Execution) -> No
 def assert_on_path(sent: list[Setpoint], motion: TimedTrajectory) -> None:
     path = motion.positions(np.linspace(0.0, motion.duration, 3001))
     assert max(np.linalg.norm(path - s.q, axis=1).min() for s in sent) < 1e-3
+
+
+def test_between_both_ways_it_is_at_rest_for_an_instant(execution: Execution) -> None:
+    """There s'' may jump, and both |q'' s'^2 + q' s''| <= a at the ends of a period suffice."""
+    running, measured = execution.start(), EchoDriver().read(0.0)
+    velocities = list[float]()
+    driver = EchoDriver()
+    for i in range(400):
+        running = running.with_speed(-1.0) if i == 250 else running
+        running, setpoint = running.step(measured, PERIOD)
+        driver.send(setpoint)
+        velocities.append(running.path_velocity)
+        measured = driver.read(measured.time + PERIOD)
+    signs = np.sign(velocities)
+    assert not np.any(signs[1:] * signs[:-1] < 0)
+    assert 0.0 in velocities[250:]
+
+
+def test_who_goes_back_at_the_very_end_has_not_succeeded(execution: Execution) -> None:
+    driver = EchoDriver()
+    running, measured = execution.start(), driver.read(0.0)
+    for _ in range(1200):
+        if running.time == execution.trajectory.duration:
+            running = running.with_speed(-0.5)
+        running, setpoint = running.step(measured, PERIOD)
+        driver.send(setpoint)
+        measured = driver.read(measured.time + PERIOD)
+    assert running.state == "executing"
+    assert running.time < execution.trajectory.duration
