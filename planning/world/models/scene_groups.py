@@ -39,7 +39,7 @@ class SceneGroups:
             for name, group in robot.groups.items():
                 self._own.setdefault(f"{robot.robot}::{name}", group)
         self._by_name = dict(self._own)
-        self._members = {group.name: (group.name,) for group in self.own}
+        self._members: dict[str, tuple[str, ...]] = {name: (name,) for name in self._own}
         self._joined: dict[str, JointGroup] = {}
         names = {robot.robot for robot in robots}
         spanning = [self._named(entry, names) for entry in scene.groups]
