@@ -107,7 +107,9 @@ class SceneGroups:
             members.append(_of_scene(f"{path}.{i}", partial(self._robot_group, name)))
         group = _of_scene(path, partial(spanning_group, entry.name, members))
         self._by_name[group.name] = group
-        self._members[group.name] = tuple(member.name for member in members)
+        self._members[group.name] = names = tuple(member.name for member in members)
+        # What is joined from the same members is this group.
+        self._by_name.setdefault(joined_name(names), group)
         return group
 
     def _robot_group(self, name: str) -> JointGroup:
