@@ -13,7 +13,7 @@ from planning.domain.request.group_motion import GroupMotion
 from planning.domain.request.options import RetimeOptions
 from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import ScheduleNotFound
-from planning.schedules.scheduler import Scheduler
+from planning.pipeline.schedules.scheduler import Scheduler
 from planning.world.world import World
 
 # How often delays that the certificate refuses are left out and others tried.

@@ -21,9 +21,9 @@ import numpy as np
 from planning.domain.arrays import Array, Flags
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup
-from planning.schedules.blocked_delays import BlockedDelays, Encounter
-from planning.schedules.motion_spans import MotionSpans, Span
-from planning.schedules.shared_bodies import SharedPairs
+from planning.pipeline.schedules.blocked_delays import BlockedDelays, Encounter
+from planning.pipeline.schedules.motion_spans import MotionSpans, Span
+from planning.pipeline.schedules.shared_bodies import SharedPairs
 from planning.world.world import World
 
 # Rectangles in which bodies move more than this are halved without a look [m].

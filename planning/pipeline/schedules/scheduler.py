@@ -8,12 +8,12 @@ from planning.domain.report.motion_schedule import Wait
 from planning.domain.request.deadline import Deadline
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.spanning_group import joined_name
-from planning.schedules.blocked_delays import Encounter
-from planning.schedules.coordination_diagram import PairOfMotions, blocked_delays
-from planning.schedules.delay_network import Delays, smallest_delays
-from planning.schedules.encounters import always_meet, circular, nearest_pair
-from planning.schedules.motion_spans import MIN_SPAN, MotionSpans
-from planning.schedules.shared_bodies import SharedPairs
+from planning.pipeline.schedules.blocked_delays import Encounter
+from planning.pipeline.schedules.coordination_diagram import PairOfMotions, blocked_delays
+from planning.pipeline.schedules.delay_network import Delays, smallest_delays
+from planning.pipeline.schedules.encounters import always_meet, circular, nearest_pair
+from planning.pipeline.schedules.motion_spans import MIN_SPAN, MotionSpans
+from planning.pipeline.schedules.shared_bodies import SharedPairs
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planning.schedules.delay_network import smallest_delays
+from planning.pipeline.schedules.delay_network import smallest_delays
 from tests.clocks import no_hurry
 
 ENDS = st.integers(-4, 4)

@@ -17,6 +17,7 @@ from planning.domain.request.deadline import Deadline
 type Interval = tuple[float, float]
 type Pair = tuple[int, int]
 
+# Delays nearer than this are equal [s].
 _TOLERANCE = 1e-9
 
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from planning.domain.geometry.body_pair import BodyPair
 from planning.errors import ScheduleNotFound
-from planning.schedules.blocked_delays import BlockedDelays, Encounter
-from planning.schedules.coordination_diagram import PairOfMotions
-from planning.schedules.shared_bodies import SharedPairs
+from planning.pipeline.schedules.blocked_delays import BlockedDelays, Encounter
+from planning.pipeline.schedules.coordination_diagram import PairOfMotions
+from planning.pipeline.schedules.shared_bodies import SharedPairs
 from planning.world.collision.margins import PairMargins
 from planning.world.world import World
 
@@ -68,8 +68,8 @@ def always_meet(
     for waiting, second_waits in ((pair.second, True), (pair.first, False)):
         encounter = blocked.encounter_after_any(second_waits=second_waits)
         if encounter is not None:
-            told = _told(world, pair, terms, encounter)
-            found.append({"waiting": names[waiting], **told})
+            evidence = _as_evidence(world, pair, terms, encounter)
+            found.append({"waiting": names[waiting], **evidence})
     groups = [names[pair.first], names[pair.second]]
     text = "; ".join(
         f"if {entry['waiting']} waits, {'-'.join(entry['pair'])} come as near as "
@@ -95,7 +95,7 @@ def circular(
         blocked: The relative delays at which they meet.
     """
     found = [
-        _told(world, pairs[key], terms, delays.encounter_at(0.0))
+        _as_evidence(world, pairs[key], terms, delays.encounter_at(0.0))
         for key, delays in blocked.items()
         if delays.has_any
     ]
@@ -107,7 +107,7 @@ def circular(
     return ScheduleNotFound(message, _evidence(list(terms[0]), found))
 
 
-def _told(world: World, pair: PairOfMotions, terms: Terms, encounter: Encounter) -> dict[str, Any]:
+def _as_evidence(world: World, pair: PairOfMotions, terms: Terms, encounter: Encounter) -> dict[str, Any]:
     """Return an encounter as evidence."""
     names, shared, margins = terms
     near = nearest_pair(world, pair, (shared, margins), encounter)

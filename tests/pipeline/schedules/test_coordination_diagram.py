@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planning.domain.curves.curve import TimedTrajectory
-from planning.schedules.blocked_delays import BlockedDelays, Encounter
-from planning.schedules.coordination_diagram import PairOfMotions, blocked_delays
-from planning.schedules.motion_spans import MotionSpans
-from planning.schedules.shared_bodies import SharedPairs
+from planning.pipeline.schedules.blocked_delays import BlockedDelays, Encounter
+from planning.pipeline.schedules.coordination_diagram import PairOfMotions, blocked_delays
+from planning.pipeline.schedules.motion_spans import MotionSpans
+from planning.pipeline.schedules.shared_bodies import SharedPairs
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.discs import disc_distance, discs, straight
