@@ -107,7 +107,9 @@ def circular(
     return ScheduleNotFound(message, _evidence(list(terms[0]), found))
 
 
-def _as_evidence(world: World, pair: PairOfMotions, terms: Terms, encounter: Encounter) -> dict[str, Any]:
+def _as_evidence(
+    world: World, pair: PairOfMotions, terms: Terms, encounter: Encounter
+) -> dict[str, Any]:
     """Return an encounter as evidence."""
     names, shared, margins = terms
     near = nearest_pair(world, pair, (shared, margins), encounter)
