@@ -6,6 +6,7 @@ from .api.grow_regions import grow_regions as grow_regions
 from .api.ik import solve_ik as solve_ik
 from .api.retime_path import retime_path as retime_path
 from .api.reverse_plan import reverse_plan as reverse_plan
+from .api.schedule_motions import schedule_motions as schedule_motions
 from .api.splice_motion import splice_motion as splice_motion
 from .api.splice_motion import stop_motion as stop_motion
 from .api.trace_line import trace_line as trace_line
@@ -43,6 +44,7 @@ from .domain.goals.linear_moves import Displacement as Displacement
 from .domain.planner.regions import RegionOptions as RegionOptions
 from .domain.planner.regions import Regions as Regions
 from .domain.report.motion_plan import MotionPlan as MotionPlan
+from .domain.report.motion_schedule import MotionSchedule as MotionSchedule
 from .domain.request.constraint import (
     DistanceBand as DistanceBand,
 )

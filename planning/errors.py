@@ -283,6 +283,13 @@ class NotCertified(PlanningFailure):
     stage = "certify"
 
 
+class ScheduleNotFound(PlanningFailure):
+    """No delays keep several motions apart; evidence: `groups`, `pair`, `time`, `encounters`."""
+
+    code = "schedule_not_found"
+    stage = "schedule"
+
+
 class ExecutionFailure(StageFailure):
     """An execution was started and failed."""
 

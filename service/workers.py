@@ -13,6 +13,7 @@ PRELOAD = (
     "service.catalog.worker",
     "service.trajectories.worker",
     "service.trajectories.transition_worker",
+    "service.trajectories.schedule_worker",
     "service.plans.worker",
     "service.executions.proof",
     "service.executions.replay_worker",

@@ -25,6 +25,7 @@ def scene_summary(world: World) -> SceneSummary:
             world.limits(group),
             {name: tuple(map(float, q)) for name, q in world.configurations(group).items()},
             tuple(map(float, world.positions(group))),
+            world.scene_groups.members(group) if group in world.scene_groups.spanning else (),
         )
         for group in (*world.groups, *world.scene_groups.spanning)
     }

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     AllowInfNan,
     BaseModel,
     BeforeValidator,
@@ -21,6 +22,7 @@ from pydantic import (
 
 from planning.domain.geometry import pose as domain
 from planning.domain.goals.goal import PoseTarget
+from planning.domain.robot.spanning_group import joined_name
 
 if TYPE_CHECKING:
     import numpy as np
@@ -68,6 +70,37 @@ type SampleRejection = Annotated[
 ]
 # "no" and 0 are refused: some clients mean false by them, and JSON has a word for it.
 type Boolean = Annotated[bool, Strict()]
+
+
+class JoinedNames(str):
+    """Name of a group that spans several, which were given as a list: their names, joined."""
+
+    __slots__ = ("members",)
+
+    members: tuple[str, ...]
+
+    @classmethod
+    def of(cls, names: str | list[str]) -> str:
+        """Return the one name of a group or of a list of groups."""
+        if isinstance(names, str):
+            return names
+        joined = cls(joined_name(names))
+        joined.members = tuple(names)
+        return joined
+
+
+GROUP = (
+    "`robot` for its default group, `robot::group`, or a group that the scene names; a list of "
+    "several, or their names joined by `+`, for one group of all their joints, in this order"
+)
+if TYPE_CHECKING:
+    GroupName = str
+else:
+    GroupName = Annotated[
+        Annotated[str, StringConstraints(min_length=1, max_length=1024)]
+        | Annotated[list[Name], Field(min_length=1, max_length=32)],
+        AfterValidator(JoinedNames.of),
+    ]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ What a name must be one of, the resource that is asked knows: `service/scenes/va
 parts of scenes.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import UnionType
@@ -12,7 +12,7 @@ from typing import Annotated, Any, TypeAliasType, Union, get_args, get_origin
 
 from pydantic import BaseModel
 
-from planning.errors import UnknownName
+from planning.errors import SceneInvalid, UnknownName
 from planning.world.documents.document_faults import Fault
 from service.api.models import COORDINATES, Mark
 
@@ -69,6 +69,29 @@ def located(fault: UnknownName, document: Any, within: Steps = ()) -> UnknownNam
         return fault
     error = Mention(steps, kind, name).error(fault.evidence.get("nearest", []))
     return UnknownName(fault.detail, {**fault.evidence, "errors": [error]})
+
+
+def located_in_scene(fault: SceneInvalid, document: Any) -> SceneInvalid:
+    """Return an error with `errors` that say where a scene names what does not exist.
+
+    Args:
+        fault: Of a scene; its `path` has the keys and indices that lead to the name.
+        document: The scene.
+    """
+    evidence = fault.evidence
+    if "nearest" not in evidence or "errors" in evidence:
+        return fault
+    steps = tuple(int(s) if s.isdigit() else s for s in str(evidence.get("path", "")).split("."))
+    for step in steps:
+        if not (isinstance(document, list | dict) and step in _steps(document)):
+            return fault
+        document = document[step]
+    error = Mention(steps, evidence["kind"], evidence["name"]).error(evidence["nearest"])
+    return SceneInvalid(fault.detail, {**evidence, "errors": [error]})
+
+
+def _steps(document: Any) -> Iterable[str | int]:
+    return range(len(document)) if isinstance(document, list) else document
 
 
 def _place_of(name: str, document: Any, steps: Steps) -> Steps | None:

@@ -12,11 +12,12 @@ from service.api.fingerprint import ADDED
 from service.api.models import (
     ATTEMPTS,
     CANCEL_REQUESTED_AT,
+    GROUP,
     PRIORITY,
     UNRECORDED,
     WHOLE,
+    GroupName,
     Interval,
-    Name,
     NonNegative,
     PositionName,
     Real,
@@ -43,7 +44,7 @@ class RegionsRequest(RequestModel):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"group": "arm", "num_regions": 40}]})
 
-    group: Name = Field(description="`robot` for its default group, or `robot::group`")
+    group: GroupName = Field(description=GROUP)
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
         default=None, description="Of the scene; null for its latest"
     )

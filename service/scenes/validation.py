@@ -4,11 +4,13 @@ It is refused before anything is queued. Which fields name something, their type
 (`service/api/names.py`): this is the one place where names are looked up, and positions counted.
 """
 
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
-from planning.errors import ModelInvalid, UnknownName
-from service.api.models import COORDINATES
+from planning.domain.robot.spanning_group import common_joint, member_names
+from planning.errors import ModelInvalid, ProblemInvalid, UnknownName
+from service.api.models import COORDINATES, JoinedNames
 from service.api.names import Mention, mentions
 from service.errors import WrongCount
 from service.scenes.models.summary import Group
@@ -47,22 +49,66 @@ def check_request(scene: SceneRecord, request: GroupRequest) -> Group:
 
 
 def find_group(scene: SceneRecord, name: str) -> Group:
-    """Return a group of a scene.
+    """Return a group of a scene: one that it has, or one that spans several, joined by `+`.
 
     Raises:
-        UnknownName: The scene has none of that name.
+        UnknownName: The scene has none of that name; evidence: `errors` has all such names.
         ModelInvalid: It is a robot's, none of whose joints moves.
+        ProblemInvalid: Two of the joined groups have a joint in common.
     """
+    groups, by_name = scene.summary.groups, _by_name(scene)
+    names = _members(name, by_name)
+    wrong: list[Mention] = []
+    for i, member in enumerate(names):
+        known = by_name.get(member)
+        robots = (robot["name"] for robot in scene.document["robots"])
+        if (known is not None and not known.joints) or (known is None and member in robots):
+            raise _immobile(member, scene)
+        if known is None:
+            steps = ("group", i) if isinstance(name, JoinedNames) else ("group",)
+            wrong.append(Mention(steps, "group", member))
+    if wrong:
+        raise _unknown_names(wrong, {"group": [group.name for group in groups]})
+    return _joined([by_name[member] for member in names], by_name)
+
+
+def joined_group(scene: SceneRecord, names: Sequence[str], field: str = "group") -> Group:
+    """Return the group that spans some groups; raises as `find_group`, of the given field."""
+    try:
+        return _joined([find_group(scene, name) for name in names], _by_name(scene))
+    except ProblemInvalid as fault:
+        raise ProblemInvalid(fault.detail, {**fault.evidence, "field": field}) from fault
+
+
+def _by_name(scene: SceneRecord) -> dict[str, Group]:
     groups = scene.summary.groups
-    for group in groups:
-        if name == group.name or name in group.aliases:
-            if not group.joints:
-                raise _immobile(name, scene)
-            return group
-    if name in (robot["name"] for robot in scene.document["robots"]):
-        raise _immobile(name, scene)
-    wrong = Mention(("group",), "group", name)
-    raise _unknown_names([wrong], {"group": [group.name for group in groups]})
+    return {alias: group for group in groups for alias in (*group.aliases, group.name)}
+
+
+def _members(name: str, known: Collection[str]) -> tuple[str, ...]:
+    """Return the names of the groups that a name joins; it is the only one if it is known."""
+    if isinstance(name, JoinedNames):
+        return name.members
+    return (name,) if name in known else member_names(name)
+
+
+def _joined(groups: Sequence[Group], by_name: Mapping[str, Group]) -> Group:
+    """Return the group that spans some groups.
+
+    Raises:
+        ProblemInvalid: Two of them have a joint in common.
+    """
+    if len(groups) == 1:
+        return groups[0]
+    own = [by_name[name] for group in groups for name in group.members or [group.name]]
+    counts = Counter(joint.name for group in own for joint in group.joints)
+    joint, count = counts.most_common(1)[0]
+    if count > 1:
+        raise common_joint(
+            joint, [g.name for g in groups if joint in {one.name for one in g.joints}]
+        )
+    whole = Group.spanning(own)
+    return by_name.get(whole.name, whole)
 
 
 def _immobile(name: str, scene: SceneRecord) -> ModelInvalid:

@@ -14,10 +14,11 @@ from planning import (
     scene_document,
     scene_summary,
 )
+from planning.domain.robot.spanning_group import joined_name
 from planning.errors import SceneInvalid, UnknownName
 from planning.world.documents.scene_file import with_line
 from planning.world.files.trial_load import trial_load
-from service.api.names import located
+from service.api.names import located, located_in_scene
 from service.jobs.context import MADE, TaskContext
 from service.scenes.document_text import SceneText, keep_text, kept_text, unchecked_text
 from service.scenes.models.edits import SceneEdit
@@ -58,7 +59,8 @@ def load_scene(work: LoadWork, context: TaskContext) -> LoadedScene:
         try:
             world = load_world(trial_load(document.value(), library), library)
         except SceneInvalid as fault:
-            raise with_line(fault, work.text) from fault
+            posted = document.model_dump(mode="json")
+            raise located_in_scene(with_line(fault, work.text), posted) from fault
         except UnknownName as fault:
             raise located(fault, document.model_dump(mode="json")) from fault
         return _told(_loaded(world, library, SceneText.of(document)), context)
@@ -146,10 +148,17 @@ def _loaded(world: World, library: ModelLibrary, text: SceneText) -> LoadedScene
 
 
 def aliases_of(world: World) -> dict[str, list[str]]:
-    """Return the other names of each group: `robot::group` for a robot's default group."""
-    return {
+    """Return the other names of each group.
+
+    A robot's default group is `robot::group` too, and one that spans several their joined names.
+    """
+    names = {
         group.name: [f"{own.robot}::{name}"]
         for own in world.robot_groups
         for name, group in own.groups.items()
         if group.name == own.robot
     }
+    for group in world.scene_groups.spanning:
+        joined = joined_name(world.scene_groups.members(group))
+        names[group.name] = [joined] if joined != group.name else []
+    return names

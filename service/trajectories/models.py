@@ -6,11 +6,12 @@ from pydantic import ConfigDict, Field, Strict, model_validator
 
 from service.api.failures.failure import Failure
 from service.api.models import (
+    GROUP,
     WHOLE,
     Boolean,
+    GroupName,
     GroupPositions,
     Identifier,
-    Name,
     NonNegative,
     Real,
     RequestModel,
@@ -58,7 +59,7 @@ class MotionRequest(RequestModel):
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
         default=None, description="Of the scene; null for its latest"
     )
-    group: Name = Field(description="`robot` for its default group, or `robot::group`")
+    group: GroupName = Field(description=GROUP)
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )

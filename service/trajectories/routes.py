@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter, Response
 
-from service.api.responses import problems
+from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.plans.models.sampling import IN_QUESTION, require_one_sampling
 from service.scenes.dependencies import SceneCallsDep
@@ -18,7 +18,9 @@ from service.trajectories.models import (
     StopMotionRequest,
     StopMotionResponse,
 )
-from service.trajectories.tasks import CERTIFY, RETIME, SPLICE, STOP
+from service.trajectories.planned_motions import planned_motions
+from service.trajectories.schedule_models import ScheduleMotionsRequest, ScheduleMotionsResponse
+from service.trajectories.tasks import CERTIFY, RETIME, SCHEDULE, SPLICE, STOP, ScheduleWork
 
 router = APIRouter(
     route_class=StrictRoute,
@@ -59,6 +61,16 @@ async def splice(request: SpliceMotionRequest, calls: SceneCallsDep) -> Response
     record = await calls.scenes.get(request.scene, request.revision)
     _check_transition(record, request)
     return await calls.answer(SPLICE, record, request, len(request.trajectory.times))
+
+
+@router.post("/schedule", operation_id="scheduleMotions", response_model=ScheduleMotionsResponse)
+async def schedule(request: ScheduleMotionsRequest, calls: SceneCallsDep) -> Response:
+    """Begin the motions of several plans as early as they can, and prove all of them together."""
+    record = await calls.scenes.get(request.scene, request.revision)
+    motions = await planned_motions(calls.jobs, record, request.plans)
+    scene = calls.scenes.work(record)
+    work = ScheduleWork(library=scene.library, scene=scene.scene, request=request, motions=motions)
+    return passed_on(await calls.jobs.call_text(SCHEDULE, work, len(motions)))
 
 
 def _check_transition(

@@ -26,7 +26,7 @@ class CombinedMotion(Value):
     """Several motions as one motion of the group that spans theirs.
 
     Attributes:
-        group: Name of that group: the names of the motions' groups, joined by `+`.
+        group: Name of that group: its own in the scene, or the names of its members joined by `+`.
         trajectory: The motion, with the polynomials of the given ones.
     """
 

@@ -66,19 +66,13 @@ def validate_disjoint(names: Sequence[str], groups: Sequence[JointGroup]) -> Non
             for name, group in zip(names, groups, strict=True)
             if any(own.name == joint for own in group.joints)
         ]
-        message = (
-            f"joint {joint!r} is in several of the groups {owners}: groups that move together "
-            "have no joint in common"
-        )
-        raise ProblemInvalid(message, {"field": "group", "joint": joint, "groups": owners})
+        raise common_joint(joint, owners)
 
 
-def member_slices(members: Sequence[JointGroup]) -> list[tuple[slice, slice]]:
-    """Return where each member's coordinates are in q and in v of the group that spans them."""
-    slices: list[tuple[slice, slice]] = []
-    iq = iv = 0
-    for member in members:
-        after_q, after_v = iq + member.num_positions, iv + member.num_velocities
-        slices.append((slice(iq, after_q), slice(iv, after_v)))
-        iq, iv = after_q, after_v
-    return slices
+def common_joint(joint: str, groups: Sequence[str]) -> ProblemInvalid:
+    """Return the error of groups that shall move together and have a joint in common."""
+    message = (
+        f"joint {joint!r} is in several of the groups {list(groups)}: groups that move together "
+        "have no joint in common"
+    )
+    return ProblemInvalid(message, {"field": "group", "joint": joint, "groups": list(groups)})

@@ -16,12 +16,14 @@ class GroupSummary(Value):
         limits: Its joint limits.
         configurations: Named configurations, the group's q.
         positions: Its positions in the scene, the group's q.
+        members: Groups of robots that it spans; empty for one of these.
     """
 
     group: JointGroup
     limits: JointLimits
     configurations: dict[str, tuple[float, ...]]
     positions: tuple[float, ...]
+    members: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +54,7 @@ class SceneSummary(Value):
     """Summary of a loaded scene.
 
     Attributes:
-        groups: By full name, `robot` or `robot::group`.
+        groups: By full name, `robot` or `robot::group`; then those that span several, by theirs.
         frames: Full names of all frames, "world" included.
         bodies: Full names of all bodies.
         num_pairs: Pairs of geometries that are checked for collision.

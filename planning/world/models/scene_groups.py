@@ -39,7 +39,7 @@ class SceneGroups:
             for name, group in robot.groups.items():
                 self._own.setdefault(f"{robot.robot}::{name}", group)
         self._by_name = dict(self._own)
-        self._members = {group.name: (group.name,) for group in self.own}
+        self._members: dict[str, tuple[str, ...]] = {name: (name,) for name in self._own}
         self._joined: dict[str, JointGroup] = {}
         names = {robot.robot for robot in robots}
         spanning = [self._named(entry, names) for entry in scene.groups]
@@ -107,7 +107,9 @@ class SceneGroups:
             members.append(_of_scene(f"{path}.{i}", partial(self._robot_group, name)))
         group = _of_scene(path, partial(spanning_group, entry.name, members))
         self._by_name[group.name] = group
-        self._members[group.name] = tuple(member.name for member in members)
+        self._members[group.name] = names = tuple(member.name for member in members)
+        # What is joined from the same members is this group.
+        self._by_name.setdefault(joined_name(names), group)
         return group
 
     def _robot_group(self, name: str) -> JointGroup:

@@ -158,6 +158,34 @@ class FailedCheck(TypedDict):
 
 
 @with_config(OPEN)
+class Encounter(TypedDict):
+    """Two motions that would meet."""
+
+    pair: list[str]
+    """The two bodies"""
+    distance: float
+    """Between them then, negative where they overlap [m]"""
+    times: dict[str, float]
+    """When, by the time of each group's own motion [s]"""
+    waiting: NotRequired[str]
+    """The group that does not avoid it, however long it waits"""
+
+
+@with_config(OPEN)
+class ScheduleEvidence(TypedDict):
+    """Why no delays keep several motions apart."""
+
+    groups: list[str]
+    """Groups of the motions that meet"""
+    pair: list[str]
+    """The two bodies that meet first"""
+    time: float
+    """When, by the time of the motion that is then under way [s]"""
+    encounters: list[Encounter]
+    """Of two motions what either meets that waits; of more, what each two must avoid"""
+
+
+@with_config(OPEN)
 class CertificateEvidence(TypedDict):
     """Why no motion passed the certifier; of executions, why the plan's does not by now."""
 

@@ -9,12 +9,13 @@ from planning.domain.request.problem import PlanningProblem
 from service.api.arrays import vector
 from service.api.fingerprint import ADDED
 from service.api.models import (
+    GROUP,
     PRIORITY,
     WHOLE,
     Boolean,
+    GroupName,
     GroupPositions,
     Identifier,
-    Name,
     NonNegative,
     Real,
     RequestModel,
@@ -155,7 +156,7 @@ class PlanRequest(RequestModel):
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
         default=None, description="Of the scene; null for its latest"
     )
-    group: Name = Field(description="`robot` for its default group, or `robot::group`")
+    group: GroupName = Field(description=GROUP)
     start: GroupPositions | None = Field(
         default=None,
         description="The group's positions [rad or m]; null for the scene's current state",

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Self
 from pydantic import ConfigDict, Field
 
 from service.api.models import (
+    GROUP,
+    GroupName,
     GroupPositions,
-    Name,
     NonNegative,
     RequestModel,
     ResponseModel,
@@ -27,7 +28,7 @@ class CheckRequest(RequestModel):
         }
     )
 
-    group: Name = Field(description="`robot` or `robot::group`")
+    group: GroupName = Field(description=GROUP)
     configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=10_000)] = Field(
         description="The group's positions, one row each [rad or m]"
     )

@@ -7,10 +7,11 @@ from pydantic import ConfigDict, Field, Strict
 from planning.domain.goals.configuration_quality import ConfigurationQuality
 from service.api.failures.failure import Failure
 from service.api.models import (
+    GROUP,
     WHOLE,
     FrameName,
+    GroupName,
     GroupPositions,
-    Name,
     NonNegative,
     Pose,
     Real,
@@ -35,7 +36,7 @@ class FkRequest(RequestModel):
         }
     )
 
-    group: Name = Field(description="`robot` or `robot::group`")
+    group: GroupName = Field(description=GROUP)
     configurations: Annotated[list[GroupPositions], Field(min_length=1, max_length=10_000)] = Field(
         description="The group's positions, one row each [rad or m]"
     )
@@ -70,7 +71,7 @@ class IkRequest(RequestModel):
         }
     )
 
-    group: Name = Field(description="`robot` or `robot::group`")
+    group: GroupName = Field(description=GROUP)
     goal: PoseGoal | RegionGoal | RelativeGoal = Field(
         discriminator="type", description="Where the tool frame shall be"
     )

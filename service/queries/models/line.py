@@ -6,10 +6,11 @@ from pydantic import ConfigDict, Field
 
 from planning.domain.goals import line_trace as domain
 from service.api.models import (
+    GROUP,
     Boolean,
+    GroupName,
     GroupPositions,
     LineStopReason,
-    Name,
     NonNegative,
     Pose,
     Real,
@@ -38,7 +39,7 @@ class LineRequest(LineTarget):
         }
     )
 
-    group: Name = Field(description="`robot` or `robot::group`")
+    group: GroupName = Field(description=GROUP)
     start: GroupPositions | None = Field(
         default=None,
         description="Where the group stands at first [rad or m]; null for the scene's state",

@@ -1,11 +1,12 @@
 """What a loaded robot or scene holds."""
 
 from collections.abc import Sequence
-from typing import Self
+from typing import Any, Self
 
 from pydantic import ConfigDict, Field
 
 from planning.domain.robot import joints as domain
+from planning.domain.robot.spanning_group import joined_name
 from planning.domain.robot.steering import steering_of
 from planning.domain.scene.summary import GroupSummary, RobotSummary
 from service.api.models import ResponseModel, bounds
@@ -68,8 +69,11 @@ class Limits(ResponseModel):
 class Group(ResponseModel):
     """Joints that are planned for together."""
 
-    name: str = Field(description="`robot` or `robot::group`")
+    name: str = Field(description="`robot`, `robot::group`, or its own in the scene")
     aliases: list[str] = Field(description="Other names that it answers to")
+    members: list[str] = Field(
+        default=[], description="Groups of robots that it spans, in order; none for one of these"
+    )
     joints: list[Joint] = Field(description="In the group's order")
     position_names: list[str] = Field(description="A name per position coordinate, in order")
     velocity_names: list[str] = Field(description="A name per velocity coordinate, in order")
@@ -101,6 +105,7 @@ class Group(ResponseModel):
         return cls(
             name=group.name,
             aliases=list(aliases),
+            members=list(summary.members),
             joints=joints,
             position_names=list(group.position_names),
             velocity_names=list(group.velocity_names),
@@ -109,6 +114,36 @@ class Group(ResponseModel):
             configurations={name: list(q) for name, q in summary.configurations.items()},
             positions=list(summary.positions),
         )
+
+    @classmethod
+    def spanning(cls, members: Sequence["Group"]) -> Self:
+        """Return the group that spans some groups of robots, which have no joint in common."""
+        first = members[0]
+        shared = set.intersection(*(set(member.configurations) for member in members))
+        return cls(
+            name=joined_name([member.name for member in members]),
+            aliases=[],
+            members=[member.name for member in members],
+            joints=_stacked(members, "joints"),
+            position_names=_stacked(members, "position_names"),
+            velocity_names=_stacked(members, "velocity_names"),
+            tool_frames=list(dict.fromkeys(_stacked(members, "tool_frames"))),
+            limits=Limits(**{
+                name: _stacked([member.limits for member in members], name)
+                for name in Limits.model_fields
+            }),
+            configurations={
+                name: [x for member in members for x in member.configurations[name]]
+                for name in first.configurations
+                if name in shared
+            },
+            positions=_stacked(members, "positions"),
+        )
+
+
+def _stacked(parts: Sequence[ResponseModel], field: str) -> list[Any]:
+    """Return the lists that some parts have in a field, one after the other."""
+    return [entry for part in parts for entry in getattr(part, field)]
 
 
 class Source(ResponseModel):

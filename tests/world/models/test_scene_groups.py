@@ -23,8 +23,7 @@ configurations:
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> World:
-    text = BOTH + "  together: {group: b+a, positions: [5, 6, 7, 8]}\n"
-    return discs(tmp_path_factory.mktemp("discs"), TWO, more=text)
+    return discs(tmp_path_factory.mktemp("discs"), TWO, more=BOTH)
 
 
 def test_coordinates_stack_in_the_order_of_the_members(world: World) -> None:
@@ -46,19 +45,23 @@ def test_limits_are_those_of_the_members(world: World) -> None:
     assert whole.blocks == ((0,), (1,), (2,), (3,))
 
 
-def test_names_are_joined_where_the_scene_has_none(world: World) -> None:
+def test_joined_members_are_the_group_that_the_scene_names(world: World) -> None:
+    assert world.group("a::all+b::all") is world.group("both") is world.group("a+b")
+
+
+def test_names_are_joined_where_the_scene_has_none(tmp_path: Path) -> None:
+    world = discs(tmp_path, TWO)
     joined = world.group("a::all+b::all")
     assert joined.name == "a+b"
-    assert joined.joints == world.group("both").joints
+    assert [joint.name for joint in joined.joints] == ["a::x", "a::y", "b::x", "b::y"]
     assert world.group("a+b") is joined
-    assert world.group("both") is world.group("both")
 
 
 def test_configurations_are_those_of_all_members_and_those_of_the_group(tmp_path: Path) -> None:
     world = discs(tmp_path, TWO, more=BOTH + "  far: {group: both, positions: [9, 9, 9, 9]}\n")
     assert set(world.configurations(world.group("both"))) == {"met", "far"}
     assert set(world.configurations(world.group("a+b"))) == {"met", "far"}
-    assert set(world.configurations(world.group("b+a"))) == set()
+    assert set(world.configurations(world.group("turned"))) == set()
     assert world.configuration(world.group("a+b"), "met").tolist() == [0.1, 0.2, 0.3, 0.4]
     with pytest.raises(UnknownName, match="'right'"):
         world.configuration(world.group("both"), "right")
@@ -76,14 +79,23 @@ robots:
     assert whole.tolist() == [*one, *one]
 
 
-def test_a_configuration_may_name_a_joined_group(world: World) -> None:
+def test_a_configuration_may_name_a_joined_group(tmp_path: Path) -> None:
+    more = "configurations: {together: {group: b+a, positions: [5, 6, 7, 8]}}\n"
+    world = discs(tmp_path, TWO, more=more)
     assert world.configuration(world.group("b+a"), "together").tolist() == [5, 6, 7, 8]
-    assert "b+a" in planning.scene_summary(world).groups
+    assert list(planning.scene_summary(world).groups) == ["a", "b", "b+a"]
+    assert planning.scene_summary(world).groups["b+a"].members == ("b", "a")
 
 
 def test_the_summary_has_the_groups_of_the_scene_after_those_of_robots(world: World) -> None:
     summary = planning.scene_summary(world)
-    assert list(summary.groups) == ["a", "b", "both", "turned", "b+a"]
+    assert list(summary.groups) == ["a", "b", "both", "turned"]
+    assert [group.members for group in summary.groups.values()] == [
+        (),
+        (),
+        ("a", "b"),
+        ("b", "a"),
+    ]
     assert summary.groups["both"].positions == (-1.0, 0.0, 0.0, -1.0)
     assert [group.name for group in world.groups] == ["a", "b"]
 
