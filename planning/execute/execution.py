@@ -245,7 +245,7 @@ class Execution(Value):
         """What happens once the robot is at rest; None if it only waits on its path."""
         if self.state in {ExecutionState.CANCELING, ExecutionState.ABORTING}:
             return ExecutionEvent.STOPPED
-        is_over = self.time >= self.trajectory.duration and self.speed >= 0
+        is_over = self.time >= self.trajectory.duration
         is_executing = self.state is ExecutionState.EXECUTING
         return ExecutionEvent.SUCCEED if is_executing and is_over else None
 

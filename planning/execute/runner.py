@@ -40,8 +40,8 @@ class Runner:
             execution: Execution to run, in state accepted.
             driver: Driver of the robot.
             max_catch_up: Longest gap that a late tick makes up for, on the caller's clock [s]; the
-                rest of a longer gap is dropped, which bounds the steps of one tick. A driver whose
-                clock is real time makes up for one period at most: a robot does not wait.
+                rest of a longer gap is dropped, which bounds the steps of one tick. A robot paces
+                its steps in `read`, which waits for it.
 
         Raises:
             DriverLost: The robot does not answer.
@@ -51,7 +51,7 @@ class Runner:
         traits = driver.traits
         self._period = traits.period
         self._max_realtime_factor = traits.max_realtime_factor
-        self._max_catch_up = max_catch_up if traits.max_realtime_factor > 1 else traits.period
+        self._max_catch_up = max_catch_up
         self._realtime_factor = 1.0
         self._last_tick: float | None = None
         self._pending_time = 0.0

@@ -1,5 +1,7 @@
 """The drivers of this house keep the contract of all drivers."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -7,10 +9,12 @@ from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointGroup
 from planning.execute.kinematic_driver import KinematicDriver
 from planning.execute.simulated_driver import SimulatedDriver
+from planning.execute.ur.ur_driver import UrAddress, UrDriver
 from planning.world.mechanics.simulation import Simulation
 from planning.world.world import World
 from tests.conftest import bundled_world
 from tests.contracts.driver_contract import DriverContract, DriverRig
+from tests.contracts.rtde_stub import RtdeStub
 
 
 def quintic(world: World, group: JointGroup, delta: list[float]) -> TimedTrajectory:
@@ -50,3 +54,16 @@ class TestKinematic(DriverContract):
         world, group, motion = case
         driver = KinematicDriver(motion.manifold, motion.start)
         return DriverRig(driver, motion, world.limits(group), driver.stop, 1e-4, 0.02)
+
+
+class TestUr(DriverContract):
+    @pytest.fixture
+    def rig(self) -> Iterator[DriverRig]:
+        world = bundled_world("ur5e_pickup")
+        group = world.group("arm")
+        motion = quintic(world, group, [-0.3, 0.1, -0.2, 0.2, 0.1, 0.3])
+        stub = RtdeStub(motion.start.tolist())
+        address = UrAddress("127.0.0.1", *stub.ports, timeout=60.0)
+        lose = stub.break_connection
+        yield DriverRig(UrDriver(address), motion, world.limits(group), lose, 1e-3, 0.05)
+        stub.close()

@@ -110,11 +110,3 @@ def test_a_robot_has_no_faster_clock(execution: Execution, new_driver: Any) -> N
     for speed in (1.5, -1.5):
         with pytest.raises(ProblemInvalid, match="at most 1"):
             Runner(execution, new_driver(max_realtime_factor=1.0)).set_speed(speed)
-
-
-def test_a_robot_does_not_catch_up(execution: Execution, new_driver: Any) -> None:
-    driver = new_driver(max_realtime_factor=1.0)
-    runner = Runner(execution, driver)
-    runner.start(0.0)
-    runner.tick(0.1)
-    assert len(driver.sent) == 1
