@@ -31,6 +31,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
         ├── TrackingLost          tracking_lost          the error and its bound
         ├── Contact               contact                the pair, the force, the time
         ├── TorqueLimitReached    torque_limit_reached   the joint, its torque and bound, how long
+        ├── PathBlocked           path_blocked           the check, the pair, the time, the revision
         └── DriverLost            driver_lost            the driver, why, whether the robot rests
 """
 
@@ -318,6 +319,15 @@ class TorqueLimitReached(ExecutionFailure):
     """A joint was at its torque limit for too long; evidence: `joint`, `torque`, `bound`, ..."""
 
     code = "torque_limit_reached"
+
+
+class PathBlocked(ExecutionFailure):
+    """The scene was edited, and the rest of the motion does not hold any more.
+
+    Evidence: `check`, `pair`, `time`, `fraction` and `revision`.
+    """
+
+    code = "path_blocked"
 
 
 class DriverLost(ExecutionFailure):

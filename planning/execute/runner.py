@@ -89,6 +89,11 @@ class Runner:
         self.execution = self.execution.cancel()
         return self._report()
 
+    def abort(self, failure: ExecutionFailure) -> ExecutionStatus:
+        """Come to rest on the path and end with a failure; raises as `Execution.fail`."""
+        self.execution = self.execution.fail(failure)
+        return self._report()
+
     def set_speed(self, speed: float) -> ExecutionStatus:
         """Advance the trajectory `speed` times as fast as real time; negative is backwards.
 

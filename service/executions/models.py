@@ -16,6 +16,7 @@ from service.api.events import (
     StartedEvent,
 )
 from service.api.failures.failure import Failure
+from service.api.fingerprint import ADDED
 from service.api.models import (
     ATTEMPTS,
     CANCEL_REQUESTED_AT,
@@ -66,6 +67,11 @@ class ExecutionTerms(RequestModel):
         description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
         "than real time, and the motion stays as it is",
     )
+    on_conflict: Annotated[Literal["stop", "ignore"], ADDED] = Field(
+        default="stop",
+        description="What is done while it moves if an edit of the scene is in its way: `stop` "
+        "comes to rest on the path and ends (`path_blocked`); `ignore` only tells",
+    )
     title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
         default=None, description="Title of the motion in replays of the scene"
     )
@@ -80,7 +86,7 @@ class ExecutionRequest(ExecutionTerms):
         }
     )
 
-    trajectory: CertifyMotionRequest | None = Field(
+    trajectory: Annotated[CertifyMotionRequest | None, ADDED] = Field(
         default=None,
         description="A motion of your own, as `POST /trajectories/certify` takes it, without "
         "`revision`: it is proven in the latest one, and refused (`not_certified`) if it is not",

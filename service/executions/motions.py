@@ -1,7 +1,7 @@
 """Motions that are asked for: of a plan, or of the client; each knows how it is proven."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypedDict
 
 from planning.errors import UnknownName
 from service.api.names import located
@@ -9,6 +9,7 @@ from service.executions.models import ExecutionRequest
 from service.executions.position import check_at_start
 from service.executions.tasks import PROVE, PROVE_MOTION, ProofWork
 from service.jobs.service import JobService
+from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
 from service.plans.resource import DeliveredMotion, motion_of, work_of
 from service.plans.tasks import MotionWork
@@ -17,6 +18,13 @@ from service.scenes.store.records import SceneRecord
 from service.scenes.tasks import RequestWork, SceneWork
 from service.scenes.validation import check_request, find_group
 from service.trajectories.models import CertifyMotionRequest
+
+
+class Demands(TypedDict):
+    """What a motion keeps, by the request of its plan or by its own."""
+
+    planned: PlanRequest | None
+    own: CertifyMotionRequest | None
 
 
 class AskedMotion(Protocol):
@@ -33,6 +41,11 @@ class AskedMotion(Protocol):
         Raises:
             UnknownName: The scene has no such group, or none of something that the motion names.
         """
+        ...
+
+    @property
+    def demands(self) -> Demands:
+        """What it keeps."""
         ...
 
     async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> Polynomial:
@@ -70,6 +83,11 @@ class PlannedMotion:
         """Id of the scene that it was planned in."""
         return self.work.request.scene
 
+    @property
+    def demands(self) -> Demands:
+        """What its plan was asked for; a motion backwards keeps what the one forwards did."""
+        return {"planned": self.work.origin or self.work.request, "own": None}
+
     def group_in(self, record: SceneRecord) -> Group:
         """Return the group that moves; raises as `AskedMotion`."""
         return find_group(record, self.work.request.group)
@@ -105,6 +123,11 @@ class OwnMotion:
     def scene(self) -> str:
         """Id of the scene that it says."""
         return self.motion.scene
+
+    @property
+    def demands(self) -> Demands:
+        """What it was asked to keep."""
+        return {"planned": None, "own": self.motion}
 
     def group_in(self, record: SceneRecord) -> Group:
         """Return the group that moves; raises as `AskedMotion`."""

@@ -58,11 +58,18 @@ async def submit_execution(
             trajectory=await asked.proven(loaded, group, jobs),
             speed=request.speed,
             joints=joint_types(group),
+            **asked.demands,
         )
         spec = spec_of(EXECUTE, work, record, idempotency)
         # The scene is looked up again, and tells where its robot is, until this has ended.
         with suppress(Overtaken), scenes.latest.changing(record.id):
-            return await jobs.submit(replace(spec, follows=last))
+            job = await jobs.submit(replace(spec, follows=last))
+            break
+    # An edit that was quicker has seen no execution: this one sees it.
+    edited = await scenes.fresh(record.id)
+    if edited.revision != record.revision:
+        await scenes.verdicts(edited)
+    return job
 
 
 def _without(words: dict[str, Any], name: str) -> dict[str, Any]:

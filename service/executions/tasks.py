@@ -29,9 +29,18 @@ class ExecutionOutline(SceneWork):
 
 
 class ExecutionWork(ExecutionOutline):
-    """A motion to carry out in a scene."""
+    """A motion to carry out in a scene.
+
+    Attributes:
+        trajectory: The motion.
+        planned: Request of the plan that it is of, which says what it keeps; older versions did not
+            keep it.
+        own: The request, if it is a motion of one's own.
+    """
 
     trajectory: Polynomial
+    planned: PlanRequest | None = None
+    own: CertifyMotionRequest | None = None
 
 
 class ExecutionOutcome(TaskModel):
@@ -41,16 +50,36 @@ class ExecutionOutcome(TaskModel):
     timings: dict[str, float] = Field(default_factory=dict)
 
 
+class Block(TaskModel):
+    """Where a motion does not hold any more since its scene was edited; evidence of `PathBlocked`.
+
+    Attributes:
+        check: Of the certificate.
+        pair: Full names of both bodies, if it is about two.
+        time: Along the motion [s].
+        fraction: Share of the path's length there.
+        revision: Of the scene.
+    """
+
+    check: str
+    pair: list[str]
+    time: float
+    fraction: float
+    revision: int
+
+
 class Commands(TaskModel):
     """Commands to a running execution, the latest of each kind.
 
     Attributes:
         is_paused: Whether the robot shall rest on its path.
         speed: Seconds of the motion per second, negative backwards; None for what the request says.
+        block: Why it shall come to rest and end; None for no reason.
     """
 
     is_paused: bool = False
     speed: float | None = None
+    block: Block | None = None
 
 
 class ProofWork(SceneWork):
@@ -65,6 +94,30 @@ class ProofWork(SceneWork):
     request: PlanRequest
     origin: PlanRequest | None
     trajectory: Polynomial
+
+
+class RecheckWork(SceneWork):
+    """A motion that is carried out, to prove again in its scene as that was edited.
+
+    Attributes:
+        planned: Request of the plan that it is of, which says what it keeps.
+        own: The request, if it is a motion of one's own.
+        trajectory: The whole motion.
+        since: Where the robot is along it [s].
+        revision: Of the scene.
+    """
+
+    planned: PlanRequest | None
+    own: CertifyMotionRequest | None
+    trajectory: Polynomial
+    since: float
+    revision: int
+
+
+class Recheck(TaskModel):
+    """The verdict: where the motion is blocked; None if what is left of it holds."""
+
+    block: Block | None
 
 
 class Proof(TaskModel):
@@ -107,8 +160,9 @@ EXECUTE = Task(
     queue="execution",
     # A robot that has moved is not where a second attempt would begin.
     max_attempts=1,
-    outline=Outline(payload=("trajectory",)),
+    outline=Outline(payload=("trajectory", "planned", "own")),
 )
 PROVE = Task("prove_execution", ProofWork, Proof)
+RECHECK = Task("recheck_motion", RecheckWork, Recheck)
 PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
 REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)

@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from planning import World
 from planning.domain.report.motion_plan import Progress
 from planning.domain.request.stopwatch import Stopwatch
-from planning.errors import Canceled
+from planning.errors import Canceled, PathBlocked
 from planning.execute import status as domain
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
@@ -16,7 +16,7 @@ from planning.execute.states import ExecutionState
 from service.executions.drivers import driver_of
 from service.executions.jitter import JitterLog
 from service.executions.models import Contact, ExecutionStatus
-from service.executions.tasks import EXECUTE, Commands, ExecutionOutcome, ExecutionWork
+from service.executions.tasks import EXECUTE, Block, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
 from service.jobs.worker.progress import ProgressReporter
 from service.scenes.world_cache import borrow_world
@@ -119,6 +119,9 @@ def _apply_commands(runner: Runner, context: TaskContext, applied: Commands) -> 
         runner.cancel()
         return applied
     latest = Commands.model_validate(applied.model_dump() | context.controls())
+    if latest.block is not None:
+        runner.abort(blocked(latest.block))
+        return latest
     if latest.speed is not None and latest.speed != applied.speed:
         runner.set_speed(latest.speed)
     if latest.is_paused and not applied.is_paused:
@@ -126,6 +129,16 @@ def _apply_commands(runner: Runner, context: TaskContext, applied: Commands) -> 
     if applied.is_paused and not latest.is_paused:
         runner.resume()
     return latest
+
+
+def blocked(block: Block) -> PathBlocked:
+    """Return the failure of a motion that is blocked."""
+    what = " and ".join(block.pair) or block.check
+    message = (
+        f"the scene was edited (revision {block.revision}), and the motion does not hold any more "
+        f"at {block.time:.3f} s, {block.fraction:.0%} of its path: {what}"
+    )
+    return PathBlocked(message, block.model_dump())
 
 
 class _StatusLog:

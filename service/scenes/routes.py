@@ -20,9 +20,9 @@ from service.scenes.etags import (
     is_known,
 )
 from service.scenes.models.edits import SceneEdit
-from service.scenes.models.scene import Scene, SceneBrief, ScenePage
+from service.scenes.models.scene import EditedScene, Scene, SceneBrief, ScenePage
 from service.scenes.request_body import REQUEST_BODY, key_of, read_scene_body
-from service.scenes.resource import scene_response
+from service.scenes.resource import edited_response, scene_response
 from service.scenes.tasks import LOAD_SCENE, LoadWork
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes", tags=["scenes"])
@@ -82,7 +82,7 @@ async def get_scene(
 @router.patch(
     "/{scene}",
     operation_id="editScene",
-    response_model=Scene,
+    response_model=EditedScene,
     response_model_exclude_none=True,
     responses={200: _WITH_ETAG, **problems(400, 404, 409, 412, 413, 422, 429, 503)},
 )
@@ -93,8 +93,13 @@ async def edit_scene(
     jobs: JobsDep,
     if_match: IfMatch = None,
 ) -> Response:
-    """Edit a scene: its next revision, which plans use from now on; older ones stay."""
-    return scene_response(await apply_edits(scene, request, if_match, scenes, jobs))
+    """Edit a scene: its next revision, which plans use from now on; older ones stay.
+
+    Motions that are carried out in it are proven again, and those that do not hold stop, if they
+    are to.
+    """
+    record = await apply_edits(scene, request, if_match, scenes, jobs)
+    return edited_response(record, await scenes.verdicts(record))
 
 
 @router.delete(

@@ -260,6 +260,22 @@ class TorqueEvidence(TypedDict):
 
 
 @with_config(OPEN)
+class PathBlockedEvidence(TypedDict):
+    """What of a motion does not hold in the scene as it was edited."""
+
+    check: str
+    """Of the certificate"""
+    pair: list[str]
+    """Full names of both bodies, if it is about two"""
+    time: float
+    """On the motion [s]"""
+    fraction: float
+    """Share of the path's length that is done there"""
+    revision: int
+    """Of the scene"""
+
+
+@with_config(OPEN)
 class DriverLostEvidence(TypedDict):
     """Which driver was lost, and what is known of its robot."""
 

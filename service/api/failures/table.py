@@ -45,6 +45,7 @@ _STAGES: dict[type[WayproofError], Any] = {
     planning_errors.TrackingLost: motions.TrackingEvidence,
     planning_errors.Contact: motions.ContactEvidence,
     planning_errors.TorqueLimitReached: motions.TorqueEvidence,
+    planning_errors.PathBlocked: motions.PathBlockedEvidence,
     planning_errors.DriverLost: motions.DriverLostEvidence,
 }
 _JOBS: dict[type[WayproofError], Any] = {
@@ -106,6 +107,7 @@ _NEVER_PROBLEMS = {
     planning_errors.TrackingLost,
     planning_errors.Contact,
     planning_errors.TorqueLimitReached,
+    planning_errors.PathBlocked,
     planning_errors.DriverLost,
     job_errors.ServerRestarted,
     job_errors.DatabaseInUse,

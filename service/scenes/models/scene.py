@@ -12,6 +12,7 @@ from planning.world.documents.scene_document import SceneDocument
 from service.api.models import ResponseModel
 from service.scenes.models.pairs import UncheckedPair
 from service.scenes.models.summary import Group
+from service.scenes.models.verdicts import ExecutionVerdict
 
 
 class SceneBrief(ResponseModel):
@@ -103,6 +104,17 @@ class Scene(SceneBrief):
         default={},
         description="What its robots and meshes were made from, by name: they are kept, and no "
         "change of a file on the disk changes this scene",
+    )
+
+
+class EditedScene(Scene):
+    """A scene after an edit, and what that means for the motions that are carried out in it."""
+
+    model_config = ConfigDict(title="EditedScene")
+
+    executions: list[ExecutionVerdict] = Field(
+        description="Each execution that waits or moves in the scene, and whether what is left of "
+        "its motion is proven in this revision"
     )
 
 

@@ -19,6 +19,7 @@ from service.jobs.store.database import set_durability
 from service.jobs.store.notifications import tell
 from service.jobs.store.schema import bring_up_to_date
 from service.scenes.live import Motion
+from service.scenes.models.verdicts import ExecutionVerdict
 from service.scenes.store import live_rows, rows
 from service.scenes.store.document_artifact import artifact_of, part_of
 from service.scenes.store.former_files import adopt_files
@@ -40,6 +41,7 @@ class SceneStore:
         library: From which workers load robots.
         latest: Revisions that need not be read.
         moving: Returns the executions that move something in a scene, or wait to.
+        verdicts: Returns what an edit means for the executions in a scene, given what came of it.
         on_delete: Called after a scene was deleted.
     """
 
@@ -59,6 +61,7 @@ class SceneStore:
         self._recent = RecentScenes()
         self.latest = Latest(is_shared=engine.dialect.name == "postgresql")
         self.moving: Callable[[str], Awaitable[Sequence[Motion]]] = _nothing_moves
+        self.verdicts: Callable[[SceneRecord], Awaitable[Sequence[ExecutionVerdict]]] = _no_verdict
         self.on_delete: Callable[[], None] | None = None
 
     async def open(self) -> None:
@@ -302,4 +305,8 @@ class SceneStore:
 
 
 async def _nothing_moves(_: str) -> Sequence[Motion]:
+    return ()
+
+
+async def _no_verdict(_: SceneRecord) -> Sequence[ExecutionVerdict]:
     return ()

@@ -1,0 +1,102 @@
+"""Verdicts: whether the motions that are carried out in a scene hold after an edit of it."""
+
+import asyncio
+import logging
+
+from planning.errors import InputError, WayproofError
+from service.executions.position import last_status
+from service.executions.tasks import RECHECK, Block, ExecutionWork, RecheckWork
+from service.jobs.job import JobSummary
+from service.jobs.service import JobService
+from service.jobs.states import JobState
+from service.scenes.models.verdicts import ExecutionVerdict
+from service.scenes.store.records import SceneRecord
+from service.scenes.store.scene_store import SceneStore
+
+# In one scene; there are mostly none.
+_MOST = 100
+_log = logging.getLogger(__name__)
+
+
+async def judge(
+    record: SceneRecord, *, scenes: SceneStore, jobs: JobService
+) -> list[ExecutionVerdict]:
+    """Return for each execution of a scene whether it holds in a revision; those that do not stop.
+
+    Args:
+        record: The scene after the edit.
+        scenes: Has its document.
+        jobs: Has the executions.
+    """
+    pages = [
+        await jobs.page("execution", _MOST, None, state=state, scene=record.id)
+        for state in (JobState.QUEUED, JobState.RUNNING)
+    ]
+    found = {job.id: job for page in pages for job in page.jobs}
+    verdicts = (_judge(job, record, scenes, jobs) for job in found.values())
+    return list(await asyncio.gather(*verdicts))
+
+
+async def _judge(
+    brief: JobSummary, record: SceneRecord, scenes: SceneStore, jobs: JobService
+) -> ExecutionVerdict:
+    job = await jobs.job("execution", brief.id)
+    work = ExecutionWork.model_validate(job.payload)
+    status = await last_status(jobs, brief)
+    # The robot may be further by now: what is looked at is a little more than what is left.
+    since = 0.0 if status is None else max(0.0, status.time)
+    block = await _block(work, since, record, scenes, jobs)
+    if block is None:
+        return ExecutionVerdict(id=job.id, verdict="unaffected")
+    stops = work.request.on_conflict == "stop"
+    if stops:
+        try:
+            await jobs.control(brief, {"block": block.model_dump()})
+        except WayproofError as fault:  # it has ended meanwhile
+            _log.info("execution %s was not stopped: %s", job.id, fault)
+    pair = (block.pair[0], block.pair[1]) if block.pair else None
+    return ExecutionVerdict(
+        id=job.id,
+        verdict="conflict",
+        action="stop" if stops else "ignore",
+        check=block.check,
+        pair=pair,
+        time=block.time,
+        seconds=max(0.0, block.time - since),
+        fraction=block.fraction,
+    )
+
+
+async def _block(
+    work: ExecutionWork,
+    since: float,
+    record: SceneRecord,
+    scenes: SceneStore,
+    jobs: JobService,
+) -> Block | None:
+    """Return where a motion is blocked from a time along it on; None if it holds."""
+    if work.planned is None and work.own is None:  # an older version has begun it
+        return _unproven("unknown", since, record)
+    loaded = scenes.work(record)
+    asked = RecheckWork(
+        library=loaded.library,
+        scene=loaded.scene,
+        planned=work.planned,
+        own=work.own,
+        trajectory=work.trajectory,
+        since=since,
+        revision=record.revision,
+    )
+    try:
+        return (await jobs.call(RECHECK, asked)).block
+    except InputError as fault:  # what it keeps names something that is gone
+        _log.info("a motion cannot be proven in revision %d: %s", record.revision, fault)
+        return _unproven("request", since, record)
+    except WayproofError as fault:
+        _log.warning("no verdict on a motion in revision %d: %s", record.revision, fault)
+        return _unproven("undecided", since, record)
+
+
+def _unproven(check: str, since: float, record: SceneRecord) -> Block:
+    """Return the block of a motion that nothing is proven of: not proven is not safe."""
+    return Block(check=check, pair=[], time=since, fraction=0.0, revision=record.revision)

@@ -1,0 +1,34 @@
+"""ExecutionVerdict: whether a motion that is carried out holds after an edit of its scene."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from service.api.models import ResponseModel
+
+
+class ExecutionVerdict(ResponseModel):
+    """What an edit of the scene means for an execution that waits or moves."""
+
+    id: str = Field(description="Id of the execution")
+    verdict: Literal["unaffected", "conflict"] = Field(
+        description="Whether what is left of its motion is proven in this revision"
+    )
+    action: Literal["stop", "ignore"] | None = Field(
+        default=None, description="What is done, as the execution's `on_conflict` says"
+    )
+    check: str | None = Field(
+        default=None,
+        description="Check of the certificate that fails, mostly `clearance`; `undecided` if there "
+        "was no verdict in time, `request` if what the motion shall keep names what is gone",
+    )
+    pair: tuple[str, str] | None = Field(
+        default=None, description="Full names of the bodies that come too near, if it is about two"
+    )
+    time: float | None = Field(default=None, description="Where, along the motion [s]")
+    seconds: float | None = Field(
+        default=None, description="From where the robot was, at the pace of the motion [s]"
+    )
+    fraction: float | None = Field(
+        default=None, description="Share of the path's length that is done there, 0 to 1"
+    )
