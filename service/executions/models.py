@@ -16,6 +16,7 @@ from service.api.events import (
     StartedEvent,
 )
 from service.api.failures.failure import Failure
+from service.api.fingerprint import ADDED
 from service.api.models import (
     ATTEMPTS,
     CANCEL_REQUESTED_AT,
@@ -80,7 +81,7 @@ class ExecutionRequest(ExecutionTerms):
         }
     )
 
-    trajectory: CertifyMotionRequest | None = Field(
+    trajectory: Annotated[CertifyMotionRequest | None, ADDED] = Field(
         default=None,
         description="A motion of your own, as `POST /trajectories/certify` takes it, without "
         "`revision`: it is proven in the latest one, and refused (`not_certified`) if it is not",
