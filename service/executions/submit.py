@@ -2,8 +2,8 @@
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
 
+from service.api.fingerprint import fingerprint
 from service.executions.models import ExecutionRequest
 from service.executions.motions import asked_motion
 from service.executions.position import require_at_rest, require_known
@@ -32,10 +32,7 @@ async def submit_execution(
         QueueFull: The queue is full.
     """
     asked = await asked_motion(request, jobs)
-    # Keys that are older than motions of one's own have no word of them.
-    words = request.model_dump(mode="json")
-    known_words = words if request.trajectory is not None else _without(words, "trajectory")
-    idempotency = IdempotencyKey(key, known_words)
+    idempotency = IdempotencyKey(key, fingerprint(request))
     again = JobSpec(
         EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
     )
@@ -63,6 +60,7 @@ async def submit_execution(
         spec = spec_of(EXECUTE, work, record, idempotency)
         # The scene is looked up again, and tells where its robot is, until this has ended.
         with suppress(Overtaken), scenes.latest.changing(record.id):
+<<<<<<< HEAD
             job = await jobs.submit(replace(spec, follows=last))
             break
     # An edit that was quicker has seen no execution: this one sees it.
@@ -74,3 +72,6 @@ async def submit_execution(
 
 def _without(words: dict[str, Any], name: str) -> dict[str, Any]:
     return {key: said for key, said in words.items() if key != name}
+=======
+            return await jobs.submit(replace(spec, follows=last))
+>>>>>>> driver
