@@ -28,6 +28,7 @@ SCENES = (
     "ur5e_pickup",
     "panda_shelf",
     "irb120_cell",
+    "two_arms",
     "maze_2d",
     "window_3d",
     "parallel_parking",

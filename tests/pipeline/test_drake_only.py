@@ -27,6 +27,7 @@ GROUPS = {
     "maze_2d_band": "body",
     "panda_shelf": "panda",
     "parallel_parking": "car",
+    "two_arms": "both",
     "ur5e_pickup": "arm",
     "window_3d": "body",
 }
@@ -55,6 +56,7 @@ PLANS: dict[str, tuple[str, Any, dict[str, Any]]] = {
         AHEAD,
         {"constraints": (planning.DistanceBand(None, None, 0.01, 0.05),)},
     ),
+    "two arms": ("two_arms", to_frame("above_bolt"), {}),
     "a shelf": ("panda_shelf", to_frame("lower"), {"seed": 3}),
     "a gap": ("parallel_parking", to("parked"), {}),
     "a grasp": ("ur5e_pickup", GRASP, {}),

@@ -24,7 +24,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.pipeline.schedules.blocked_delays import BlockedDelays, Encounter
 from planning.pipeline.schedules.motion_spans import MotionSpans, Span
 from planning.pipeline.schedules.shared_bodies import SharedPairs
-from planning.world.world import World
+from planning.world.world import CollisionChecker, World
 
 # Rectangles in which bodies move more than this are halved without a look [m].
 _MAX_DISPLACEMENT = 0.3
@@ -108,6 +108,7 @@ class _Check:
 
     def __init__(self, world: World, pair: PairOfMotions, shared: SharedPairs) -> None:
         self._world, self._pair, self._shared = world, pair, shared
+        self._oracles: dict[float, CollisionChecker] = {}
 
     def outcomes(self, cells: list[Cell]) -> tuple[Flags, Flags]:
         """Return which rectangles are free, and which are encounters all over."""
@@ -129,6 +130,7 @@ class _Check:
 
     def _keep(self, rows: Array, padding: float) -> Flags:
         """Return which configurations keep the margins of the pairs of both, padded [m]."""
-        margins = self._shared.margins_of(self._pair.first, self._pair.second, padding)
-        oracle = self._world.collision_oracle(self._pair.group, margins)
-        return np.asarray(oracle.are_free(np.ascontiguousarray(rows)))
+        if padding not in self._oracles:
+            margins = self._shared.margins_of(self._pair.first, self._pair.second, padding)
+            self._oracles[padding] = self._world.collision_oracle(self._pair.group, margins)
+        return np.asarray(self._oracles[padding].are_free(np.ascontiguousarray(rows)))

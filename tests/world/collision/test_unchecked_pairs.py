@@ -19,7 +19,15 @@ from tests.clocks import no_hurry
 from tests.conftest import bundled_world
 from tests.profiles import pairs
 
-SCENES = ["ur5e_pickup", "panda_shelf", "maze_2d", "window_3d", "irb120_cell", "parallel_parking"]
+SCENES = [
+    "ur5e_pickup",
+    "panda_shelf",
+    "maze_2d",
+    "window_3d",
+    "irb120_cell",
+    "two_arms",
+    "parallel_parking",
+]
 # An arm of 1 m on an axis 1 m beside a pedestal of its own robot.
 BESIDE = """<robot name="m"><link name="base"><collision><origin xyz="0 0 0.5"/>
 <geometry><box size="0.2 0.2 1"/></geometry></collision></link>

@@ -75,7 +75,7 @@ def test_shapes_of_every_kind_are_read() -> None:
     assert np.array_equal(mesh.scale, [2, 2, 2])
 
 
-@pytest.mark.parametrize("name", ["ur5e_pickup", "panda_shelf", "maze_2d", "window_3d"])
+@pytest.mark.parametrize("name", ["ur5e_pickup", "panda_shelf", "maze_2d", "window_3d", "two_arms"])
 def test_json_and_yaml_are_the_same_scene(name: str) -> None:
     import yaml
 
