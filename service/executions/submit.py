@@ -60,7 +60,6 @@ async def submit_execution(
         spec = spec_of(EXECUTE, work, record, idempotency)
         # The scene is looked up again, and tells where its robot is, until this has ended.
         with suppress(Overtaken), scenes.latest.changing(record.id):
-<<<<<<< HEAD
             job = await jobs.submit(replace(spec, follows=last))
             break
     # An edit that was quicker has seen no execution: this one sees it.
@@ -68,10 +67,3 @@ async def submit_execution(
     if edited.revision != record.revision:
         await scenes.verdicts(edited)
     return job
-
-
-def _without(words: dict[str, Any], name: str) -> dict[str, Any]:
-    return {key: said for key, said in words.items() if key != name}
-=======
-            return await jobs.submit(replace(spec, follows=last))
->>>>>>> driver
