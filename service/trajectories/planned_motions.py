@@ -1,9 +1,11 @@
-"""planned_motions(): the motions of several plans, in one scene."""
+"""Motions of several plans in one scene, and all of them as one."""
 
 from collections.abc import Sequence
 
+from planning.domain.curves.combined import combined
 from planning.errors import ProblemInvalid
 from service.jobs.service import JobService
+from service.plans.models.trajectory import Polynomial
 from service.plans.resource import motion_of, work_of
 from service.scenes.store.records import SceneRecord
 from service.scenes.validation import find_group, joined_group
@@ -32,3 +34,18 @@ async def planned_motions(
         motions.append(PlannedMotion(group=group, trajectory=motion.polynomial))
     joined_group(record, [motion.group for motion in motions], "plans")
     return motions
+
+
+def combined_motion(
+    record: SceneRecord, motions: Sequence[PlannedMotion], delays: Sequence[float]
+) -> PlannedMotion:
+    """Return motions as one motion of the group that spans theirs, each begun after its delay [s].
+
+    Nothing is proven of it.
+
+    Raises:
+        ProblemInvalid: Two of the motions move one joint.
+    """
+    group = joined_group(record, [motion.group for motion in motions], "plans")
+    trajectory = combined([motion.trajectory.to_domain() for motion in motions], delays)
+    return PlannedMotion(group=group.name, trajectory=Polynomial.from_domain(trajectory))

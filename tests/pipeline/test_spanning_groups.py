@@ -6,15 +6,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import planning
+from planning import GroupMotion
 from planning.domain.goals.goal import PoseTarget
 from planning.domain.request.options import IkOptions, RoadmapOptions, SearchOptions
 from planning.goals.joint_metric import JointMetric
 from planning.goals.quality import QualityProbe
 from planning.world.world import World
+from tests.certify.conftest import smallest_distance
 from tests.clocks import no_hurry
-from tests.discs import RADIUS, discs
+from tests.discs import RADIUS, discs, straight
+from tests.profiles import rng_of
 
 ARMS = """
 robots:
@@ -157,3 +162,25 @@ def _swapped(world: World, motion: planning.TimedTrajectory) -> planning.TimedTr
         motion.bases[:, order],
         motion.coefficients[:, :, order],
     )
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_no_measured_distance_of_two_arms_is_below_what_is_proven(seed: int) -> None:
+    """Of motions that are combined with any delay; what is refused is measured to be too near."""
+    world, rng = arms(), rng_of(seed)
+    motions = []
+    for name in ("l", "r"):
+        start = world.positions(world.group(name))
+        turn = rng.uniform(0, 0.9) * (-1 if name == "l" else 1)
+        goal = start + np.append(turn, rng.uniform(-0.3, 0.3, 5))
+        legs = np.stack([start, goal, start + rng.uniform(-0.3, 0.3, 6)])
+        motions.append(GroupMotion(name, straight(world, name, *legs), float(rng.uniform(0, 2))))
+    whole = planning.combine_motions(world, motions)
+    certificate, _ = planning.certify_trajectory(
+        world, whole.group, whole.trajectory, deadline=no_hurry()
+    )
+    measured = smallest_distance(world, whole.trajectory, whole.group, 0.02)
+    if "clearance" in {check.name for check in certificate.failed}:
+        assert certificate.observed_clearance <= max(measured, 1e-6)
+    else:
+        assert certificate.min_clearance <= measured + 1e-6

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from service.trajectories.planned_motions import combined_motion, planned_motions
+
 TWO = {
     "name": "two",
     "robots": [
@@ -73,6 +75,22 @@ def test_one_goes_in_while_the_other_one_comes_out(client, two, crossing):
     first, second = (client.get(f"/v1/plans/{one}").json()["result"] for one in (back[0], into[1]))
     begin = np.add(motion["bases"][0], motion["coefficients"][0][0])
     assert begin == pytest.approx([*first["start"], *second["start"]])
+
+
+def test_plans_and_their_delays_give_the_motion_that_was_proven(client, app, two, crossing):
+    """What an execution of several plans begins with."""
+    into, back = crossing
+    plans = [back[0], into[1]]
+    found = post(client, two, plans, polynomial=True).json()["schedule"]
+
+    async def combine():
+        record = await app.state.scenes.get(two, None)
+        motions = await planned_motions(app.state.jobs, record, plans)
+        return combined_motion(record, motions, found["delays"])
+
+    motion = client.portal.call(combine)
+    assert motion.group == found["group"]
+    assert motion.trajectory.model_dump(mode="json") == found["polynomial"]
 
 
 def test_two_that_end_in_each_others_way_have_no_schedule(client, two, crossing):
