@@ -31,10 +31,10 @@ from service.queries import routes as queries
 from service.regions import routes as regions
 from service.scenes import routes as scenes
 from service.security.audit import Audit
+from service.security.callers import open_callers
 from service.security.cross_origin import allow_origins
 from service.security.document import declare_security
 from service.security.guard import Guard
-from service.security.key_ring import open_key_ring
 from service.security.start import require_guarded
 from service.settings import Settings
 from service.telemetry.traces import request_telemetry
@@ -92,11 +92,11 @@ def create_app(
             require_guarded(chosen)
             async with (
                 open_services(chosen, on_taken, metrics) as services,
-                open_key_ring(chosen.url) if chosen.auth == "keys" else nullcontext() as keys,
+                open_callers(chosen) if chosen.auth == "keys" else nullcontext() as callers,
             ):
                 app.state.jobs, app.state.scenes, app.state.webhooks = services
                 app.state.feeds = LiveFeeds(app.state.scenes, app.state.jobs)
-                app.state.keys = keys
+                app.state.callers = callers
                 has_started = True
                 yield
         except Exception as fault:
@@ -121,7 +121,7 @@ def create_app(
     app.add_middleware(
         BodyLimit, max_scene_bytes=chosen.max_body_bytes, allowed=chosen.body_timeout
     )
-    app.add_middleware(Guard, settings=chosen, ring=lambda: app.state.keys)
+    app.add_middleware(Guard, settings=chosen, callers=lambda: app.state.callers)
     app.add_middleware(Audit)
     allow_origins(app, chosen.allowed_origins)
     app.add_middleware(HostCheck, settings=chosen)

@@ -18,35 +18,19 @@ from pydantic_settings import (
     SettingsError,
 )
 
+from service.defaults import (
+    GIB,
+    default_data_dir,
+    default_plan_slots,
+    default_query_slots,
+    default_worker_memory,
+)
 from service.telemetry.logs import LogFormat, LogLevel, LogTerms, usual_format
 
 PREFIX = "WAYPROOF_"
 # Names a file of settings.
 CONFIG_FILE = "WAYPROOF_CONFIG_FILE"
-_GIB = 2**30
 _TEST_HOSTS = {"inline": ("testserver",)}
-
-
-def default_data_dir() -> Path:
-    """Return the user's state folder for this program (XDG base directories)."""
-    state = os.environ.get("XDG_STATE_HOME", "")
-    return (Path(state) if state else Path.home() / ".local" / "state") / "wayproof"
-
-
-def default_plan_slots() -> int:
-    """Return one less than there are processors, at least one, at most eight."""
-    return min(8, max(1, (os.cpu_count() or 1) - 1))
-
-
-def default_query_slots() -> int:
-    """Return one for every two processors, at least one, at most four."""
-    return min(4, max(1, (os.cpu_count() or 1) // 2))
-
-
-def default_worker_memory() -> int:
-    """Return half of this machine's memory, 1 to 8 GiB [bytes]."""
-    machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    return min(8 * _GIB, max(_GIB, machine // 2))
 
 
 def read_config_file(environment: Mapping[str, str]) -> dict[str, Any]:
@@ -127,10 +111,15 @@ class Settings(BaseSettings):
     )
     worker_memory: int = Field(
         default_factory=default_worker_memory,
-        ge=_GIB // 2,
+        ge=GIB // 2,
         description="What one worker may use [bytes]; what needs more fails",
     )
-    max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per queue")
+    max_queued: int = Field(
+        default=1000,
+        ge=1,
+        description="Jobs that may wait, per queue; the last tenth is for clients of which none "
+        "waits",
+    )
     retention_days: float = Field(
         default=30.0,
         ge=0,
@@ -152,6 +141,15 @@ class Settings(BaseSettings):
         default="none",
         description="Whether requests need an API key; none is for loopback only, proxy says that "
         "nothing but a proxy that authenticates can reach the server",
+    )
+    oidc_issuer: str | None = Field(
+        default=None,
+        pattern=r"^(https://|http://(localhost|127\.0\.0\.1|\[::1\])[:/])\S+$",
+        description="Identity provider whose tokens are let in besides keys (OpenID Connect), as "
+        "their `iss` says it; null for none. Needs the extra `oidc`",
+    )
+    oidc_audience: str | None = Field(
+        default=None, min_length=1, description="Whom its tokens are meant for, as `aud` says it"
     )
     rate_limit: str = Field(
         default="",
@@ -234,6 +232,18 @@ class Settings(BaseSettings):
             raise ValueError(message)
         if self.engine == "ray" and find_spec("ray") is None:
             message = "the engine ray needs the extra `ray`: pip install 'wayproof[ray]'"
+            raise ValueError(message)
+        return self
+
+    @model_validator(mode="after")
+    def _has_provider(self) -> Self:
+        if self.oidc_issuer is None:
+            return self
+        if self.auth != "keys" or self.oidc_audience is None:
+            message = "oidc_issuer needs auth=keys, and oidc_audience, which its tokens name"
+            raise ValueError(message)
+        if find_spec("jwt") is None:
+            message = "oidc_issuer needs the extra `oidc`: pip install 'wayproof[oidc]'"
             raise ValueError(message)
         return self
 

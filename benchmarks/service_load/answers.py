@@ -3,14 +3,17 @@
 import json
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from typing import Any
 
 import httpx
 
+from benchmarks.service_load.connection import Connection
 from benchmarks.service_load.host import ARM, Host, arm_plan, timed
 from benchmarks.service_load.measure import Measure
 from benchmarks.service_load.rate import own_seconds
 
+_PLANS = "/v1/plans?wait=60"
 _WALL = {"name": "wall", "shape": {"box": [0.02, 9, 0.2]}, "pose": {"position": [0, 0, 0]}}
 _WALLED = {
     "name": "walled",
@@ -50,16 +53,24 @@ def starts(host: Host, count: int, workers: int) -> Iterator[Measure]:
 
 
 def waits(host: Host, count: int) -> Iterator[Measure]:
-    """Wait for plans, one after another; yield how long, and how much of it is not the plan's."""
+    """Wait for plans, one after another; yield how long, and how much of it is not the plan's.
+
+    Until the last byte of the answer is there, over one `Connection`.
+    """
     host.need()
     whole, over = Measure("`?wait`: a plan"), Measure("`?wait`: without the plan's own time")
-    scene = _scene(host)
-    _plan(host, scene)  # loads the scene where plans are made
-    for _ in range(count):
-        job = timed(whole, host, lambda: _plan(host, scene))
-        if job is None:
-            break
-        over.seconds.append(whole.seconds[-1] - own_seconds(job))
+    request = json.dumps(arm_plan(_scene(host))).encode()
+    with closing(Connection(host.url)) as connection:
+        connection.post(_PLANS, request)  # loads the scene where plans are made
+        for _ in range(count):
+            began = time.perf_counter()
+            answer = connection.post(_PLANS, request)
+            took = time.perf_counter() - began
+            if answer.fault is not None or answer.json()["state"] != "succeeded":
+                whole.faults.append(answer.fault or "failed")
+                continue
+            whole.seconds.append(took)
+            over.seconds.append(took - own_seconds(answer.json()))
     over.faults += whole.faults
     yield from (whole, over)
 
@@ -99,7 +110,7 @@ def _scene(host: Host) -> str:
 
 def _plan(host: Host, scene: str) -> dict[str, Any]:
     # As long as `?wait=` may be; the limit of an answer comes first.
-    job: dict[str, Any] = host.post("/v1/plans?wait=60", arm_plan(scene))
+    job: dict[str, Any] = host.post(_PLANS, arm_plan(scene))
     if job["state"] != "succeeded":
         raise httpx.HTTPError(f"{job['state']}: {json.dumps(job['failure'])[:60]}")
     return job

@@ -1,17 +1,20 @@
 """What `?wait` costs besides the plan, when requests come at a steady rate whatever is answered."""
 
-import asyncio
+import json
+import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-import httpx
-
-from benchmarks.service_load.host import ARM, Host, arm_plan, reason
+from benchmarks.service_load.connection import Answer, Connection
+from benchmarks.service_load.host import ARM, Host, arm_plan
 from benchmarks.service_load.measure import Measure
 
-# Plans at once before anything is counted: every worker has loaded the scene by then.
+# Plans at once before anything is counted, and connections: every worker has loaded the scene then.
 _WARM_UP = 8
+# Never set: a clock to wait by.
+_idle = threading.Event()
 
 
 def rates(host: Host, per_second: float, seconds: float) -> Iterator[Measure]:
@@ -24,35 +27,36 @@ def rates(host: Host, per_second: float, seconds: float) -> Iterator[Measure]:
     """
     host.need()
     request = arm_plan(host.post("/v1/scenes", ARM)["id"])
-    yield from asyncio.run(_asked(host.url, request, per_second, seconds))
+    yield from _asked(host.url, request, per_second, seconds)
 
 
-async def _asked(
+def _asked(
     url: str, request: dict[str, Any], per_second: float, seconds: float
 ) -> tuple[Measure, Measure]:
     what = f"`?wait`, {per_second:g} a second"
     whole, over = Measure(f"{what}: a plan"), Measure(f"{what}: without the plan's own time")
-    limits = httpx.Limits(max_connections=None, max_keepalive_connections=None)
-    async with httpx.AsyncClient(base_url=url, timeout=60, limits=limits, trust_env=False) as http:
+    body = json.dumps(request).encode()
+    connections = threading.local()
 
-        async def plan(at: float, measures: tuple[Measure, Measure] | None) -> None:
-            await asyncio.sleep(max(0.0, at - time.perf_counter()))
-            try:
-                answer = await http.post("/v1/plans?wait=60", json=request)
-                took = time.perf_counter() - at
-                answer.raise_for_status()
-            except httpx.HTTPError as fault:
-                whole.faults.append(reason(fault))
-                return
-            if measures is not None:
-                measures[0].seconds.append(took)
-                measures[1].seconds.append(took - own_seconds(answer.json()))
+    def plan(at: float) -> tuple[float, Answer]:
+        if not hasattr(connections, "own"):
+            connections.own = Connection(url)
+        _idle.wait(max(0.0, at - time.perf_counter()))
+        answer = connections.own.post("/v1/plans?wait=60", body)
+        return time.perf_counter() - at, answer
 
+    with ThreadPoolExecutor(_WARM_UP) as threads:
         now = time.perf_counter()
-        await asyncio.gather(*(plan(now, None) for _ in range(_WARM_UP)))
+        list(threads.map(plan, [now] * _WARM_UP))
         began = time.perf_counter()
         count = max(1, round(per_second * seconds))
-        await asyncio.gather(*(plan(began + i / per_second, (whole, over)) for i in range(count)))
+        due = [began + i / per_second for i in range(count)]
+        for took, answer in threads.map(plan, due):
+            if answer.fault is not None:
+                whole.faults.append(answer.fault)
+                continue
+            whole.seconds.append(took)
+            over.seconds.append(took - own_seconds(answer.json()))
         whole.rate = whole.num_done / (time.perf_counter() - began)
     over.faults += whole.faults
     return whole, over

@@ -46,7 +46,9 @@ class IdempotencyKey:
 
     @property
     def digest(self) -> str:
-        """Return the sha256 of what it stands for."""
+        """The sha256 of what it stands for; empty without a key, for then it is never compared."""
+        if self.text is None:
+            return ""
         return hashlib.sha256(json.dumps(self.fingerprint, sort_keys=True).encode()).hexdigest()
 
 

@@ -10,6 +10,7 @@ from collections import OrderedDict
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 
 from planning import ModelLibrary, Scene, World, load_world
@@ -44,9 +45,13 @@ _lock = threading.Lock()
 
 def library_of(library: Library) -> ModelLibrary:
     """Return the robots that the server's settings allow."""
-    roots = map(Path, library.model_roots)
-    copies = files_folder(host_folder())
-    return ModelLibrary.bundled(*roots, allow_paths=library.allow_paths, copies=copies)
+    return _bundled(tuple(library.model_roots), library.allow_paths, host_folder())
+
+
+@lru_cache(maxsize=8)  # every task asks, and a process has one answer
+def _bundled(roots: tuple[str, ...], allow_paths: bool, folder: Path) -> ModelLibrary:  # noqa: FBT001
+    copies = files_folder(folder)
+    return ModelLibrary.bundled(*map(Path, roots), allow_paths=allow_paths, copies=copies)
 
 
 @contextmanager

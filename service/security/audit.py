@@ -26,7 +26,7 @@ _MAX_PATH = 200
 
 
 class Audit:
-    """Middleware that writes what is done, when its answer begins."""
+    """Middleware that writes what is done, once its answer is on its way."""
 
     def __init__(self, app: ASGIApp) -> None:
         """Stand around `app`."""
@@ -37,23 +37,26 @@ class Audit:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        is_answered, status = False, None
+        is_noted, status, headers = False, None, Headers()
 
         async def send_noted(message: Message) -> None:
-            nonlocal is_answered
+            nonlocal is_noted, status, headers
             if message["type"] == "http.response.start":
-                is_answered = True
-                _note(scope, message["status"], Headers(raw=message["headers"]))
+                status, headers = message["status"], Headers(raw=message["headers"])
             await send(message)
+            # After the first piece of the body: a stream may last, and the client need not wait.
+            if message["type"] == "http.response.body" and not is_noted:
+                is_noted = True
+                _note(scope, status, headers)
 
         try:
             await self._app(scope, receive, send_noted)
         except Exception:
-            status = 500  # what answers unexpected errors stands around all middleware
+            status = status or 500  # what answers unexpected errors stands around all middleware
             raise
         finally:
-            if not is_answered:
-                _note(scope, status, Headers())
+            if not is_noted:
+                _note(scope, status, headers)
 
 
 def _note(scope: Scope, status: int | None, headers: Headers) -> None:

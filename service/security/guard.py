@@ -1,6 +1,6 @@
 """Guard: middleware that lets in requests with a key of the right scope, and not too many of them.
 
-Nothing of a body is read before.
+A token of an identity provider is a key like any other here. Nothing of a body is read before.
 """
 
 from collections.abc import Callable
@@ -13,8 +13,7 @@ from planning.errors import WayproofError
 from service.api.dependencies import CALLER
 from service.api.error_responses import ProblemResponse, respond
 from service.errors import ScopeMissing, Unauthorized
-from service.security.key_ring import KeyRing
-from service.security.keys import ApiKey
+from service.security.callers import Caller, Callers
 from service.security.scopes import Scope as KeyScope
 from service.security.scopes import required_scope
 from service.settings import Settings
@@ -40,18 +39,18 @@ class Guard:
         self,
         app: ASGIApp,
         settings: Settings,
-        ring: Callable[[], KeyRing],
+        callers: Callable[[], Callers],
     ) -> None:
         """Guard `app`.
 
         Args:
             app: What gets the requests.
             settings: Whether there are keys, and how many requests are let in.
-            ring: Returns the keys, once the application runs.
+            callers: Returns who may ask, once the application runs.
         """
         self._app = app
         self._asks = settings.auth == "keys"
-        self._ring = ring
+        self._callers = callers
         self._limit = _limit_of(settings)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -74,18 +73,18 @@ class Guard:
         else:
             await self._pass_on(key, scope, receive, send)
 
-    async def _pass_on(self, key: ApiKey, scope: Scope, receive: Receive, send: Send) -> None:
+    async def _pass_on(self, key: Caller, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; a stream of events ends when its key is not valid any more.
 
         So does a WebSocket (policy violation, RFC 6455).
         """
-        ring, is_stream = self._ring(), False
+        callers, is_stream = self._callers(), False
 
         async def send_while_good(message: Message) -> None:
             nonlocal is_stream
             if message["type"] == "http.response.start":
                 is_stream = Headers(raw=message["headers"]).get("content-type", "") in _STREAMS
-            elif (is_stream or message["type"] == "websocket.send") and not ring.is_good(key):
+            elif (is_stream or message["type"] == "websocket.send") and not callers.is_good(key):
                 raise _KeyEnded
             await send(message)
 
@@ -95,22 +94,26 @@ class Guard:
             await send(_CLOSE if scope["type"] == "websocket" else _END)
 
     async def _refusal(
-        self, scope: Scope, given: list[str], key: ApiKey | None, needed: KeyScope
+        self, scope: Scope, given: list[str], key: Caller | None, needed: KeyScope
     ) -> ProblemResponse | None:
         # Who has no key is counted by address: guesses are requests as well.
-        caller = f"address {(scope.get('client') or ('',))[0]}" if key is None else f"key {key.id}"
+        caller = (
+            f"address {(scope.get('client') or ('',))[0]}"
+            if key is None
+            else f"{type(key).__name__} {key.id}"
+        )
         late = None if self._limit is None else await self._limit.count(caller)
         if late is not None:
             return respond(late)
         return _refusal_of_key(key, needed, is_given=bool(given)) if self._asks else None
 
-    async def _key(self, given: list[str]) -> ApiKey | None:
+    async def _key(self, given: list[str]) -> Caller | None:
         kind, _, text = given[0].partition(" ") if len(given) == 1 else ("", "", "")
-        return await self._ring().find(text.strip()) if kind.lower() == "bearer" else None
+        return await self._callers().find(text.strip()) if kind.lower() == "bearer" else None
 
 
 def _refusal_of_key(
-    key: ApiKey | None, needed: KeyScope, *, is_given: bool
+    key: Caller | None, needed: KeyScope, *, is_given: bool
 ) -> ProblemResponse | None:
     """Return the answer to a request whose key is not good for it (RFC 6750, section 3)."""
     if key is None and is_given:

@@ -3,6 +3,8 @@
 import re
 
 _KEY = re.compile(r"(wp_[0-9a-f]{12}_)[A-Za-z0-9_-]{43}")
+# JSON web tokens: what is signed stays, the signature does not.
+_TOKEN = re.compile(r"\b(eyJ[A-Za-z0-9_-]+\.[A-Za-z0-9_-]+\.)[A-Za-z0-9_-]+")
 # `scheme://user:secret@`, and whatever is said to be a secret.
 _IN_URL = re.compile(r"(://[^\s:/@\"']*:)[^\s/\"']+(?=@)")
 _NAMED = re.compile(
@@ -13,8 +15,8 @@ _NAMED = re.compile(
 
 
 def redacted(text: str) -> str:
-    """Return a text without the secrets of keys; which keys they were stays."""
-    return _KEY.sub(r"\1...", text)
+    """Return a text without what makes keys and tokens good; which they were stays."""
+    return _TOKEN.sub(r"\1...", _KEY.sub(r"\1...", text))
 
 
 def masked(line: str) -> str:

@@ -1,20 +1,15 @@
-"""Databases: how they are opened, how durable a transaction is, and statements made once."""
+"""Databases: how they are opened, and how durable a transaction is."""
 
 import asyncio
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import (
     Connection,
-    CursorResult,
     Engine,
-    Insert,
-    Select,
-    Update,
     create_engine,
     event,
 )
@@ -26,7 +21,6 @@ from sqlalchemy.exc import (
     ProgrammingError,
 )
 from sqlalchemy.exc import TimeoutError as PoolTimeout
-from sqlalchemy.sql.compiler import SQLCompiler
 
 _BUSY_TIMEOUT_MS = 5_000
 # A database that has vanished is noticed: seconds to connect, milliseconds to acknowledge (libpq).
@@ -155,58 +149,3 @@ def begin_notes(connection: Connection) -> None:
 def in_transaction(connection: Connection, name: str) -> dict[str, Any]:
     """Return the notes of a name about the transaction that a connection is in."""
     return connection.info.setdefault(_NOTES, {}).setdefault(name, {})
-
-
-class Prepared:
-    """A statement with named parameters; JSON goes in as text, and comes out as text."""
-
-    def __init__(self, statement: Insert | Select[Any] | Update, *names: str) -> None:
-        """Prepare a statement.
-
-        Args:
-            statement: What to carry out, on any database.
-            names: The columns that an insert gives.
-        """
-        self._statement = statement
-        self._names = list(names) or None
-        self._known: dict[str, _Text] = {}
-
-    def __call__(self, connection: Connection, **given: Any) -> CursorResult[Any]:
-        """Carry it out in a transaction, with these parameters."""
-        known = self._in(connection)
-        return connection.exec_driver_sql(known.text, known.parameters(given))
-
-    def many(self, connection: Connection, rows: Sequence[Mapping[str, Any]]) -> None:
-        """Carry it out for each of some rows of parameters."""
-        known = self._in(connection)
-        given = [known.parameters(row) for row in rows]
-        connection.exec_driver_sql(known.text, given if len(given) > 1 else given[0])
-
-    def _in(self, connection: Connection) -> "_Text":
-        """Return the statement as the database of a connection has it."""
-        dialect = connection.dialect
-        if dialect.name not in self._known:
-            made = self._statement.compile(dialect=dialect, column_keys=self._names)
-            assert isinstance(made, SQLCompiler)  # noqa: S101  (it is a statement)
-            names = None if made.positiontup is None else tuple(made.positiontup)
-            self._known[dialect.name] = _Text(str(made), dict(made.params), names)
-        return self._known[dialect.name]
-
-
-@dataclass(frozen=True)
-class _Text:
-    """A statement in the language of one database.
-
-    Attributes:
-        text: The statement.
-        constants: Parameters that are always the same, by name.
-        names: Of all parameters in their order, if they go by their places.
-    """
-
-    text: str
-    constants: Mapping[str, Any]
-    names: tuple[str, ...] | None
-
-    def parameters(self, given: Mapping[str, Any]) -> Any:
-        every = {**self.constants, **given}
-        return every if self.names is None else tuple([every[name] for name in self.names])

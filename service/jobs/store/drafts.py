@@ -14,9 +14,9 @@ from service.jobs.job import Job, JobSpec
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
 from service.jobs.states import JobState
-from service.jobs.store.database import Prepared
 from service.jobs.store.event_log import append_events
 from service.jobs.store.notifications import note_change
+from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import find_by_idempotency_key, job_of, now
 from service.jobs.store.tables import bodies, jobs, summaries
 from service.jobs.task import outline_of
@@ -92,7 +92,7 @@ def insert_job(connection: Connection, drafted: Draft) -> Job | None:
     job, payload = drafted.job, drafted.payload
     short = without(job.payload, outline_of(job.task).payload)
     summary = payload if short is job.payload else encode(short)
-    sequence = _ADD_JOB(connection, **drafted.row).scalar_one_or_none()
+    sequence = _ADD_JOB(connection, **drafted.row).scalar()
     if sequence is None:
         if find_by_idempotency_key(connection, job) is None:
             raise Overtaken
@@ -100,7 +100,7 @@ def insert_job(connection: Connection, drafted: Draft) -> Job | None:
     if drafted.follows is not None:
         # Only now: what has entered the scene before this job is visible, and nothing enters after.
         newest = _NEWEST_OTHER(connection, in_queue=job.queue, in_scene=job.scene, own=sequence)
-        if (newest.scalar_one_or_none() or 0) != drafted.follows:
+        if (newest.scalar() or 0) != drafted.follows:
             raise Overtaken
         note_change(connection, job.scene or "")
     _ADD_BODY(connection, job=job.id, payload=payload)

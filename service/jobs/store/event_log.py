@@ -9,8 +9,8 @@ from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 from service.jobs.job import LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
-from service.jobs.store.database import Prepared
 from service.jobs.store.notifications import note_change
+from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import decoded, now
 from service.jobs.store.tables import events, jobs
 
@@ -39,7 +39,7 @@ def reserve_events(
     given = {f"new_{name}": content for name, content in changes.items()}
     statement = _reservation(tuple(given), may_wait=may_wait)
     row = statement(connection, job_id=identifier, more=len(new_events), **given).first()
-    return None if row is None else row.num_events - len(new_events) + 1
+    return None if row is None else int(row["num_events"]) - len(new_events) + 1
 
 
 def append_events(

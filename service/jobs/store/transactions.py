@@ -8,8 +8,9 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, Engine, select
 
 from service.jobs.errors import DatabaseTaken
-from service.jobs.store.database import Prepared, begin_notes, set_durability, sync_log
+from service.jobs.store.database import begin_notes, set_durability, sync_log
 from service.jobs.store.notifications import Listener, notify
+from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import JobQueries
 from service.jobs.store.schema import bring_up_to_date, is_up_to_date, refuse_newer
 from service.jobs.store.tables import owner
@@ -114,7 +115,7 @@ class Transactions(JobQueries):
         """
         if self._epoch is None:
             return
-        latest = _EPOCH(connection).scalar_one_or_none()
+        latest = _EPOCH(connection).scalar()
         if latest != self._epoch:
             message = "another server has taken the database over: nothing is written to it here"
             raise DatabaseTaken(message, {"epoch": self._epoch, "latest": latest})

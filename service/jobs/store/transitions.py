@@ -11,9 +11,9 @@ from sqlalchemy import Connection, bindparam
 from service.jobs.job import FINISHED, JobText, LoggedEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobEvent, JobState, advance, sources
-from service.jobs.store.database import Prepared
 from service.jobs.store.event_log import append_events, update_in
-from service.jobs.store.queries import columns_of, now, summary_of
+from service.jobs.store.prepared import Prepared
+from service.jobs.store.queries import now, summary_of
 from service.jobs.store.tables import jobs
 
 _EVENT_NAMES = {
@@ -70,10 +70,10 @@ def apply_event(
     if row is None:
         return None
     name = _EVENT_NAMES[event]
-    [logged] = append_events(connection, identifier, row.num_events, [(name, dict(data))])
+    [logged] = append_events(connection, identifier, row["num_events"], [(name, dict(data))])
     # A prepared statement has booleans as the database has them.
-    columns = {**columns_of(row), "is_cancel_requested": bool(row.is_cancel_requested)}
-    return Transition(logged, row.attempts, columns["is_cancel_requested"], columns)
+    columns = {**row, "is_cancel_requested": bool(row["is_cancel_requested"])}
+    return Transition(logged, row["attempts"], columns["is_cancel_requested"], columns)
 
 
 def ended_job(

@@ -110,7 +110,7 @@ def test_a_server_takes_the_keys_that_were_made(keys, tmp_path):
         headers = {"Authorization": f"Bearer {text}"}
         assert client.get("/v1/plans", headers=headers).status_code == 200
         keys("revoke", "ci")
-        client.portal.call(client.app.state.keys.read)
+        client.portal.call(client.app.state.callers.keys.read)
         assert client.get("/v1/plans", headers=headers).status_code == 401
 
 

@@ -31,7 +31,7 @@ def key(guarded):
     engine = open_engine(guarded.app.state.settings.url)
     made = KeyStore(engine).create("ci", [Scope.PLAN], datetime.now(UTC)).text
     engine.dispose()
-    guarded.portal.call(guarded.app.state.keys.read)
+    guarded.portal.call(guarded.app.state.callers.keys.read)
     return made
 
 
@@ -132,8 +132,8 @@ def test_no_secret_is_in_any_log_or_answer(guarded, key, caplog):
             ):  # fmt: skip
                 answer = guarded.request(method, path, headers=headers)
                 texts += [answer.text, str(answer.headers)]
-    guarded.portal.call(guarded.app.state.keys.read)
-    digests = [each.digest for each in guarded.app.state.keys._keys.values()]
+    guarded.portal.call(guarded.app.state.callers.keys.read)
+    digests = [each.digest for each in guarded.app.state.callers.keys._keys.values()]
     assert digests
     texts += [logging.Formatter().format(record) for record in caplog.records]
     texts += [str(record.__dict__) for record in caplog.records]

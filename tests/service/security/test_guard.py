@@ -43,7 +43,7 @@ def keys(guarded, store):
     made = {
         str(scope): store.create(str(scope), [scope], datetime.now(UTC)).text for scope in Scope
     }
-    guarded.portal.call(guarded.app.state.keys.read)
+    guarded.portal.call(guarded.app.state.callers.keys.read)
     return made
 
 
@@ -196,7 +196,7 @@ def test_nothing_of_a_body_is_read_without_a_key():
 
 
 def test_a_revoked_key_is_refused_once_the_keys_are_read_again(guarded, store):
-    ring = guarded.app.state.keys
+    ring = guarded.app.state.callers.keys
     key = store.create("leaver", [Scope.READ], datetime.now(UTC)).text
     guarded.portal.call(ring.read)
     assert guarded.get("/v1/plans", headers=bearer(key)).status_code == 200
@@ -208,7 +208,7 @@ def test_a_revoked_key_is_refused_once_the_keys_are_read_again(guarded, store):
 def test_an_expired_key_is_refused(guarded, store):
     past = datetime.now(UTC) - timedelta(days=2)
     key = store.create("old", [Scope.READ], past, past + timedelta(days=1)).text
-    guarded.portal.call(guarded.app.state.keys.read)
+    guarded.portal.call(guarded.app.state.callers.keys.read)
     assert guarded.get("/v1/plans", headers=bearer(key)).status_code == 401
 
 

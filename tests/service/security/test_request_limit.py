@@ -42,7 +42,7 @@ def test_keys_are_counted_apart_and_guesses_by_address(tmp_path):
         store, now = KeyStore(engine), datetime.now(UTC)
         keys = [store.create(name, [Scope.READ], now).text for name in "ab"]
         engine.dispose()
-        client.portal.call(client.app.state.keys.read)
+        client.portal.call(client.app.state.callers.keys.read)
 
         def status(key):
             headers = {"Authorization": f"Bearer {key}"}
