@@ -24,10 +24,10 @@ def replay_motions(work: ReplayWork, _: TaskContext) -> Page:
     shown: list[ShownMotion] = []
     with ExitStack() as borrowed:
         for motion in work.motions:
-            digest = motion.scene.digest
-            if digest not in worlds:
-                worlds[digest] = borrowed.enter_context(borrow_world(motion))
-            world, trajectory = worlds[digest], motion.trajectory.to_domain()
+            scene = motion.scene.model_dump_json()  # where other robots and groups were, too
+            if scene not in worlds:
+                worlds[scene] = borrowed.enter_context(borrow_world(motion))
+            world, trajectory = worlds[scene], motion.trajectory.to_domain()
             group = world.group(motion.group)
             shown.append(ShownMotion(motion.title, world, group, trajectory, motion.until))
         return Page(html=replay_motions_html(shown))

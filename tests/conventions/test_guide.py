@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+import service.executions.worker  # noqa: F401  (before the clock is replaced, which it keeps)
 from tests.clocks import FakeClock
 from tests.conventions.guide import PAGES
 

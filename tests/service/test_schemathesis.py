@@ -9,8 +9,8 @@ from tests.service.api_routes import api_routes, takes_data
 from tests.service.conftest import BLOCK_SCENE
 from tests.service.declared import ask, checks, library
 
-# Replays are megabytes.
-NOT_CALLED = {"getReplay"}
+# Replays are megabytes, and the stream of a live state has no end.
+NOT_CALLED = {"getReplay", "streamSceneState"}
 # Bad data is one of many ways to be bad; of good data both known and unknown names are tried.
 EXAMPLES = {"positive": num_cases(2, 60), "negative": num_cases(1, 60)}
 RULES = settings(

@@ -19,8 +19,8 @@ from tests.profiles import PROFILE, num_cases
 from tests.service.conftest import BLOCK_SCENE, TestClient
 from tests.service.declared import ask, checks, library
 
-# Replays are megabytes, and the events of an execution that is paused never end.
-NOT_CALLED = ["getReplay", "getSceneReplay", "streamExecutionEvents"]
+# Replays are megabytes; the events of an execution that is paused never end, nor do a live state's.
+NOT_CALLED = ["getReplay", "getSceneReplay", "streamExecutionEvents", "streamSceneState"]
 NUM_SEQUENCES = num_cases(2, 100)
 RULES = settings(
     deadline=None,

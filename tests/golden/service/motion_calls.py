@@ -86,6 +86,8 @@ _EXECUTIONS = (
     get("execution_again", "/v1/executions/{execution}"),
     get("execution_events", "/v1/executions/{execution}/events"),
     get("moved_scene", "/v1/scenes/{square}"),
+    get("moved_state", "/v1/scenes/{square}/state"),
+    get("state_events", "/v1/scenes/{square}/state/events?most=1"),
     _execute("start_mismatch", "configuration"),
     post("late_cancel", "/v1/executions/{execution}/cancel"),
     post("late_pause", "/v1/executions/{execution}/pause"),

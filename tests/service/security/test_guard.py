@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import anyio
 import pytest
 from sqlalchemy.exc import OperationalError
+from starlette.testclient import WebSocketDenialResponse
 
 from service.app import create_app
 from service.jobs.store.database import open_engine
@@ -275,6 +276,57 @@ def test_a_stream_ends_with_its_key_and_a_plain_answer_does_not(tmp_path, end, k
         assert got == [(b"0", True), (b"1", True), (b"2", False)]
     else:
         assert got == [(b"0", True), (b"", False)]
+
+
+@pytest.mark.parametrize("end", ["revoked", "not"])
+def test_a_websocket_ends_with_its_key(tmp_path, end):
+    keys = Ring(tmp_path)
+    keys.now = 10.0
+    new = keys.store.create("a", [Scope.READ], datetime.now(UTC))
+    sent = []
+
+    async def app(scope, receive, send):
+        await send({"type": "websocket.accept"})
+        await send({"type": "websocket.send", "text": "0"})
+        if end == "revoked":
+            keys.store.revoke("a", datetime.now(UTC))
+            keys.now += 1.0
+            keys.ring.is_good(new.key)
+            await keys.ring._reading
+        await send({"type": "websocket.send", "text": "1"})
+
+    async def run():
+        await keys.ring.read()
+        headers = [(b"authorization", f"Bearer {new.text}".encode())]
+        scope = {"type": "websocket", "path": "/v1/scenes/x/state/ws", "headers": headers}
+
+        async def send(message):
+            sent.append(message)
+
+        await Guard(app, Settings(auth="keys"), lambda: keys.ring)(scope, None, send)
+        await keys.ring.close()
+
+    asyncio.run(run())
+    texts = [message["text"] for message in sent if message["type"] == "websocket.send"]
+    if end == "revoked":
+        assert texts == ["0"]
+        assert sent[-1] == {"type": "websocket.close", "code": 1008}
+    else:
+        assert texts == ["0", "1"]
+
+
+def test_a_websocket_needs_a_key_as_well(guarded, keys):
+    scene = guarded.post("/v1/scenes", json=BLOCK_SCENE, headers=bearer(keys["plan"])).json()["id"]
+    path = f"/v1/scenes/{scene}/state/ws"
+    for headers, status in (({}, 401), (bearer(keys["plan"]), 403)):
+        with (
+            pytest.raises(WebSocketDenialResponse) as refused,
+            guarded.websocket_connect(path, headers=headers),
+        ):
+            pytest.fail("it was let in")
+        assert refused.value.status_code == status
+    with guarded.websocket_connect(path, headers=bearer(keys["read"])) as socket:
+        assert socket.receive_json()["data"]["scene"] == scene
 
 
 def test_a_stream_does_not_wait_for_a_database_that_hangs(tmp_path):
