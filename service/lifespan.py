@@ -160,7 +160,8 @@ def _queues(settings: Settings, copies: ArtifactCopies) -> dict[str, JobQueue]:
     memory, logs, grace = settings.worker_memory, settings.logs, _CANCEL_GRACE["execution"]
     planning = Terms(settings.niceness, memory, is_offline=True, logs=logs)
     # Executions go on while something is planned; OMPL and Drake take turns.
-    moving = Terms(0, memory, grace, is_offline=True, logs=logs)
+    # A controller of a robot is reached over the network.
+    moving = Terms(0, memory, grace, is_offline=not settings.ur_hosts, logs=logs)
     on_each = (count // hosts * [planning], settings.execution_slots * [moving])
     shared, own = _workers(settings, copies, *on_each)
     pool = WorkerPool(shared)

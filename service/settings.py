@@ -103,6 +103,12 @@ class Settings(BaseSettings):
     execution_slots: int = Field(
         default=2, ge=1, le=64, description="Executions that may run at once"
     )
+    ur_hosts: dict[str, str] = Field(
+        default={},
+        description="Controllers of Universal Robots that executions may drive, as JSON: names in "
+        'requests, and addresses (`{"cell-1": "192.0.2.7"}`, ports 30004 and 30002, or '
+        "`host:rtde_port:script_port`). With any, workers that move robots keep their network",
+    )
     niceness: int = Field(
         default=10,
         ge=0,

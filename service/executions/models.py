@@ -4,7 +4,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Annotated, Literal, Self
 
-from pydantic import ConfigDict, Field, Json, model_validator
+from pydantic import Field, Json
 
 from planning.execute import status as domain
 from service.api.events import (
@@ -16,18 +16,14 @@ from service.api.events import (
     StartedEvent,
 )
 from service.api.failures.failure import Failure
-from service.api.fingerprint import ADDED
 from service.api.models import (
     ATTEMPTS,
     CANCEL_REQUESTED_AT,
     UNRECORDED,
-    Identifier,
-    Real,
-    RequestModel,
     ResponseModel,
     Timings,
 )
-from service.trajectories.models import CertifyMotionRequest
+from service.executions.requests import ExecutionTerms
 
 
 class ExecutionState(StrEnum):
@@ -44,73 +40,6 @@ class ExecutionState(StrEnum):
     SUCCEEDED = "succeeded"
     CANCELED = "canceled"
     ABORTED = "aborted"
-
-
-type DriverName = Annotated[
-    Literal["simulated", "kinematic"],
-    Field(
-        description="What moves: `simulated`, Drake's simulation under a joint controller; "
-        "`kinematic`, a robot without mass that is always where it should be, and feels nothing"
-    ),
-]
-
-
-class ExecutionTerms(RequestModel):
-    """How a motion is carried out, and of which plan it is."""
-
-    plan: Identifier | None = Field(
-        default=None, description="Id of a plan that succeeded; null for a motion of one's own"
-    )
-    driver: DriverName = Field(default="simulated", description="What moves")
-    speed: Annotated[Real, Field(gt=0, le=100)] = Field(
-        default=1.0,
-        description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
-        "than real time, and the motion stays as it is",
-    )
-    on_conflict: Annotated[Literal["stop", "ignore"], ADDED] = Field(
-        default="stop",
-        description="What is done while it moves if an edit of the scene is in its way: `stop` "
-        "comes to rest on the path and ends (`path_blocked`); `ignore` only tells",
-    )
-    title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
-        default=None, description="Title of the motion in replays of the scene"
-    )
-
-
-class ExecutionRequest(ExecutionTerms):
-    """Carry out a plan, or a motion of your own."""
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [{"plan": "pln_5b1e9a7d4c623f0c", "driver": "simulated", "speed": 1.0}]
-        }
-    )
-
-    trajectory: Annotated[CertifyMotionRequest | None, ADDED] = Field(
-        default=None,
-        description="A motion of your own, as `POST /trajectories/certify` takes it, without "
-        "`revision`: it is proven in the latest one, and refused (`not_certified`) if it is not",
-    )
-
-    @model_validator(mode="after")
-    def _one_motion(self) -> Self:
-        if (self.plan is None) == (self.trajectory is None):
-            message = "plan: exactly one of `plan` and `trajectory` must be given"
-            raise ValueError(message)
-        if self.trajectory is not None and self.trajectory.revision is not None:
-            message = "trajectory.revision: leave it out, an execution is in the latest revision"
-            raise ValueError(message)
-        return self
-
-    @property
-    def group(self) -> str:
-        """Group of a motion of one's own; a plan knows its own."""
-        return "" if self.trajectory is None else self.trajectory.group
-
-    @property
-    def terms(self) -> ExecutionTerms:
-        """All but the motion of one's own, which is long."""
-        return ExecutionTerms.model_validate(self.model_dump(exclude={"trajectory"}))
 
 
 class Contact(ResponseModel):
@@ -232,6 +161,16 @@ type ExecutionEvent = Annotated[
 ]
 
 
+class SamplingReserve(ResponseModel):
+    """What is left of the proven clearance by a controller that samples and smooths the motion."""
+
+    deviation: float = Field(description="Largest distance of a joint from the path [rad]")
+    approach: float = Field(description="How much nearer two bodies may be for it, at most [m]")
+    clearance: float | None = Field(
+        description="Proven lower bound on all distances along the path [m]; null without any pair"
+    )
+
+
 class Execution(ResponseModel):
     """An execution of a motion; poll it until its state is final."""
 
@@ -254,6 +193,10 @@ class Execution(ResponseModel):
         description="Seconds of the stages `load` and `execute`, once it has ended; of a failure "
         "those of `failure` [s]",
     )
+    sampling: SamplingReserve | None = Field(
+        default=None,
+        description="Of a controller that samples the motion, once it has ended; null for others",
+    )
     unrecorded: list[str] = Field(description=UNRECORDED)
 
 
@@ -262,14 +205,3 @@ class ExecutionPage(ResponseModel):
 
     items: list[Execution] = Field(description="Executions on this page")
     next: str | None = Field(description="Cursor of the next page; null on the last one")
-
-
-class SpeedRequest(RequestModel):
-    """Change how fast a motion is carried out, and which way."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{"speed": 0.5}, {"speed": -0.2}]})
-
-    speed: Annotated[Real, Field(ge=-100, le=100)] = Field(
-        description="Seconds of the motion per second: 0 rests on the path, negative goes back "
-        "along it; beyond 1 and -1 only what has a clock of its own can do"
-    )

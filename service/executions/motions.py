@@ -5,12 +5,11 @@ from typing import Protocol, TypedDict
 
 from planning.errors import UnknownName
 from service.api.names import located
-from service.executions.models import ExecutionRequest
 from service.executions.position import check_at_start
-from service.executions.tasks import PROVE, PROVE_MOTION, ProofWork
+from service.executions.requests import ExecutionRequest
+from service.executions.tasks import PROVE, PROVE_MOTION, ProofWork, ProvenMotion
 from service.jobs.service import JobService
 from service.plans.models.request import PlanRequest
-from service.plans.models.trajectory import Polynomial
 from service.plans.resource import DeliveredMotion, motion_of, work_of
 from service.plans.tasks import MotionWork
 from service.scenes.models.summary import Group
@@ -48,7 +47,7 @@ class AskedMotion(Protocol):
         """What it keeps."""
         ...
 
-    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> Polynomial:
+    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> ProvenMotion:
         """Return the motion, once it is known to start where the group is and to hold.
 
         Raises:
@@ -92,19 +91,21 @@ class PlannedMotion:
         """Return the group that moves; raises as `AskedMotion`."""
         return find_group(record, self.work.request.group)
 
-    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> Polynomial:
+    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> ProvenMotion:
         """Return the motion, by the plan's own proof or by a new one; raises as `AskedMotion`."""
-        check_at_start(group, self.motion.result.start)
+        result, polynomial = self.motion.result, self.motion.polynomial
+        check_at_start(group, result.start)
+        clearance = result.certificate.min_clearance
         if not self.work.scene.is_same(scene.scene):
             work = ProofWork(
                 library=scene.library,
                 scene=scene.scene,
                 request=self.work.request,
                 origin=self.work.origin,
-                trajectory=self.motion.polynomial,
+                trajectory=polynomial,
             )
-            await jobs.call(PROVE, work)
-        return self.motion.polynomial
+            clearance = (await jobs.call(PROVE, work)).min_clearance
+        return ProvenMotion(trajectory=polynomial, start=result.start, min_clearance=clearance)
 
 
 @dataclass(frozen=True)
@@ -139,8 +140,8 @@ class OwnMotion:
         self.motion.check_group(group)
         return group
 
-    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> Polynomial:
+    async def proven(self, scene: SceneWork, group: Group, jobs: JobService) -> ProvenMotion:
         """Return the motion, by a proof in the scene; raises as `AskedMotion`."""
         found = await jobs.call(PROVE_MOTION, RequestWork.about(scene, self.motion))
         check_at_start(group, found.start)
-        return found.trajectory
+        return found

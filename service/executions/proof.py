@@ -74,7 +74,11 @@ def prove_motion(work: RequestWork[CertifyMotionRequest], context: TaskContext) 
     if not certificate.proven:
         raise _refusal(certificate)
     polynomial = Polynomial.from_domain(trajectory)
-    return ProvenMotion(trajectory=polynomial, start=trajectory.start.tolist())
+    return ProvenMotion(
+        trajectory=polynomial,
+        start=trajectory.start.tolist(),
+        min_clearance=certificate.min_clearance,
+    )
 
 
 def _refusal(certificate: Certificate) -> NotCertified:

@@ -48,6 +48,7 @@ async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
         status=None if status is None else status.model_copy(update={"state": state}),
         failure=failure,
         timings={} if ended is None else ended.timings,
+        sampling=None if outcome is None else outcome.sampling,
         unrecorded=jobs.unrecorded(job),
     )
 

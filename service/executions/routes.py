@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from service.api.dependencies import JobsDep
+from service.api.dependencies import JobsDep, SettingsDep
 from service.api.event_stream import EVENTS, server_sent
 from service.api.paging import Cursor, Limit, OfScene, before, cursor_of
 from service.api.params import ExecutionId, LastEventId
@@ -16,14 +16,14 @@ from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.executions.commands import send_command
+from service.executions.controllers import check_speed
 from service.executions.models import (
     Execution,
     ExecutionEvent,
     ExecutionPage,
-    ExecutionRequest,
     ExecutionState,
-    SpeedRequest,
 )
+from service.executions.requests import ExecutionRequest, SpeedRequest
 from service.executions.resource import JOB_STATES, execution_resource
 from service.executions.submit import submit_execution
 from service.executions.tasks import Commands
@@ -55,10 +55,10 @@ type State = Annotated[ExecutionState | None, Query(description="Only those in t
     responses=accepted(Execution, "the execution", 400, 404, 409, 413, 422, 429, 503),
 )
 async def create_execution(
-    request: ExecutionRequest, asked: SubmissionDep, scenes: ScenesDep
+    request: ExecutionRequest, asked: SubmissionDep, scenes: ScenesDep, settings: SettingsDep
 ) -> Execution:
     """Carry out a plan or a motion of your own, if it starts where the robot is and is proven."""
-    job = await submit_execution(request, asked.key, scenes, asked.jobs)
+    job = await submit_execution(request, asked.key, scenes, asked.jobs, settings.ur_hosts)
     found = await asked.awaited(job, "/v1/executions")
     return await execution_resource(asked.jobs, found.summary)
 
@@ -161,6 +161,7 @@ async def set_execution_speed(
 
     With 0 it rests and is still `executing`; back at the beginning of its path it rests and waits.
     """
+    check_speed(job, request.speed)
     return await execution_resource(
         jobs, await send_command(jobs, job, Commands(speed=request.speed))
     )

@@ -1,12 +1,15 @@
 """Queueing the execution of a motion, once it is known to hold."""
 
+import math
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
 from service.api.fingerprint import fingerprint
-from service.executions.models import ExecutionRequest
+from service.executions.controllers import address_of, check_driven
 from service.executions.motions import asked_motion
 from service.executions.position import require_at_rest, require_known
+from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, ExecutionWork
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
@@ -17,13 +20,25 @@ from service.scenes.store.scene_store import SceneStore
 
 
 async def submit_execution(
-    request: ExecutionRequest, key: str | None, scenes: SceneStore, jobs: JobService
+    request: ExecutionRequest,
+    key: str | None,
+    scenes: SceneStore,
+    jobs: JobService,
+    hosts: Mapping[str, str] | None = None,
 ) -> Job:
     """Queue an execution in the latest revision of its motion's scene.
 
+    Args:
+        request: What is asked for.
+        key: By which a repeated request finds the same job.
+        scenes: Knows the scene.
+        jobs: Knows the plan and all executions.
+        hosts: Addresses of controllers, by their names in requests.
+
     Raises:
+        ProblemInvalid: The driver is of another kind of robot.
         UnknownResource: There is no such plan, or its scene is gone.
-        UnknownName: The scene has no such group, any more.
+        UnknownName: The scene has no such group, any more, or the server no such controller.
         NotFinished: The plan has no trajectory.
         RobotBusy: Another execution moves something in the scene.
         RobotStateUnknown: It is not known where a robot of the scene is.
@@ -31,6 +46,7 @@ async def submit_execution(
         NotCertified: The motion cannot be proven in the latest revision.
         QueueFull: The queue is full.
     """
+    address = address_of(request, hosts or {})
     asked = await asked_motion(request, jobs)
     idempotency = IdempotencyKey(key, fingerprint(request))
     again = JobSpec(
@@ -45,17 +61,21 @@ async def submit_execution(
         record = await scenes.fresh(asked.scene)
         require_known(record)
         group = asked.group_in(record)
+        check_driven(request.driver, group)
         loaded = scenes.work(record)
+        proven = await asked.proven(loaded, group, jobs)
         work = ExecutionWork(
             library=loaded.library,
             scene=loaded.scene,
             request=request.terms,
             scene_id=record.id,
             group=group.name,
-            trajectory=await asked.proven(loaded, group, jobs),
+            trajectory=proven.trajectory,
             speed=request.speed,
             joints=joint_types(group),
             **asked.demands,
+            address=address,
+            clearance=_finite(proven.min_clearance),
         )
         spec = spec_of(EXECUTE, work, record, idempotency)
         # The scene is looked up again, and tells where its robot is, until this has ended.
@@ -67,3 +87,8 @@ async def submit_execution(
     if edited.revision != record.revision:
         await scenes.verdicts(edited)
     return job
+
+
+def _finite(clearance: float | None) -> float | None:
+    """Return a clearance, None for an infinite one, as JSON has it."""
+    return None if clearance is None or math.isinf(clearance) else clearance

@@ -3,7 +3,8 @@
 from pydantic import Field
 
 from planning.domain.robot.joints import JointType
-from service.executions.models import ExecutionStatus, ExecutionTerms
+from service.executions.models import ExecutionStatus, SamplingReserve
+from service.executions.requests import ExecutionTerms
 from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
 from service.plans.models.request import PlanRequest
@@ -36,17 +37,28 @@ class ExecutionWork(ExecutionOutline):
         planned: Request of the plan that it is of, which says what it keeps; older versions did not
             keep it.
         own: The request, if it is a motion of one's own.
+        address: Of the controller that drives it, where there is one: host, and maybe ports.
+        clearance: Proven lower bound on all distances [m]; None without any pair.
     """
 
     trajectory: Polynomial
+    address: str | None = None
+    clearance: float | None = None
     planned: PlanRequest | None = None
     own: CertifyMotionRequest | None = None
 
 
 class ExecutionOutcome(TaskModel):
-    """The last status of an execution that reached its end, and the seconds of each stage."""
+    """The last status of an execution that reached its end, and the seconds of each stage.
+
+    Attributes:
+        status: The last status.
+        timings: Seconds of each stage.
+        sampling: What is left of the clearance, where a controller samples the motion.
+    """
 
     status: ExecutionStatus
+    sampling: SamplingReserve | None = None
     timings: dict[str, float] = Field(default_factory=dict)
 
 
@@ -127,15 +139,17 @@ class Proof(TaskModel):
 
 
 class ProvenMotion(TaskModel):
-    """A motion of one's own that is proven.
+    """A motion that is proven.
 
     Attributes:
         trajectory: Its exact polynomial.
         start: Its first configuration.
+        min_clearance: As of `Proof`.
     """
 
     trajectory: Polynomial
     start: list[float]
+    min_clearance: float | None
 
 
 class ShownWork(DeliveredWork):

@@ -10,12 +10,14 @@ from planning.domain.report.motion_plan import Progress
 from planning.domain.request.stopwatch import Stopwatch
 from planning.errors import Canceled, PathBlocked
 from planning.execute import status as domain
+from planning.execute.abort_reasons import tracking_failure
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
-from service.executions.drivers import driver_of
+from service.executions.drivers import driver_of, sampling_reserve
 from service.executions.jitter import JitterLog
-from service.executions.models import Contact, ExecutionStatus
+from service.executions.models import Contact, ExecutionStatus, SamplingReserve
+from service.executions.position import TOLERANCE
 from service.executions.tasks import EXECUTE, Block, Commands, ExecutionOutcome, ExecutionWork
 from service.jobs.context import TaskContext
 from service.jobs.worker.progress import ProgressReporter
@@ -36,7 +38,8 @@ def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
 
     Raises:
         Canceled: The end was asked for; the robot came to rest on its path first.
-        ExecutionFailure: The robot left its trajectory or touched something.
+        ExecutionFailure: The robot left its trajectory, touched something, or is lost.
+        NotCertified: A controller samples the motion, and its clearance is too small for that.
     """
     log = ProgressReporter(context)
     watch = Stopwatch(time.monotonic, lambda stage: log(Progress(stage, 0.0)))
@@ -44,10 +47,10 @@ def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
         with watch.stage("load"):
             world = stack.enter_context(borrow_world(work))
         with watch.stage("execute"):
-            runner = _runner(world, work)
+            runner, sampling = _runner(world, work)
             stack.callback(runner.stop)
             status = _carried_out(runner, context, work.speed)
-    return ExecutionOutcome(status=status, timings=watch.seconds_by_name)
+    return ExecutionOutcome(status=status, timings=watch.seconds_by_name, sampling=sampling)
 
 
 def _carried_out(runner: Runner, context: TaskContext, speed: float) -> ExecutionStatus:
@@ -61,13 +64,18 @@ def _carried_out(runner: Runner, context: TaskContext, speed: float) -> Executio
     return status
 
 
-def _runner(world: World, work: ExecutionWork) -> Runner:
+def _runner(world: World, work: ExecutionWork) -> tuple[Runner, SamplingReserve | None]:
     trajectory = work.trajectory.to_domain()
     group = world.group(work.group)
-    driver = driver_of(work.request.driver, world, group, trajectory.start)
+    sampling = sampling_reserve(work, world, group, trajectory)
+    driver = driver_of(work, world, group, trajectory)
     runner = Runner(Execution(trajectory, world.limits(group)), driver)
+    error = runner.status.tracking_error
+    if error > TOLERANCE:  # a robot may be elsewhere than the scene says
+        runner.stop()
+        raise tracking_failure(error, TOLERANCE, 0.0)
     runner.set_speed(work.speed)
-    return runner
+    return runner, sampling
 
 
 def follow(

@@ -7,7 +7,7 @@ import pytest
 
 from service.errors import RobotBusy, StartMismatch
 from service.executions import submit
-from service.executions.models import ExecutionRequest
+from service.executions.requests import ExecutionRequest
 from service.jobs.errors import Overtaken
 from service.jobs.job import JobSpec
 from service.jobs.states import JobState

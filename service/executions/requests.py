@@ -1,0 +1,107 @@
+"""Requests to carry a motion out, and to steer it."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from service.api.fingerprint import ADDED
+from service.api.models import Identifier, Real, RequestModel
+from service.trajectories.models import CertifyMotionRequest
+
+type DriverName = Annotated[
+    Literal["simulated", "kinematic"],
+    Field(
+        description="What moves: `simulated`, Drake's simulation under a joint controller; "
+        "`kinematic`, a robot without mass that is always where it should be, and feels nothing"
+    ),
+]
+
+
+class UrRtdeDriver(RequestModel):
+    """An arm of Universal Robots, by RTDE."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"type": "ur_rtde", "host": "cell-1"}]}
+    )
+
+    type: Literal["ur_rtde"] = Field(description="Protocol of its controller")
+    host: Annotated[str, Field(min_length=1, max_length=200)] = Field(
+        description="Name of a controller in the server's settings (`WAYPROOF_UR_HOSTS`)"
+    )
+
+
+def rests_when_lost(driver: str | UrRtdeDriver) -> bool:
+    """Return whether the robot of a driver that is gone rests where it was last measured."""
+    return not isinstance(driver, UrRtdeDriver)
+
+
+class ExecutionTerms(RequestModel):
+    """How a motion is carried out, and of which plan it is."""
+
+    plan: Identifier | None = Field(
+        default=None, description="Id of a plan that succeeded; null for a motion of one's own"
+    )
+    driver: DriverName | UrRtdeDriver = Field(default="simulated", description="What moves")
+    speed: Annotated[Real, Field(gt=0, le=100)] = Field(
+        default=1.0,
+        description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
+        "than real time, and the motion stays as it is",
+    )
+    on_conflict: Annotated[Literal["stop", "ignore"], ADDED] = Field(
+        default="stop",
+        description="What is done while it moves if an edit of the scene is in its way: `stop` "
+        "comes to rest on the path and ends (`path_blocked`); `ignore` only tells",
+    )
+    title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
+        default=None, description="Title of the motion in replays of the scene"
+    )
+
+
+class ExecutionRequest(ExecutionTerms):
+    """Carry out a plan, or a motion of your own."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"plan": "pln_5b1e9a7d4c623f0c", "driver": "simulated", "speed": 1.0}]
+        }
+    )
+
+    trajectory: Annotated[CertifyMotionRequest | None, ADDED] = Field(
+        default=None,
+        description="A motion of your own, as `POST /trajectories/certify` takes it, without "
+        "`revision`: it is proven in the latest one, and refused (`not_certified`) if it is not",
+    )
+
+    @model_validator(mode="after")
+    def _one_motion(self) -> Self:
+        if (self.plan is None) == (self.trajectory is None):
+            message = "plan: exactly one of `plan` and `trajectory` must be given"
+            raise ValueError(message)
+        if self.trajectory is not None and self.trajectory.revision is not None:
+            message = "trajectory.revision: leave it out, an execution is in the latest revision"
+            raise ValueError(message)
+        if isinstance(self.driver, UrRtdeDriver) and self.speed > 1:
+            message = "speed: a robot has no clock that could run faster, so it is 1 at most"
+            raise ValueError(message)
+        return self
+
+    @property
+    def group(self) -> str:
+        """Group of a motion of one's own; a plan knows its own."""
+        return "" if self.trajectory is None else self.trajectory.group
+
+    @property
+    def terms(self) -> ExecutionTerms:
+        """All but the motion of one's own, which is long."""
+        return ExecutionTerms.model_validate(self.model_dump(exclude={"trajectory"}))
+
+
+class SpeedRequest(RequestModel):
+    """Change how fast a motion is carried out, and which way."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"speed": 0.5}, {"speed": -0.2}]})
+
+    speed: Annotated[Real, Field(ge=-100, le=100)] = Field(
+        description="Seconds of the motion per second: 0 rests on the path, negative goes back "
+        "along it; beyond 1 and -1 only what has a clock of its own can do"
+    )
