@@ -62,6 +62,10 @@ _GOALS: dict[str, tuple[str, dict[str, Request]]] = {
             for name in ("upper", "lower")
         },
     ),
+    "two_arms": (
+        "both",
+        {"pose": {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": "above_bolt"}]}},
+    ),
     "maze_2d": ("body", {"configuration": {"type": "configuration", "name": "exit"}}),
     "window_3d": ("body", {"configuration": {"type": "configuration", "name": "beyond"}}),
     "parallel_parking": (

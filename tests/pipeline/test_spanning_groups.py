@@ -171,8 +171,10 @@ def test_no_measured_distance_of_two_arms_is_below_what_is_proven(seed: int) -> 
     motions = []
     for name in ("l", "r"):
         start = world.positions(world.group(name))
-        turn = rng.uniform(0, 0.9) * (-1 if name == "l" else 1)
-        goal = start + np.append(turn, rng.uniform(-0.3, 0.3, 5))
+        turn = rng.uniform(0.6, 1.4) * (-1 if name == "l" else 1)
+        goal = start + np.append(
+            turn, rng.uniform([0.2, -0.4, -1, -0.5, -1], [0.7, 0.1, 1, 0.5, 1])
+        )
         legs = np.stack([start, goal, start + rng.uniform(-0.3, 0.3, 6)])
         motions.append(GroupMotion(name, straight(world, name, *legs), float(rng.uniform(0, 2))))
     whole = planning.combine_motions(world, motions)

@@ -14,6 +14,10 @@ from service.api.models import ResponseModel, bounds
 type Bound = float | None
 
 
+def _is_empty(members: list[str]) -> bool:
+    return not members
+
+
 class Steering(ResponseModel):
     """What a car can drive."""
 
@@ -72,7 +76,9 @@ class Group(ResponseModel):
     name: str = Field(description="`robot`, `robot::group`, or its own in the scene")
     aliases: list[str] = Field(description="Other names that it answers to")
     members: list[str] = Field(
-        default=[], description="Groups of robots that it spans, in order; none for one of these"
+        default=[],
+        description="Groups of robots that it spans, in order; left out of one of these",
+        exclude_if=_is_empty,
     )
     joints: list[Joint] = Field(description="In the group's order")
     position_names: list[str] = Field(description="A name per position coordinate, in order")

@@ -14,7 +14,7 @@ from typing import Any
 
 from tests.golden.service.calls import Call, filled
 from tests.golden.service.masks import Masks, lasting_events, rounded
-from tests.golden.service.motion_calls import LAST_CALLS, MOTION_CALLS
+from tests.golden.service.motion_calls import LAST_CALLS, MOTION_CALLS, SEVERAL_CALLS
 from tests.golden.service.plan_calls import PLAN_CALLS
 from tests.golden.service.question_calls import QUESTION_CALLS
 from tests.golden.service.refused_calls import REFUSED_CALLS
@@ -31,6 +31,7 @@ CALLS: tuple[Call, ...] = (
     *REFUSED_CALLS,
     *LAST_CALLS,
     *RESOURCE_CALLS,
+    *SEVERAL_CALLS,
 )
 _REPOSITORY = Path(__file__).parents[3]
 # What all answers have alike: tests/service/security/test_response_headers.py shows it.

@@ -108,6 +108,32 @@ _EXECUTIONS = (
     get("executions_of_a_scene", "/v1/executions?scene={square}"),
     get("scene_replay", "/v1/scenes/{square}/replay.html?last=1"),
 )
+_TWO = {
+    "name": "two",
+    "robots": [
+        {"name": "a", "model": "planar_l", "positions": [-0.3, 0.0, 0.0]},
+        {"name": "b", "model": "planar_l", "positions": [0.0, -0.3, 0.0]},
+    ],
+    "groups": {"both": ["a", "b"]},
+}
+_ACROSS = {"type": "joint", "positions": [0.3, 0.0, 0.0]}
+_UP = {"type": "joint", "positions": [0.0, 0.3, 0.0]}
+_BOTH = {"type": "joint", "positions": [0.3, 0.0, 0.0, 0.0, 0.3, 0.0]}
+
+
+def _schedule(name: str, *plans: str) -> Call:
+    body = {"scene": From("two"), "plans": [From(plan) for plan in plans], "allowed_time": 60.0}
+    return post(name, "/v1/trajectories/schedule", body)
+
+
+SEVERAL_CALLS = (
+    post("two", "/v1/scenes", _TWO),
+    plan("plan_of_one", _ACROSS, "two", "a"),
+    plan("plan_of_the_other", _UP, "two", "b"),
+    plan("plan_of_both", _BOTH, "two", ["a", "b"]),
+    _schedule("schedule", "plan_of_one", "plan_of_the_other"),
+    _schedule("schedule_of_one_robot_twice", "plan_of_one", "plan_of_one"),
+)
 MOTION_CALLS = (*_OF_PLANS, *_OWN, *_REGIONS, *_EXECUTIONS)
 LAST_CALLS = (
     get("readiness", "/readyz"),

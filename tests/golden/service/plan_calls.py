@@ -11,7 +11,9 @@ _NEAR = {"type": "joint", "positions": [0.1, -0.35, 0.3]}
 _ASIDE = {"position": [0.1, -0.4, 0.0]}
 
 
-def plan(name: str, goal: Any, scene: str = "square", group: str = "body", **options: Any) -> Call:
+def plan(
+    name: str, goal: Any, scene: str = "square", group: str | list[str] = "body", **options: Any
+) -> Call:
     """Return a call for a plan that is waited for, with time for all and few samples."""
     wait = options.pop("wait", "?wait=60")
     headers = options.pop("headers", {})
