@@ -5,8 +5,9 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from planning.domain.robot.joints import JointType
-from service.executions.drivers import status_after
 from service.executions.models import ExecutionState
+from service.executions.requests import UrRtdeDriver
+from service.executions.robot_status import status_after
 from service.scenes.live import (
     DocumentSource,
     EditSource,
@@ -92,6 +93,7 @@ def test_coordinates_are_told_by_robot_and_joint():
 
 LOST = {"code": "driver_lost", "evidence": {"driver": "real", "rests": False}}
 RESTS = {"code": "driver_lost", "evidence": {"driver": "real", "rests": True}}
+REAL = UrRtdeDriver(type="ur_rtde", host="cell")
 FAULT = {"code": "tracking_lost", "evidence": {}}
 
 
@@ -99,12 +101,12 @@ FAULT = {"code": "tracking_lost", "evidence": {}}
     ("driver", "last", "failure", "status"),
     [
         ("simulated", "executing", FAULT, "at_rest"),  # its process was killed
-        ("real", "executing", FAULT, "unknown"),
-        ("real", "canceled", None, "at_rest"),
-        ("real", "aborted", FAULT, "at_rest"),
-        ("real", "aborted", LOST, "unknown"),
-        ("real", "aborted", RESTS, "at_rest"),
-        ("real", "succeeded", None, "at_rest"),
+        (REAL, "executing", FAULT, "unknown"),
+        (REAL, "canceled", None, "at_rest"),
+        (REAL, "aborted", FAULT, "at_rest"),
+        (REAL, "aborted", LOST, "unknown"),
+        (REAL, "aborted", RESTS, "at_rest"),
+        (REAL, "succeeded", None, "at_rest"),
     ],
 )
 def test_a_robot_is_known_to_rest_if_its_driver_says_so_or_cannot_move_it(
