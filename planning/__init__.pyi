@@ -1,5 +1,6 @@
 # The public names of `planning`, and the modules that define them.
 
+from .api.certify_beside import certify_beside as certify_beside
 from .api.certify_trajectory import certify_trajectory as certify_trajectory
 from .api.grow_regions import grow_regions as grow_regions
 from .api.ik import solve_ik as solve_ik
@@ -41,6 +42,15 @@ from .domain.goals.goal import (
 from .domain.goals.linear_moves import Displacement as Displacement
 from .domain.planner.regions import RegionOptions as RegionOptions
 from .domain.planner.regions import Regions as Regions
+from .domain.report.beside_report import (
+    BesideCheck as BesideCheck,
+)
+from .domain.report.beside_report import (
+    BesideOutcome as BesideOutcome,
+)
+from .domain.report.beside_report import (
+    BesideReport as BesideReport,
+)
 from .domain.report.motion_plan import MotionPlan as MotionPlan
 from .domain.request.constraint import (
     DistanceBand as DistanceBand,
