@@ -64,7 +64,8 @@ def certify_beside(
     """
     fields = ["motion", *(f"others.{i}" for i in range(len(others)))]
     groups = [
-        _validated(world, field, *each) for field, each in zip(fields, (motion, *others), strict=True)
+        _validated(world, field, *each)
+        for field, each in zip(fields, (motion, *others), strict=True)
     ]
     bodies = [moved_bodies(world.drake, group) for group in groups]
     _validate_apart(fields, groups, bodies)
@@ -76,9 +77,7 @@ def certify_beside(
         # In one order, so that either motion's report is about the same proof.
         is_swapped = group.name < groups[0].name
         first, second = pair[::-1] if is_swapped else pair
-        request = BesideRequest(
-            (first[0], second[0]), (first[1], second[1]), world.state, margins
-        )
+        request = BesideRequest((first[0], second[0]), (first[1], second[1]), world.state, margins)
         result = check_beside(world.drake, request, deadline)
         time, other_time = result.times[::-1] if is_swapped else result.times
         a, b = result.bodies

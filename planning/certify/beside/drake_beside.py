@@ -128,9 +128,7 @@ class DrakeBeside:
         both = replace(first, max_rotation=rotations, max_translation=translations)
         return self._distances.max_approaches(both, node.undecided)
 
-    def _halves(
-        self, node: _Node, shares: tuple[float, float], undecided: Indices
-    ) -> list[_Node]:
+    def _halves(self, node: _Node, shares: tuple[float, float], undecided: Indices) -> list[_Node]:
         """Halve the motion with the larger share in a pair's approach, unless it is short."""
         which = 0 if shares[0] >= shares[1] else 1
         if node.is_short[which]:

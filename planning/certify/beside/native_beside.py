@@ -47,7 +47,9 @@ def native_beside(
     )
 
 
-def _arguments(model: DrakeModel, group: JointGroup, trajectory: TimedTrajectory) -> tuple[Any, ...]:
+def _arguments(
+    model: DrakeModel, group: JointGroup, trajectory: TimedTrajectory
+) -> tuple[Any, ...]:
     """Return a group's positions and velocities in the plant, and its motion, for the kernel."""
     curve = unwrap_turns(trajectory)
     return (
