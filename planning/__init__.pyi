@@ -1,6 +1,7 @@
 # The public names of `planning`, and the modules that define them.
 
 from .api.certify_beside import certify_beside as certify_beside
+from .api.certify_rest import certify_rest as certify_rest
 from .api.certify_trajectory import certify_trajectory as certify_trajectory
 from .api.grow_regions import grow_regions as grow_regions
 from .api.ik import solve_ik as solve_ik
@@ -52,6 +53,7 @@ from .domain.report.beside_report import (
     BesideReport as BesideReport,
 )
 from .domain.report.motion_plan import MotionPlan as MotionPlan
+from .domain.report.rest_report import RestReport as RestReport
 from .domain.request.constraint import (
     DistanceBand as DistanceBand,
 )

@@ -1,11 +1,12 @@
 """certify_beside(): proof that a motion may be executed beside others, whatever the timing."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
-from planning.api.certify_trajectory import validate_joints
+from planning.api.certify_trajectory import validate_motion
 from planning.certify.beside.beside_check import check_beside
 from planning.certify.beside.beside_request import BesideRequest, moved_bodies
 from planning.domain.curves.curve import TimedTrajectory
@@ -101,12 +102,10 @@ def certify_beside(
 def _validated(world: World, field: str, name: str, trajectory: TimedTrajectory) -> JointGroup:
     """Return the group of a motion, after checks of its trajectory."""
     group = world.group(name)
-    validate_joints(group, trajectory, field)
-    arrays = trajectory.breaks, trajectory.bases, trajectory.coefficients
-    is_ordered = trajectory.breaks[0] == 0 and bool((np.diff(trajectory.breaks) >= 0).all())
-    if not (is_ordered and all(np.isfinite(array).all() for array in arrays)):
-        message = f"{field}: all numbers must be finite; its times must start at 0 and not decrease"
-        raise ProblemInvalid(message, {"field": field})
+    # Without duration, the motion of a robot at rest.
+    is_rest = not trajectory.breaks.any() and trajectory.num_pieces == 1
+    one_second = replace(trajectory, breaks=np.array([0.0, 1.0])) if is_rest else trajectory
+    validate_motion(group, one_second, field)
     return group
 
 

@@ -146,7 +146,7 @@ def _no_share(self: DrakeBeside, node: Any, which: int) -> np.ndarray:
     return SHARE(self, node, which) * (1 - which)
 
 
-SHARE = DrakeBeside._share  # noqa: SLF001  (a mutant replaces it)
+SHARE = DrakeBeside._share
 
 
 def _frozen(request: BesideRequest) -> BesideRequest:
@@ -350,7 +350,9 @@ def test_a_floating_body_that_turns_is_bounded() -> None:
     upright = np.array([1.0, 0, 0, 0, 0, 0, 0])
     half_turn = np.array([0.0, 0, 0, 1.0, 0, 0, 0])
     turn = quintic(groups[0], upright, half_turn, 1.0)
-    for distance, lowest, outcome in ((0.6, -0.3, "PROVEN"), (0.4, 0.08, "PROVEN")) + (
+    for distance, lowest, outcome in (
+        (0.6, -0.3, "PROVEN"),
+        (0.4, 0.08, "PROVEN"),
         (0.4, 0.05, "TOO_NEAR"),
     ):
         slide = quintic(groups[1], np.array([0.5]), np.array([lowest]), 1.0)

@@ -76,6 +76,17 @@ auto prove(AnyProver& prover, const nb::callable& interrupt) {
   });
 }
 
+Proof prove_in_order(Prover& prover, const nb::callable& interrupt, double resolution) {
+  positive(resolution, "resolution");
+  const nb::gil_scoped_release released;
+  return prover.prove_in_order(
+      [&interrupt] {
+        const nb::gil_scoped_acquire held;
+        interrupt();
+      },
+      resolution);
+}
+
 // The segment reached by halvings (0 first, 1 second half) of the whole motion: begin, end, centre, and a row
 // (approach, lower bound, lower bound along one direction) per pair.
 auto bounds(Prover& prover, const std::vector<int>& halvings) {
@@ -106,6 +117,7 @@ void bind_prover(nb::module_& m) {
       .def_ro("distance", &Proof::distance)
       .def_ro("uncertainty", &Proof::uncertainty)
       .def_ro("time", &Proof::time)
+      .def_ro("until", &Proof::until)
       .def_ro("nearest", &Proof::nearest)
       .def_ro("tightest", &Proof::tightest)
       .def_ro("floor", &Proof::floor)
@@ -115,6 +127,7 @@ void bind_prover(nb::module_& m) {
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
            nb::arg("curve"), nb::arg("margins"), nb::arg("slack"))
       .def("prove", &prove<Prover>, nb::arg("interrupt"))
+      .def("prove_in_order", &prove_in_order, nb::arg("interrupt"), nb::arg("resolution"))
       .def("bounds", &bounds, nb::arg("halvings"));
   nb::class_<Encounter>(m, "Encounter", "A pair (by number, or -1) at an instant of either motion.")
       .def_ro("pair", &Encounter::pair)

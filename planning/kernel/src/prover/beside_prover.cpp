@@ -7,22 +7,15 @@
 
 #include "model/gjk.hpp"
 #include "model/overlap.hpp"
+#include "prover/tolerances.hpp"
+#include "prover/turn.hpp"
 
 namespace wayproof {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-// Bounds are rounded by less than this [m].
-constexpr double rounding = 1e-9;
-// Segments shorter than this [s], or more nodes, end the proof as unproven.
-constexpr double shortest = 1e-7;
+// More nodes end a proof as unproven.
 constexpr int most_nodes = 100'000;
-// Pairs that may come nearer than this within a node are not measured in it [m].
-constexpr double wide = 0.25;
-// Accuracy of a distance in a node, as a share of its change there.
-constexpr double coarse = 0.02;
-// Number of pair checks between two calls of `interrupt`.
-constexpr int interrupt_every = 256;
 
 template <typename T>
 void join(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& out) {
@@ -38,20 +31,6 @@ Motion still(const Tree& tree, const Group& group) {
 }
 
 bool is_short(const Segment& segment) { return segment.is_part() && segment.end - segment.begin < shortest; }
-
-// The one call that uses a prover.
-class Turn {
- public:
-  explicit Turn(std::atomic<bool>& is_busy) : is_busy_(is_busy) {
-    if (is_busy_.exchange(true)) throw std::logic_error("the prover is in use by another call");
-  }
-  ~Turn() { is_busy_ = false; }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
- private:
-  std::atomic<bool>& is_busy_;
-};
 
 }  // namespace
 
