@@ -162,6 +162,6 @@ def test_nothing_is_proven_once_the_time_is_over(crossing: World) -> None:
         planning.certify_beside(
             crossing, motions[0], [motions[1]], deadline=after_looks(1, seconds=0.0)
         )
+    deadline = no_hurry(is_canceled=lambda: True)
     with pytest.raises(Canceled):
-        deadline = no_hurry(is_canceled=lambda: True)
         planning.certify_beside(crossing, motions[0], [motions[1]], deadline=deadline)

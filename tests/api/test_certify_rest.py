@@ -23,7 +23,9 @@ from tests.profiles import num_cases
 
 
 def block(x: float) -> str:
-    return f"objects: [{{name: block, shape: {{box: [0.1, 4, 1]}}, pose: {{position: [{x}, 0, 0]}}}}]\n"
+    """Return a block across the way, of which the near side is 0.05 m before its place."""
+    pose = f"{{position: [{x}, 0, 0]}}"
+    return f"objects: [{{name: block, shape: {{box: [0.1, 4, 1]}}, pose: {pose}}}]\n"
 
 
 def moved(tmp_path: Path, more: str = "") -> tuple[World, TimedTrajectory]:

@@ -1,7 +1,6 @@
 """BesideRequest: two motions of disjoint groups, and the margins to prove whatever their timing."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float64
@@ -30,7 +29,7 @@ class BesideRequest(Value):
     state: Float64[np.ndarray, " num_positions"]
     margins: PairMargins
 
-    @cached_property
+    @property
     def group(self) -> JointGroup:
         """Both groups as one: the joints of the first, then those of the second."""
         first, second = self.groups
@@ -41,7 +40,7 @@ class BesideRequest(Value):
             (*first.winding, *second.winding),
         )
 
-    @cached_property
+    @property
     def trajectory(self) -> TimedTrajectory:
         """Both groups at rest where their motions begin."""
         first, second = self.trajectories

@@ -16,6 +16,8 @@ from planning.certify.beside import drake_beside
 from planning.certify.beside.beside_check import check_beside
 from planning.certify.beside.beside_request import BesideRequest, BesideResult, moved_bodies
 from planning.certify.beside.drake_beside import DrakeBeside
+from planning.certify.clearance.pair_distances import PairDistances
+from planning.certify.intervals.joint_deviation import Segment
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.kernel.native import native
@@ -141,12 +143,13 @@ def test_verdicts_on_arms_are_those_of_dense_samples(seed: int) -> None:
     assert not is_contradicted(request, result)
 
 
-def _no_share(self: DrakeBeside, node: Any, which: int) -> np.ndarray:
-    """Return no approach by the second motion."""
-    return SHARE(self, node, which) * (1 - which)
+MAX_APPROACHES = PairDistances.max_approaches
 
 
-SHARE = DrakeBeside._share
+def _first_alone(self: PairDistances, segment: Segment, pairs: np.ndarray) -> np.ndarray:
+    """Return approaches by the first motion; of the second, as if it did not move."""
+    approaches = MAX_APPROACHES(self, segment, pairs)
+    return approaches if segment.max_rotation[:2].any() else np.zeros(len(pairs))
 
 
 def _frozen(request: BesideRequest) -> BesideRequest:
@@ -174,7 +177,7 @@ def test_a_proof_that_forgets_the_other_motion_is_contradicted(
         return DrakeBeside(without_kernel(robot.model), request, no_hurry()).run()
 
     assert _contradictions(check) == 0
-    monkeypatch.setattr(DrakeBeside, "_share", _no_share)
+    monkeypatch.setattr(PairDistances, "max_approaches", _first_alone)
     assert _contradictions(check) > 0
 
 
@@ -295,9 +298,7 @@ def meeting(
         builder.link(R, Sphere(radius), None, RigidTransform(apart), axis, x_bg=ball)
     robot = builder.build()
     groups = halves_of(robot, 1)
-    motions = tuple(
-        there_and_back(group, reach) for group, reach in zip(groups, reaches, strict=True)
-    )
+    motions = there_and_back(groups[0], reaches[0]), there_and_back(groups[1], reaches[1])
     return robot, BesideRequest(groups, motions, robot.state, PairMargins(0.0))
 
 
@@ -332,11 +333,14 @@ def test_every_tooth_of_a_zigzag_counts(highest: int) -> None:
         place = np.array([0.005 + radius + 0.05 + gap])
         rest = TimedTrajectory.at_rest(groups[1].joints, place)
         motions = TimedTrajectory.joined(legs), rest
-        for order in (1, -1):
-            request = BesideRequest(
-                groups[::order], motions[::order], robot.state, PairMargins(0.0)
-            )
-            assert check_beside(for_oracle(robot.model), request, no_hurry()).outcome == outcome
+        request = BesideRequest(groups, motions, robot.state, PairMargins(0.0))
+        for order in (request, swapped(request)):
+            assert check_beside(for_oracle(robot.model), order, no_hurry()).outcome == outcome
+
+
+def swapped(request: BesideRequest) -> BesideRequest:
+    (a, b), (x, y) = request.groups, request.trajectories
+    return replace(request, groups=(b, a), trajectories=(y, x))
 
 
 @pytest.mark.usefixtures("implementation")
