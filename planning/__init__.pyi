@@ -43,17 +43,7 @@ from .domain.goals.goal import (
 from .domain.goals.linear_moves import Displacement as Displacement
 from .domain.planner.regions import RegionOptions as RegionOptions
 from .domain.planner.regions import Regions as Regions
-from .domain.report.beside_report import (
-    BesideCheck as BesideCheck,
-)
-from .domain.report.beside_report import (
-    BesideOutcome as BesideOutcome,
-)
-from .domain.report.beside_report import (
-    BesideReport as BesideReport,
-)
 from .domain.report.motion_plan import MotionPlan as MotionPlan
-from .domain.report.rest_report import RestReport as RestReport
 from .domain.request.constraint import (
     DistanceBand as DistanceBand,
 )

@@ -9,9 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import planning
-from planning import BesideOutcome, BesideReport, TimedTrajectory
+from planning import TimedTrajectory
+from planning.certify.beside import drake_beside
+from planning.domain.report.beside_report import BesideOutcome, BesideReport
 from planning.errors import Canceled, DeadlineExceeded, ProblemInvalid, UnknownName
 from planning.world.world import World
+from tests.certify.oracles import without_kernel
 from tests.clocks import after_looks, no_hurry
 from tests.discs import RADIUS, discs, straight
 from tests.profiles import num_cases
@@ -165,3 +168,16 @@ def test_nothing_is_proven_once_the_time_is_over(crossing: World) -> None:
     deadline = no_hurry(is_canceled=lambda: True)
     with pytest.raises(Canceled):
         planning.certify_beside(crossing, motions[0], [motions[1]], deadline=deadline)
+
+
+def test_what_the_bounds_do_not_decide_is_refused_and_says_so(
+    crossing: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Motions that are apart, and a proof that ends after a few segments."""
+    monkeypatch.setattr(crossing, "drake", without_kernel(crossing.drake))
+    assert beside(crossing, ACROSS, ((0, -1), (0, -0.21))).proven
+    monkeypatch.setattr(drake_beside, "_MAX_NODES", 3)
+    report = beside(crossing, ACROSS, ((0, -1), (0, -0.21)))
+    assert report.failed is not None
+    assert report.failed.outcome is BesideOutcome.UNDECIDED
+    assert report.failed.pair == ("a::disc", "b::disc")
