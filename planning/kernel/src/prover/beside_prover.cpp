@@ -26,6 +26,7 @@ void join(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& out)
 // A motion of both groups that never moves.
 Motion still(const Tree& tree, const Group& group) {
   std::vector<double> q;
+  q.reserve(group.positions.size());
   for (const int position : group.positions) q.push_back(group.state[position]);
   return {tree, group, {0, 0}, q, std::vector<double>(group.velocities.size(), 0.0), 1};
 }
