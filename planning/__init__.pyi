@@ -1,5 +1,7 @@
 # The public names of `planning`, and the modules that define them.
 
+from .api.certify_beside import certify_beside as certify_beside
+from .api.certify_rest import certify_rest as certify_rest
 from .api.certify_trajectory import certify_trajectory as certify_trajectory
 from .api.combine_motions import combine_motions as combine_motions
 from .api.grow_regions import grow_regions as grow_regions

@@ -5,6 +5,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from planning.certify.certifier import certify, certify_polyline, skipped_checks
 from planning.certify.clearance.first_unproven import with_first_unproven
 from planning.certify.request import CertifyRequest
@@ -167,3 +169,22 @@ def validate_joints(group: JointGroup, trajectory: TimedTrajectory, field: str) 
         names = [joint.name for joint in group.joints]
         message = f"the {field} must have the joints {names}, in this order"
         raise ProblemInvalid(message, {"field": field, "expected": names})
+
+
+def validate_motion(group: JointGroup, motion: TimedTrajectory, field: str) -> None:
+    """Check that a motion has a group's joints and finite numbers, and that its times increase.
+
+    Args:
+        group: Joint group.
+        motion: The motion.
+        field: Name of the motion in the request, for the message.
+
+    Raises:
+        ProblemInvalid: The motion has other joints, or its numbers are none of a motion.
+    """
+    validate_joints(group, motion, field)
+    numbers = (motion.breaks, motion.bases, motion.coefficients)
+    is_timed = motion.breaks[0] == 0 and bool((np.diff(motion.breaks) > 0).all())
+    if not (is_timed and all(np.isfinite(array).all() for array in numbers)):
+        message = f"{field}: all numbers must be finite; its times must start at 0 and increase"
+        raise ProblemInvalid(message, {"field": field})

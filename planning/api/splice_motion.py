@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planning.api.certify_trajectory import validate_joints
+from planning.api.certify_trajectory import validate_motion
 from planning.certify.certifier import certify
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.motion_state import MotionState
@@ -198,7 +198,7 @@ def splice_motion(  # noqa: PLR0913  (all inputs of a request)
     """
     running_motion = _make_running_motion(world, group, running, options, constraints, margin)
     _validate_time(running, time)
-    _validate_motion(running_motion.group, onto, "onto")
+    validate_motion(running_motion.group, onto, "onto")
     return running_motion.certify_first(_splices(running_motion, time, onto, deadline), deadline)
 
 
@@ -242,22 +242,12 @@ def _make_running_motion(
 ) -> _RunningMotion:
     """Return the running motion after checks of its input."""
     joints = world.group(group)
-    _validate_motion(joints, running, "running")
+    validate_motion(joints, running, "running")
     validate_constraints(world, joints, constraints)
     retiming = resolve_retiming(
         world, joints, options or RetimeOptions("ruckig"), running.start, "options."
     )
     return _RunningMotion(world, joints, running, retiming, constraints, margin)
-
-
-def _validate_motion(group: JointGroup, motion: TimedTrajectory, field: str) -> None:
-    """Check that a motion has a group's joints and finite numbers, and that its times increase."""
-    validate_joints(group, motion, field)
-    numbers = (motion.breaks, motion.bases, motion.coefficients)
-    is_timed = motion.breaks[0] == 0 and bool((np.diff(motion.breaks) > 0).all())
-    if not (is_timed and all(np.isfinite(array).all() for array in numbers)):
-        message = f"{field}: all numbers must be finite; its times must start at 0 and increase"
-        raise ProblemInvalid(message, {"field": field})
 
 
 def _validate_time(running: TimedTrajectory, time: float) -> None:

@@ -136,6 +136,38 @@ def prover(margin: float = 0.0) -> Any:
     return module.Prover(*given, curve(), np.full(7, margin), 0.0)
 
 
+def beside_prover(margin: float = 0.0, **changes: Any) -> Any:
+    """Return a prover of the first two joints beside the floating one.
+
+    The second motion's arrays have the names of the first's with `other_` before them.
+    """
+    module: Any = native()
+    breaks, bases, coefficients = curve()
+    given = {
+        "scene": scene(),
+        "positions": np.arange(4),
+        "velocities": np.arange(4),
+        "breaks": breaks,
+        "bases": bases[:, :4],
+        "coefficients": coefficients[:, :, :4],
+        "other_positions": np.arange(4, 11),
+        "other_velocities": np.arange(4, 10),
+        "other_breaks": breaks,
+        "other_bases": bases[:, 4:],
+        "other_coefficients": coefficients[:, :, 4:],
+        "state": STATE,
+        "margins": np.full(7, margin),
+        "slack": 0.0,
+    } | changes
+    names = ("positions", "velocities", "breaks", "bases", "coefficients")
+    first, second = (
+        tuple(np.ascontiguousarray(given[prefix + name]) for name in names)
+        for prefix in ("", "other_")
+    )
+    rest = (given[name] for name in ("state", "margins", "slack"))
+    return module.BesideProver(given["scene"], first, second, *rest)
+
+
 def tolerance() -> Any:
     module: Any = native()
     return module.IkTolerance(np.zeros(3), module.Freedom.BALL, 0, 0.0)
@@ -223,6 +255,16 @@ def calls() -> dict[str, Call]:
             margins=(np.zeros(7), EXACT), slack=(0.0, SCALAR),
         ),
         "Prover.prove": call(prover().prove, interrupt=(int, OBJECT)),
+        "Prover.prove_in_order": call(
+            prover().prove_in_order, interrupt=(int, OBJECT), resolution=(1e-3, SCALAR)
+        ),
+        "BesideProver": call(
+            beside_prover, positions=(np.arange(4), INDICES), velocities=(np.arange(4), INDICES),
+            breaks=(curve()[0], EXACT), bases=(np.ascontiguousarray(curve()[1][:, :4]), EXACT),
+            coefficients=(np.ascontiguousarray(curve()[2][:, :, :4]), SIZING),
+            state=(STATE, EXACT), margins=(np.zeros(7), EXACT), slack=(0.0, SCALAR),
+        ),
+        "BesideProver.prove": call(beside_prover().prove, interrupt=(int, OBJECT)),
         "Prover.bounds": call(prover().bounds, halvings=([0, 1, 1], INDICES)),
         "batch_kernels": call(module.batch_kernels),
         "peak": call(module.peak, coefficients=(np.ones((2, 3)), ANY), tolerance=(1e-6, ANY)),

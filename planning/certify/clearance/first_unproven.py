@@ -35,13 +35,11 @@ def with_first_unproven(
     """
     if all(check.name != "clearance" for check in certificate.failed):
         return certificate
-    search = _Search(model, request, deadline)
-    with suppress(DeadlineExceeded):
-        search.run()
-    return replace(certificate, proven_until=search.proven_until, first_unproven=search.pair())
+    until, pair = FirstUnproven(model, request, deadline).found()
+    return replace(certificate, proven_until=until, first_unproven=pair)
 
 
-class _Search:
+class FirstUnproven:
     """Bisection between the latest proven and the earliest refused end of an initial part.
 
     Attributes:
@@ -54,7 +52,19 @@ class _Search:
         self.proven_until, self.refused_at = 0.0, request.trajectory.duration
         self._witness = WitnessPoint()
 
-    def run(self) -> None:
+    def found(self) -> tuple[float, BodyPair | None]:
+        """Return until when clearance is proven [s], and the pair at which the proof stops.
+
+        If the time runs out, it is the latest instant proven so far.
+
+        Raises:
+            Canceled: The caller canceled.
+        """
+        with suppress(DeadlineExceeded):
+            self._run()
+        return self.proven_until, self._pair()
+
+    def _run(self) -> None:
         """Bisect until the instant is known to the resolution.
 
         Raises:
@@ -78,7 +88,7 @@ class _Search:
         self._witness = replace(result.reported, time=min(begin + result.reported.time, end))
         self.refused_at = min(self._witness.time + _MAX_DELAY, end)
 
-    def pair(self) -> BodyPair | None:
+    def _pair(self) -> BodyPair | None:
         """Return the pair of bodies that refused the last refused part; None if there is none."""
         witness = self._witness
         if not witness.shapes:

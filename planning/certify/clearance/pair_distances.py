@@ -10,7 +10,7 @@ that GJK (`gjk`) finds. Half spaces, which Drake does not measure, are slabs alr
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from jaxtyping import Float64, Int
@@ -19,9 +19,11 @@ from planning.certify.clearance.candidate_pairs import candidate_pairs, geometry
 from planning.certify.clearance.motion_bounds import MotionBounds
 from planning.certify.clearance.placed_shapes import PlacedShapes
 from planning.certify.intervals.joint_deviation import Segment
-from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array, Indices
+from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.robot.joints import JointGroup
 from planning.world.collision.drake_distance import distances_within, pair_distance
+from planning.world.collision.margins import PairMargins
 from planning.world.collision.near_static import NearStatic
 from planning.world.drake_model import DrakeModel
 
@@ -31,6 +33,30 @@ _MAX_SINGLE_QUERIES = 24
 _GAP_TOLERANCE = 5e-4
 # Signed distance below which shapes overlap, so that no slab separates them [m].
 _OVERLAP_DISTANCE = -1e-6
+
+
+class DistanceRequest(Protocol):
+    """What distances need of a request: the group, the state of other joints, and margins."""
+
+    @property
+    def group(self) -> JointGroup:
+        """The joints that move."""
+        ...
+
+    @property
+    def trajectory(self) -> TimedTrajectory:
+        """A motion of the group, at whose start it is put first."""
+        ...
+
+    @property
+    def state(self) -> Array:
+        """Full plant positions, for all joints outside of the group, shape (num_positions,)."""
+        ...
+
+    @property
+    def margins(self) -> PairMargins:
+        """Required distances between bodies."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -55,7 +81,7 @@ class PairDistances:
         pairs: All pairs that may collide.
     """
 
-    def __init__(self, model: DrakeModel, request: CertifyRequest) -> None:
+    def __init__(self, model: DrakeModel, request: DistanceRequest) -> None:
         """Make a context, and put the group at the trajectory's start.
 
         Raises:

@@ -176,6 +176,12 @@ class TimedTrajectory(Curve):
         return np.linspace(0.0, self.duration, count)
 
     @classmethod
+    def at_rest(cls, joints: tuple[Joint, ...], q: Float64[np.ndarray, " nq"]) -> "TimedTrajectory":
+        """Build the motion of no duration at a configuration."""
+        num_velocities = sum(joint.num_velocities for joint in joints)
+        return cls(joints, np.zeros(2), np.array(q)[None], np.zeros((1, 1, num_velocities)))
+
+    @classmethod
     def joined(cls, parts: Sequence["TimedTrajectory"]) -> "TimedTrajectory":
         """Build the concatenation of motions."""
         if len(parts) == 1:

@@ -4,6 +4,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <tuple>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
 #include "math/bernstein.hpp"
+#include "prover/beside_prover.hpp"
 #include "prover/prover.hpp"
 
 namespace wayproof {
@@ -43,12 +45,46 @@ void make(Prover* self, const std::shared_ptr<Scene>& scene, const Integers& pos
   new (self) Prover(immutable(scene), std::move(moving), std::move(moves), copy_of(required), slack);
 }
 
-Proof prove(Prover& prover, const nb::callable& interrupt) {
+// A group's positions and velocities, and the breaks, bases and coefficients of its motion.
+using GroupMotion = std::tuple<Integers, Integers, Doubles, Doubles, Doubles>;
+
+void make_beside(BesideProver* self, const std::shared_ptr<Scene>& scene, const GroupMotion& first,
+                 const GroupMotion& second, const Doubles& state, const Doubles& margins, double slack) {
+  const auto required = ordered(row(margins, scene->pairs.size(), "margins"), "margins");
+  finite(slack, "slack");
+  const auto group_of = [&](const GroupMotion& of) { return group(*scene, std::get<0>(of), std::get<1>(of), state); };
+  const auto motion_of = [&](const Group& moving, const GroupMotion& of) {
+    return motion(scene->tree, moving, std::get<2>(of), std::get<3>(of), std::get<4>(of));
+  };
+  Group all = group_of(first);
+  const Group other = group_of(second);
+  std::array<Motion, 2> motions{motion_of(all, first), motion_of(other, second)};
+  for (const int position : other.positions)
+    require(std::ranges::find(all.positions, position) == all.positions.end(), "both motions move one joint");
+  all.positions.insert(all.positions.end(), other.positions.begin(), other.positions.end());
+  all.velocities.insert(all.velocities.end(), other.velocities.begin(), other.velocities.end());
+  Group both(scene->tree, all.positions, all.velocities, all.state);
+  new (self) BesideProver(immutable(scene), std::move(both), std::move(motions), copy_of(required), slack);
+}
+
+template <typename AnyProver>
+auto prove(AnyProver& prover, const nb::callable& interrupt) {
   nb::gil_scoped_release released;
   return prover.prove([&interrupt] {
     nb::gil_scoped_acquire held;
     interrupt();
   });
+}
+
+Proof prove_in_order(Prover& prover, const nb::callable& interrupt, double resolution) {
+  positive(resolution, "resolution");
+  const nb::gil_scoped_release released;
+  return prover.prove_in_order(
+      [&interrupt] {
+        const nb::gil_scoped_acquire held;
+        interrupt();
+      },
+      resolution);
 }
 
 // The segment reached by halvings (0 first, 1 second half) of the whole motion: begin, end, centre, and a row
@@ -81,6 +117,7 @@ void bind_prover(nb::module_& m) {
       .def_ro("distance", &Proof::distance)
       .def_ro("uncertainty", &Proof::uncertainty)
       .def_ro("time", &Proof::time)
+      .def_ro("until", &Proof::until)
       .def_ro("nearest", &Proof::nearest)
       .def_ro("tightest", &Proof::tightest)
       .def_ro("floor", &Proof::floor)
@@ -89,8 +126,22 @@ void bind_prover(nb::module_& m) {
   nb::class_<Prover>(m, "Prover", "Whether every pair keeps its distance throughout a motion.")
       .def("__init__", &make, nb::arg("scene"), nb::arg("positions"), nb::arg("velocities"), nb::arg("state"),
            nb::arg("curve"), nb::arg("margins"), nb::arg("slack"))
-      .def("prove", &prove, nb::arg("interrupt"))
+      .def("prove", &prove<Prover>, nb::arg("interrupt"))
+      .def("prove_in_order", &prove_in_order, nb::arg("interrupt"), nb::arg("resolution"))
       .def("bounds", &bounds, nb::arg("halvings"));
+  nb::class_<Encounter>(m, "Encounter", "A pair (by number, or -1) at an instant of either motion.")
+      .def_ro("pair", &Encounter::pair)
+      .def_ro("distance", &Encounter::distance)
+      .def_prop_ro("times", [](const Encounter& e) { return std::make_tuple(e.times[0], e.times[1]); });
+  nb::class_<BesideProof>(m, "BesideProof", "Outcome of a proof whatever the timing, and its evidence.")
+      .def_ro("outcome", &BesideProof::outcome)
+      .def_ro("worst", &BesideProof::worst)
+      .def_ro("pairs", &BesideProof::pairs)
+      .def_ro("segments", &BesideProof::segments);
+  nb::class_<BesideProver>(m, "BesideProver", "Whether pairs keep their distance at any two instants of two motions.")
+      .def("__init__", &make_beside, nb::arg("scene"), nb::arg("first"), nb::arg("second"), nb::arg("state"),
+           nb::arg("margins"), nb::arg("slack"))
+      .def("prove", &prove<BesideProver>, nb::arg("interrupt"));
   m.def("peak", &peak_of, nb::arg("coefficients"), nb::arg("tolerance"),
         "An upper bound on polynomials in Bernstein form, the row where it is, and the fraction of its "
         "interval.");

@@ -59,10 +59,10 @@ Motion::Motion(const Tree& tree, const Group& group, std::vector<double> breaks,
     for (const Link& l : tree.links)
       if (l.kind != JointKind::fixed && l.position == group.positions[q]) link = &l;
     if (!link) throw std::invalid_argument("a group has whole joints");
-    if (v + wayproof::num_velocities(link->kind) > nv_ || q + num_positions(link->kind) > nq_)
+    if (v + wayproof::num_velocities(link->kind) > nv_ || q + wayproof::num_positions(link->kind) > nq_)
       throw std::invalid_argument("a group's positions and velocities differ");
     add_coordinates(link->kind, q, v);
-    q += num_positions(link->kind), v += wayproof::num_velocities(link->kind);
+    q += wayproof::num_positions(link->kind), v += wayproof::num_velocities(link->kind);
   }
   if (v != nv_) throw std::invalid_argument("a group's positions and velocities differ");
   block_of_.assign(nv_, 0);

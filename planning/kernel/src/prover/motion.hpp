@@ -47,6 +47,7 @@ class Motion {
          std::vector<double> coefficients, int terms);
 
   int num_pieces() const { return static_cast<int>(breaks_.size()) - 1; }
+  int num_positions() const { return nq_; }
   int num_velocities() const { return nv_; }
   double duration() const { return breaks_.back(); }
   const std::vector<Block>& blocks() const { return blocks_; }

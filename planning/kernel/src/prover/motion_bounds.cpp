@@ -144,10 +144,22 @@ Vec3 MotionBounds::center(int geometry) {
 }
 
 double MotionBounds::approach(const Pair& pair, const Relative& relative) {
+  const auto [by_a, by_b] = shares(pair, relative);
+  return by_a + by_b;
+}
+
+std::pair<double, double> MotionBounds::shares(const Pair& pair, const Relative& relative) {
   const auto is_flat = [this](int geometry) { return scene_.geometries[geometry].shape.kind == ShapeKind::half_space; };
-  if (is_flat(pair.b)) return reach(pair.a, relative.a) + swing(pair.b, relative.b, pair.a);
-  if (is_flat(pair.a)) return swing(pair.a, relative.a, pair.b) + reach(pair.b, relative.b);
-  return reach(pair.a, relative.a) + reach(pair.b, relative.b);
+  if (is_flat(pair.b)) return {reach(pair.a, relative.a), swing(pair.b, relative.b, pair.a)};
+  if (is_flat(pair.a)) return {swing(pair.a, relative.a, pair.b), reach(pair.b, relative.b)};
+  return {reach(pair.a, relative.a), reach(pair.b, relative.b)};
+}
+
+bool MotionBounds::depends(int geometry, int from, int first, int last) const {
+  const auto& axes = chain(geometry);
+  for (std::size_t i = from; i < axes.size(); ++i)
+    if (const int column = axes_[axes[i]].column; column >= first && column < last) return true;
+  return false;
 }
 
 double MotionBounds::swing(int carrier, int from, int geometry) {

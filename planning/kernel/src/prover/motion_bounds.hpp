@@ -20,6 +20,7 @@
 // bounding sphere.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "model/scene.hpp"
@@ -56,8 +57,11 @@ class MotionBounds {
 
   const Transform& pose(int geometry);
   Vec3 center(int geometry);
-  // Bound on the approach of the shapes of a pair.
+  // Bound on the approach of the shapes of a pair: the sum of the shares of the joints that carry a and b.
   double approach(const Pair& pair, const Relative& relative);
+  std::pair<double, double> shares(const Pair& pair, const Relative& relative);
+  // Whether a geometry's chain has an axis from `from` on that moves with the group's columns from `first` to `last`.
+  bool depends(int geometry, int from, int first, int last) const;
   // A lower bound, not below `enough` if it is finite, on the distance of a pair throughout: -inf if so large a bound
   // cannot be proven along n, from B to A. `width` is the slab across n at the centre.
   double along(const Pair& pair, const Relative& relative, Vec3 n, double width, double enough);

@@ -2,29 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "model/gjk.hpp"
 #include "model/overlap.hpp"
+#include "prover/tolerances.hpp"
+#include "prover/turn.hpp"
 
 namespace wayproof {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-// Bounds are rounded by less than this [m].
-constexpr double rounding = 1e-9;
-// Segments shorter than this [s], or more of them, end the proof as unproven.
-constexpr double shortest = 1e-7;
-constexpr int most_segments = 20000;
-// Pairs that may come nearer than this within a segment are not measured in it [m].
-constexpr double wide = 0.25;
-// Accuracy of a distance in a segment, as a share of its change there.
-constexpr double coarse = 0.02;
 // Number of instants at which a refused motion is measured for its worst collision.
 constexpr int instants = 33;
-// Number of pair checks between two calls of `interrupt`.
-constexpr int interrupt_every = 256;
 
 }  // namespace
 
@@ -44,20 +34,6 @@ Prover::Prover(std::shared_ptr<const Scene> scene, Group group, Motion motion, s
   }
   hints_.resize(scene_->pairs.size());
 }
-
-// The one call that uses the prover.
-class Prover::Turn {
- public:
-  explicit Turn(std::atomic<bool>& is_busy) : is_busy_(is_busy) {
-    if (is_busy_.exchange(true)) throw std::logic_error("the prover is in use by another call");
-  }
-  ~Turn() { is_busy_ = false; }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
- private:
-  std::atomic<bool>& is_busy_;
-};
 
 Proof Prover::prove(const std::function<void()>& interrupt) {
   const Turn turn(is_busy_);

@@ -20,6 +20,9 @@
 
 namespace wayproof {
 
+// More segments end a proof as unproven.
+inline constexpr int most_segments = 20000;
+
 // The pair with the least value of some quantity.
 struct ClosestApproach {
   double least = std::numeric_limits<double>::infinity();
@@ -33,6 +36,7 @@ struct Proof {
   // The pair at which the proof stopped: too near, not proven far enough, or static.
   int pair = -1;
   double distance = 0, uncertainty = 0, time = 0;
+  double until = 0;                   // the motion is proven from its beginning until then; of prove_in_order() alone
   ClosestApproach nearest, tightest;  // smallest distance measured, and smallest over the pair's margin
   double floor = std::numeric_limits<double>::infinity();  // no distance is smaller, if proven
   int segments = 0, looks = 0;
@@ -52,6 +56,10 @@ class Prover {
   // `interrupt` is called now and then and may throw. A prover is used by one call at a time.
   Proof prove(const std::function<void()>& interrupt);
 
+  // The same verdict, by the segments in order of time, so that a refused motion is known to be proven until the first
+  // instant that is not, to a resolution [s]. No distance is refined.
+  Proof prove_in_order(const std::function<void()>& interrupt, double resolution);
+
   // Bounds of every pair on one segment; prove() uses the same.
   std::vector<PairBound> bounds(const Segment& segment);
   const Motion& motion() const { return motion_; }
@@ -70,7 +78,6 @@ class Prover {
     Segment segment;
     std::vector<Open> open;
   };
-  class Turn;
   struct PairCheck {
     bool decided;
     bool unbounded;   // no segment is short enough
@@ -89,6 +96,7 @@ class Prover {
   void look(double time);
   bool find_static_violation();
   bool prove_node(Node node, std::vector<Node>& heap);
+  bool prove_next(Node node, double resolution, std::vector<Node>& stack);
   void refuse(Outcome outcome, int pair, double distance, double uncertainty, double time);
   void refine_minimum();
   double target() const;

@@ -1,0 +1,1 @@
+"""Proofs that motions of several groups keep their margins whatever their timing."""
