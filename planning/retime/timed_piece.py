@@ -49,8 +49,7 @@ def audited(
         use.fraction ** (1 / order) for order, use in enumerate(utilizations, start=1)
     )
     time_scaling = max([time_scaling, *(use.time_scaling for _, use in path_utilizations)])
-    time_scaling = max(time_scaling, fastest)
-    time_scaling *= 1 + _LIMIT_RESERVE
+    time_scaling = max(time_scaling * (1 + _LIMIT_RESERVE), fastest)
     scaled = [
         replace(use, fraction=use.fraction / time_scaling**order)
         for order, use in enumerate(utilizations, start=1)
