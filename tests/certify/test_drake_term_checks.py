@@ -11,6 +11,7 @@ import planning
 from planning.certify.drake_term_checks import drake_term_checks
 from planning.certify.request import CertifyRequest
 from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.curves.path import JointPath
 from planning.pipeline.certification import certify_request
 from planning.refine.curves.chart import FlatChart
 from planning.refine.drake.spline_motion import SplineMotion
@@ -33,7 +34,7 @@ def puck(tmp_path: Path) -> World:
 def request_of(puck: World):
     group = puck.group("puck")
     motion = SplineMotion(POINTS, 3.0).with_ends_of(POINTS, 2)
-    trajectory = motion.trajectory(FlatChart(planning.JointPath(group, POINTS)))
+    trajectory = motion.trajectory(FlatChart(JointPath(group, POINTS)))
 
     def build(*terms: planning.DrakeTerm, motion: TimedTrajectory = trajectory) -> CertifyRequest:
         made = certify_request(puck, group, motion, planning.RetimeOptions(), puck.margins())
@@ -69,15 +70,15 @@ def test_the_value_is_the_largest_violation(puck, request_of):
 
 
 def test_durations_count(puck, request_of):
-    slow = request_of(speed_below(1.0))
+    slow = request_of(speed_below(2.0))
     assert drake_term_checks(puck.drake, slow)[0].passed
-    quick = request_of(speed_below(1.0), motion=slow.trajectory.time_scaled(0.2))
+    quick = request_of(speed_below(2.0), motion=slow.trajectory.time_scaled(0.2))
     assert not drake_term_checks(puck.drake, quick)[0].passed
 
 
 def test_a_motion_of_another_form_fails(puck, request_of):
     whole = request_of().trajectory
-    cut = TimedTrajectory.joined([whole.until(1.0), whole.after(1.0)])
+    cut = TimedTrajectory.joined([whole.until(1.1), whole.after(1.1)])
     (check,) = drake_term_checks(puck.drake, request_of(below(9.0), motion=cut))
     assert not check.passed
     assert check.where == "the motion is not one of Drake's program"
