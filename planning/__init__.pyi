@@ -75,6 +75,7 @@ from .domain.request.constraint import (
     TightLimits as TightLimits,
 )
 from .domain.request.deadline import Deadline as Deadline
+from .domain.request.drake_term import DrakeTerm as DrakeTerm
 from .domain.request.group_motion import CombinedMotion as CombinedMotion
 from .domain.request.group_motion import GroupMotion as GroupMotion
 from .domain.request.motion_limits import SpeedZone as SpeedZone
@@ -101,6 +102,7 @@ from .domain.request.options import (
     SearchOptions as SearchOptions,
 )
 from .domain.request.problem import PlanningProblem as PlanningProblem
+from .domain.request.refine_objective import RefineObjective as RefineObjective
 from .domain.robot.payload import Payload as Payload
 from .domain.robot.steering import Steering as Steering
 from .domain.scene.scene import Scene as Scene

@@ -18,7 +18,8 @@ from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
-from planning.pipeline.candidate_motions import CandidateMotion, candidates
+from planning.pipeline.candidate_motions import candidates
+from planning.pipeline.candidate_timing import CandidateMotion
 from planning.pipeline.certification import Refusals, certify_request, first_certified
 from planning.pipeline.motion import Motion
 from planning.pipeline.segments import free_segment

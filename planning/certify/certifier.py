@@ -8,6 +8,7 @@ from planning.certify.clearance.clearance_reserve import robustness
 from planning.certify.clearance.clearance_result import ClearanceResult
 from planning.certify.clearance.nearest_points import nearest_points
 from planning.certify.constraint_checks import constraint_checks
+from planning.certify.drake_term_checks import drake_term_checks
 from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
 from planning.certify.form_check import form_check
 from planning.certify.frames.line_check import line_checks
@@ -184,7 +185,8 @@ def additional_checks(
 ) -> tuple[Check, ...]:
     """Return the checks of requested constraints other than joint limits and clearance.
 
-    These are steering, torques, tool limits, path constraints and straight tool lines.
+    These are steering, torques, tool limits, path constraints, straight tool lines and the terms of
+    library users.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
@@ -196,7 +198,8 @@ def additional_checks(
     torque = [torque_check(model, request, deadline)] if request.effort else []
     steering = steering_checks(request)
     tools = tool_checks(model, request, deadline)
-    return (*steering, *torque, *tools, *constraints, *lines)
+    terms = drake_term_checks(model, request)
+    return (*steering, *torque, *tools, *constraints, *lines, *terms)
 
 
 def _certificate(

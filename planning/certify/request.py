@@ -12,6 +12,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.goals.linear_moves import LineSection
 from planning.domain.request.constraint import PathConstraint
+from planning.domain.request.drake_term import DrakeTerm
 from planning.domain.request.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
 from planning.domain.request.options import CertifyOptions
 from planning.domain.robot.followers import Follower, combine_limits
@@ -47,6 +48,7 @@ class CertifyRequest(Value):
         effort: Whether joint torques and forces are limited.
         payload: Load carried by the group that is not part of the scene.
         followers: Mimic joints that follow those of the group, and their limits.
+        terms: Constraints in Drake's language, which are evaluated at their own instants.
     """
 
     group: JointGroup
@@ -67,6 +69,7 @@ class CertifyRequest(Value):
     effort: bool = False
     payload: Payload | None = None
     followers: tuple[Follower, ...] = ()
+    terms: tuple[DrakeTerm, ...] = ()
 
     @property
     def reference(self) -> Array:

@@ -1,74 +1,27 @@
-"""CollisionPairs: timed motions along one path, not certified yet, quickest first."""
+"""Candidates: timed motions along one path, not certified yet, the best by the objective first."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import chain
 
-from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.curves.path import JointPath
-from planning.domain.report.stage_reports import RefineReport, RetimeReport
+from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.motion_limits import MotionLimits
 from planning.domain.request.options import RetimeOptions, SearchOptions
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
-from planning.domain.robot.joints import JointGroup, JointLimits
-from planning.errors import DeadlineExceeded, RetimingFailed
-from planning.pipeline.path_curves import PathCurve, collision_free_curves
+from planning.domain.robot.joints import JointGroup
+from planning.errors import DeadlineExceeded
+from planning.pipeline.candidate_timing import CandidateMotion, CandidateTiming
+from planning.pipeline.path_curves import collision_free_curves
 from planning.refine.constraints.clearance_objective import ClearanceCost, make_clearance_objective
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
 from planning.retime.limits.path_limit import PathLimit
-from planning.retime.retimer import retime
 from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
-
-# Share of the time for timing another curve when there is a timed motion already.
-_COMPARISON_TIME_FRACTION = 0.5
-
-
-@dataclass(frozen=True)
-class CandidateMotion:
-    """Timed motion that is not certified yet.
-
-    Attributes:
-        name: Name of the curve, for messages and reports.
-        curve: Geometric curve that the motion follows.
-        trajectory: The motion.
-        refine: Report of the refinement.
-        retime: Report of the retiming.
-        clearance_penalty: Cost of clearance below the clearance objective's distance [s].
-    """
-
-    name: str
-    curve: JointSpline
-    trajectory: TimedTrajectory
-    refine: RefineReport
-    retime: RetimeReport
-    clearance_penalty: float = 0.0
-
-    @property
-    def cost(self) -> float:
-        """Duration plus clearance penalty, by which candidates are compared [s]."""
-        return self.trajectory.duration + self.clearance_penalty
-
-
-@dataclass(frozen=True)
-class _RetimeInputs:
-    """Inputs of the retiming of every curve, and the failures so far."""
-
-    limits: JointLimits
-    path_limits: tuple[PathLimit, ...]
-    options: RetimeOptions
-    watch: Stopwatch
-    deadline: Deadline
-    failures: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
-
-    @property
-    def for_comparison(self) -> "_RetimeInputs":
-        """The same inputs with less time, for curves that may only improve on a timed motion."""
-        return replace(self, deadline=self.deadline.at_fraction(_COMPARISON_TIME_FRACTION))
 
 
 def refine_and_proof_deadlines(
@@ -105,7 +58,9 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     refine_deadline, deadline = refine_and_proof_deadlines(problem, deadline)
     group, retime_options = world.group(problem.group), problem.retime
     limits = world.limits(group)
-    retime_inputs = _RetimeInputs(limits, path_limits, retime_options, watch, deadline)
+    timing = CandidateTiming(
+        world, group, path_limits, retime_options, problem.refine, watch, deadline
+    )
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
         constraints = _compile_constraints(world, path, problem)
@@ -121,9 +76,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
             and constraints.tightened(path.waypoints[0], path.waypoints[-1:]),
         )
         refined, report = refine(world, request, refine_deadline)
-    timed = (
-        [] if refined is None else _retime_spline("refined curve", refined, retime_inputs, report)
-    )
+    timed = timing.refined(refined, report)
     unrefined_report = replace(report, improved=False)
     if report.improved:
         unrefined_report = RefineReport(
@@ -138,18 +91,22 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     with watch.stage("retime"):
         first_curves = list(curves) if retime_options.limits_jerk else [next(curves)]
     new_candidates: list[CandidateMotion] = []
+    along_path: list[CandidateMotion] = []
     for i, curve in enumerate(first_curves):
         try:
-            new_candidates = _retime_curve(
-                curve, retime_inputs.for_comparison if timed else retime_inputs, unrefined_report
+            new_candidates = (timing.for_comparison if timed or along_path else timing).along_path(
+                curve, unrefined_report
             )
         except DeadlineExceeded:
             # The remaining time is for certifying the motion that is timed already.
-            if not timed:
+            if not timed and not along_path:
                 raise
             curves = chain(first_curves[i:], curves)
             break
-        timed += new_candidates
+        along_path += new_candidates
+    before = timing.values(along_path)
+    timed = timing.weighed([*timed, *along_path], before)
+    new_candidates = new_candidates if timed else []
     objective = refined and make_clearance_objective(
         world, group, margins, problem.refine.clearance
     )
@@ -158,10 +115,10 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     yield from sorted(timed, key=lambda candidate: candidate.cost)
     # The collision check of a curve counts as retiming.
     for curve in watch.each("retime", curves):
-        new_candidates = _retime_curve(curve, retime_inputs, unrefined_report)
+        new_candidates = timing.weighed(timing.along_path(curve, unrefined_report), before)
         yield from new_candidates
     if not new_candidates:
-        raise _retiming_failure(retime_inputs.failures)
+        raise timing.failure
 
 
 def _with_clearance_penalty(motion: CandidateMotion, objective: ClearanceCost) -> CandidateMotion:
@@ -196,47 +153,3 @@ def _compile_constraints(
         return None
     group = world.group(problem.group)
     return PathConstraints.compiled(world, group, problem.constraints, path.waypoints[0])
-
-
-def _retime_curve(
-    curve: PathCurve, retime_inputs: _RetimeInputs, report: RefineReport
-) -> list[CandidateMotion]:
-    return [
-        replace(candidate, retime=replace(candidate.retime, blend_deviation=curve.deviation))
-        for candidate in _retime_spline(curve.name, curve.spline, retime_inputs, report)
-    ]
-
-
-def _retime_spline(
-    name: str, spline: JointSpline, retime_inputs: _RetimeInputs, report: RefineReport
-) -> list[CandidateMotion]:
-    """Return the candidate along a curve; if it cannot be timed, store the failure, return none."""
-    with retime_inputs.watch.stage("retime"):
-        try:
-            trajectory, retime_report = retime(
-                spline,
-                retime_inputs.limits,
-                retime_inputs.options,
-                retime_inputs.path_limits,
-                retime_inputs.deadline,
-            )
-        except RetimingFailed as failure:
-            retime_inputs.failures.append(failure)
-            return []
-    return [CandidateMotion(name, spline, trajectory, report, retime_report)]
-
-
-def _retiming_failure(failures: list[RetimingFailed]) -> RetimingFailed:
-    """Return the failure of retiming all curves; the last one is that of the path itself.
-
-    If that is only slower than the requested duration, because of its rests at corners, the failure
-    of the curve with the least duration is returned.
-    """
-    last = failures[-1]
-    if "least" not in last.evidence:
-        message = f"the path cannot be timed, even with a rest at every corner: {last.detail}"
-        return RetimingFailed(message, last.evidence)
-    too_slow = [failure for failure in failures if "least" in failure.evidence]
-    quickest = min(too_slow, key=lambda failure: failure.evidence["least"])
-    message = f"no curve along the path can be timed as requested: {quickest.detail}"
-    return RetimingFailed(message, quickest.evidence)

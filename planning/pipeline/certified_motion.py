@@ -54,6 +54,7 @@ def certify_motion(context: PlanContext, motion: Motion) -> tuple[Certificate, C
         constraints=problem.constraints,
         lines=motion.line_sections(*tolerances),
         options=problem.certify,
+        terms=problem.refine.terms,
     )
     with context.watch.stage("certify"):
         return certify(context.world.drake, request, context.proof_deadline)

@@ -25,7 +25,7 @@ from planning.pipeline.context import PlanContext
 from planning.pipeline.gcs_planner import validate_regions
 from planning.pipeline.segments import end_of_moves
 from planning.pipeline.timing_options import resolve_retiming
-from planning.refine.constraints.clearance_objective import validate_clearance_objective
+from planning.refine.validate_options import validate_refinement
 from planning.retime.limits.request_limits import path_limits
 from planning.roadmaps.load_or_build import load_or_build, validate_roadmap_options
 from planning.roadmaps.roadmap_cache import RoadmapStore
@@ -84,7 +84,7 @@ def resolve(
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
-    validate_clearance_objective(problem.refine)
+    validate_refinement(problem.refine, group, problem.goal)
     validate_regions(problem, world, group)
     validate_roadmap_options(problem)
     return ResolvedProblem(

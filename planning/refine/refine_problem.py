@@ -189,7 +189,11 @@ class RefineProblem:
 
     def check_curve(self, evaluation: CurveEvaluation) -> tuple[str, Array]:
         """Return why a curve is rejected, or "", and the instants where it is in violation."""
-        curve = self.curve_of(evaluation)
+        excess = 0.0 if evaluation.loads is None else evaluation.loads.excess
+        return self.check_spline(self.curve_of(evaluation), excess)
+
+    def check_spline(self, curve: JointSpline, static_excess: float = 0.0) -> tuple[str, Array]:
+        """Return why a spline is rejected, or "", and the instants where it is in violation."""
         violations = self.auditor.find_violations(curve)
         if len(violations):
             where = ", ".join(f"{s:.3f}" for s in violations[:5])
@@ -197,7 +201,7 @@ class RefineProblem:
             what += "" if self.request.constraints is None else " or a path constraint"
             message = f"the optimized curve violates {what} at path parameters s = {where}"
             return message, violations
-        if evaluation.loads is not None and evaluation.loads.excess > 0:
+        if static_excess > 0:
             return "the static torque exceeds an effort limit on the optimized curve", violations
         if not is_within_limits(curve, self.limits):
             return "the optimized curve violates position limits", violations

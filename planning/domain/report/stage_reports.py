@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from planning.domain.report.duration import DurationExplanation
+from planning.domain.report.objective_values import ObjectiveValues
 from planning.domain.report.stop_report import StopReport
 from planning.domain.request.robustness import Robustness
 from planning.domain.value import Value
@@ -13,11 +14,12 @@ class RefineReport(Value):
     """Report of the refine stage (trajectory optimization).
 
     Attributes:
-        method: "trajopt", "auto" or "none".
+        method: "trajopt", "drake", "auto" or "none".
         improved: Whether the refined curve replaces the path.
         reason: Why not, or "".
         solver: Name of the solver, or "".
-        rounds: Trust-region steps tried, each the solution of a convex program.
+        rounds: Trust-region steps tried, each the solution of a convex program; of "drake" the
+            number of nonlinear programs solved.
         length_before: Joint-space length of the path.
         length_after: Joint-space length of the refined curve.
         duration_before: Optimizer's estimate for its initial guess [s].
@@ -25,6 +27,9 @@ class RefineReport(Value):
         lower_bound: Lower bound on the duration of any motion between the two ends [s].
         shortfall: Mean over time of the clearance missing from the clearance objective's distance
             [m]; None without such an objective, or without refinement.
+        before: Values of all objectives for the motion along the path, as quick as the limits
+            allow; None unless an objective was stated or the method is "drake".
+        after: The same for the motion that is delivered.
     """
 
     method: str
@@ -38,6 +43,8 @@ class RefineReport(Value):
     duration_after: float = 0.0
     lower_bound: float = 0.0
     shortfall: float | None = None
+    before: ObjectiveValues | None = None
+    after: ObjectiveValues | None = None
 
 
 @dataclass(frozen=True, eq=False)

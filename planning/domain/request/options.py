@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from planning.domain.request.drake_term import DrakeTerm
 from planning.domain.request.motion_limits import AccelerationBounds, SpeedZone, ToolLimit
+from planning.domain.request.refine_objective import RefineObjective
 from planning.domain.robot.payload import Payload
 from planning.domain.robot.steering import Steering
 from planning.domain.value import Value
@@ -153,13 +155,23 @@ class RefineOptions(Value):
     """Options of the refine stage: path optimization.
 
     Attributes:
-        method: "trajopt"; "auto", which optimizes only where the remaining time allows for it; or
-            "none".
-        clearance: Clearance objective that is weighed against the duration; None for none.
+        method: "trajopt", by convex steps; "drake", by Drake's kinematic trajectory optimization;
+            "auto", which is "trajopt" where the remaining time allows for it; or "none".
+        clearance: Clearance objective that is weighed against the duration, for "trajopt" and
+            "auto"; None for none.
+        objective: What is minimized; None for the duration. "trajopt" and "auto" know no other.
+        terms: Costs and constraints that are added to Drake's program, for "drake".
     """
 
-    method: Literal["none", "trajopt", "auto"] = "trajopt"
+    method: Literal["none", "trajopt", "auto", "drake"] = "trajopt"
     clearance: ClearanceObjective | None = None
+    objective: RefineObjective | None = None
+    terms: tuple[DrakeTerm, ...] = ()
+
+    @property
+    def reports_objectives(self) -> bool:
+        """Whether the report has the values of all objectives."""
+        return self.objective is not None or self.method == "drake"
 
 
 @dataclass(frozen=True, eq=False)

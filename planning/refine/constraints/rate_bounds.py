@@ -10,7 +10,7 @@ from planning.domain.robot.joints import JointLimits
 from planning.refine.constraints.load import Load
 
 # Finite substitutes of infinite bounds, which would lead to NaN.
-_UNBOUNDED_RATE, _UNBOUNDED_JERK = 1e3, 1e6
+_UNBOUNDED_RATE, UNBOUNDED_JERK = 1e3, 1e6
 # Share of the jerk limit for the curve's third derivative: changes of path velocity need the rest.
 # Found by measurement.
 _JERK_SHARE = 0.1
@@ -58,7 +58,7 @@ class RateBounds:
             for rates, max_rate in (
                 (limits.velocity, _UNBOUNDED_RATE),
                 (limits.acceleration, _UNBOUNDED_RATE),
-                (limits.jerk, _UNBOUNDED_JERK),
+                (limits.jerk, UNBOUNDED_JERK),
             )
         )
         by_sign = np.stack([acceleration, acceleration])

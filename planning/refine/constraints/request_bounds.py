@@ -1,5 +1,7 @@
 """request_bounds(): bounds of a request for the trajectory optimization: joint rates and loads."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float64
 
@@ -7,7 +9,7 @@ from planning.domain.request.motion_limits import AccelerationBounds
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.refine.constraints.load import Load
-from planning.refine.constraints.rate_bounds import RateBounds
+from planning.refine.constraints.rate_bounds import UNBOUNDED_JERK, RateBounds
 from planning.refine.constraints.tool_load import ToolLoad
 from planning.refine.constraints.torque_load import TorqueLoad
 from planning.refine.constraints.zone_load import ZoneLoad
@@ -34,6 +36,23 @@ def request_bounds(world: World, request: RefineRequest) -> RateBounds:
     return RateBounds.of(
         request.limits, jerk=request.jerk, acceleration_bounds=acceleration_bounds, loads=loads
     )
+
+
+def exact_rate_bounds(request: RefineRequest, loads: tuple[Load, ...]) -> RateBounds:
+    """Return the bounds that are proven in the end, without allowance for a retimer with jerk.
+
+    `request_bounds` lowers accelerations where jerk is limited, because its duration is that of a
+    model without jerk.
+    """
+    limits = request.limits
+    accelerations = signed_accelerations(
+        request.path.group, request.motion_limits.acceleration_bounds
+    )
+    bounds = RateBounds.of(limits, jerk=False, acceleration_bounds=accelerations, loads=loads)
+    if not request.jerk:
+        return bounds
+    jerk = np.minimum(limits.per_coordinate(limits.jerk), UNBOUNDED_JERK)
+    return replace(bounds, jerk=jerk)
 
 
 def signed_accelerations(

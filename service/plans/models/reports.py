@@ -19,14 +19,31 @@ class GoalsReport(ResponseModel):
     funnel: IkFunnel = Field(description="How many samples survived what")
 
 
+class ObjectiveValues(ResponseModel):
+    """What one motion costs by each objective."""
+
+    duration: float = Field(description="[s]")
+    smoothness: float | None = Field(
+        description="Integral over time of squared accelerations [rad^2/s^3], or of jerks if the "
+        "objective says so [rad^2/s^5]; null where accelerations jump, so that jerks are infinite"
+    )
+    energy: float | None = Field(
+        description="Integral over time of squared torques and forces [N^2 m^2 s]; null for groups "
+        "with a floating joint"
+    )
+    path_length: float = Field(description="Joint-space length [rad or m]")
+
+
 class RefineReport(ResponseModel):
     """What the refine stage did."""
 
-    method: Literal["trajopt", "auto", "none"] = Field(description="As it was asked for")
+    method: Literal["trajopt", "drake", "auto", "none"] = Field(description="As it was asked for")
     improved: bool = Field(description="Whether the refined curve is what was delivered")
     reason: str = Field(description="Why not, or empty")
     solver: str = Field(description="Name of the solver, or empty")
-    rounds: int = Field(description="Steps tried, each a convex program")
+    rounds: int = Field(
+        description="Steps tried, each a convex program; of `drake` nonlinear programs"
+    )
     length_before: float = Field(description="Of the path [rad or m]")
     length_after: float = Field(description="Of the refined curve [rad or m]")
     duration_before: float = Field(description="Estimate for the initial guess [s]")
@@ -38,6 +55,14 @@ class RefineReport(ResponseModel):
         default=None,
         description="By how much the clearance falls short of the preferred one, on average over "
         "the motion [m]; null if none was preferred or nothing was refined",
+    )
+    before: ObjectiveValues | None = Field(
+        default=None,
+        description="Of the motion along the path as the search left it, as quick as the limits "
+        "allow; null unless the request states an objective or the method is `drake`",
+    )
+    after: ObjectiveValues | None = Field(
+        default=None, description="Of the motion that is delivered, likewise"
     )
 
 

@@ -26,6 +26,7 @@ from service.plans.models.goals import Goal
 from service.plans.models.ik import Ik
 from service.plans.models.line_goals import LineGoal, PathGoal
 from service.plans.models.motion_limits import ScaledLimits
+from service.plans.models.refine import Refine
 from service.plans.models.sampling import Sampling
 from service.plans.models.search import Search
 
@@ -42,47 +43,6 @@ EXAMPLE: dict[str, Any] = {
     "retime": {"method": "toppra", "velocity_scale": 0.5},
     "seed": 7,
 }
-
-
-class ClearanceObjective(RequestModel):
-    """Clearance that is preferred, beyond the margin that is required."""
-
-    distance: Annotated[Real, Field(gt=0, le=1)] = Field(
-        description="Between bodies, but for those of one robot [m]"
-    )
-    weight: Annotated[Real, Field(gt=0, le=1e4)] = Field(
-        description="By how much longer the motion may take for a metre less of what its clearance "
-        "lacks of the distance, on average along the motion [s/m]"
-    )
-
-    def to_domain(self) -> domain.ClearanceObjective:
-        """Return the domain's objective."""
-        return domain.ClearanceObjective(self.distance, self.weight)
-
-
-class Refine(RequestModel):
-    """Whether and how to optimise the path."""
-
-    method: Literal["trajopt", "auto", "none"] = Field(
-        default="trajopt",
-        description="Optimise the duration; do so only if at least half a second is left; or leave "
-        "the path as it is",
-    )
-    clearance: ClearanceObjective | None = Field(
-        default=None,
-        description="What the duration is weighed against; `none` has no use for it",
-    )
-
-    @model_validator(mode="after")
-    def _has_use(self) -> Self:
-        if self.method == "none" and self.clearance is not None:
-            message = "clearance requires method 'trajopt' or 'auto', not 'none'"
-            raise ValueError(message)
-        return self
-
-    def to_domain(self) -> domain.RefineOptions:
-        """Return the domain's options of the refinement."""
-        return domain.RefineOptions(self.method, self.clearance and self.clearance.to_domain())
 
 
 class Retime(Sampling, ScaledLimits):

@@ -14,6 +14,7 @@ from planning.domain.goals.goal import (
 )
 from planning.domain.request.options import ClearanceObjective, IkOptions, PoseMetric, RefineOptions
 from planning.domain.request.problem import PlanningProblem
+from planning.domain.request.refine_objective import RefineObjective
 from service.plans.models.request import PlanRequest
 
 BASE = {"scene": "s", "group": "arm"}
@@ -121,3 +122,41 @@ def test_weights_and_metric_arrive():
     ik = {"joint_weights": {"arm::a": 2}, "pose_metric": {"translation": 3, "rotation": 0.5}}
     made = problem(goal={"type": "configuration", "name": "home"}, ik=ik).ik
     assert made == IkOptions(joint_weights={"arm::a": 2.0}, pose_metric=PoseMetric(3.0, 0.5))
+
+
+def test_an_objective_arrives_with_all_its_weights():
+    objective = {
+        "duration": 1,
+        "smoothness": 2,
+        "energy": 0.5,
+        "path_length": 3,
+        "derivative": "jerk",
+        "max_duration": 4,
+    }
+    goal = {"type": "configuration", "name": "home"}
+    made = problem(goal=goal, refine={"method": "drake", "objective": objective})
+    assert made.refine == RefineOptions(
+        "drake", None, RefineObjective(1.0, 2.0, 0.5, 3.0, "jerk", 4.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("refine", "reason"),
+    [
+        ({"objective": {"energy": 1, "max_duration": 2}}, "energy requires method 'drake'"),
+        ({"objective": {"duration": 1, "max_duration": 2}}, "max_duration requires"),
+        ({"method": "none", "objective": {"duration": 1}}, "optimizes nothing"),
+        ({"method": "drake", "objective": {"smoothness": 1}}, "give max_duration"),
+        ({"method": "drake", "objective": {}}, "must be positive"),
+        ({"method": "drake", "objective": {"duration": -1}}, "greater than or equal to 0"),
+        ({"method": "drake", "clearance": {"distance": 0.1, "weight": 1}}, "not 'drake'"),
+        (
+            {"objective": {"duration": 1}, "clearance": {"distance": 0.1, "weight": 1}},
+            "exclude each other",
+        ),
+    ],
+)
+def test_an_objective_that_a_method_does_not_know_is_refused(refine, reason):
+    goal = {"type": "configuration", "name": "home"}
+    with pytest.raises(ValidationError, match=reason):
+        problem(goal=goal, refine=refine)

@@ -1,0 +1,81 @@
+"""RefineObjective: weights of what an optimized motion costs, and the bound on its duration."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from planning.domain.value import Value
+
+# Weight of a second beside a weight of 1 on length: of the shortest motions the quickest is meant.
+_TIE_BREAK = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class RefineObjective(Value):
+    """Cost of a motion: weighted sum of its duration, smoothness, energy and length.
+
+    Attributes:
+        duration: Weight of the duration [1/s].
+        smoothness: Weight of the integral over time of the squared norm of the joints'
+            accelerations, or jerks; for the first [s^3/rad^2], for the second [s^5/rad^2].
+        energy: Weight of the integral over time of the squared norm of the joints' torques and
+            forces, gravity, damping and payload included [1/(N^2 m^2 s)].
+        path_length: Weight of the joint-space length [1/rad or 1/m].
+        derivative: What `smoothness` integrates.
+        max_duration: Upper bound on the duration [s]; None for no bound.
+    """
+
+    duration: float = 0.0
+    smoothness: float = 0.0
+    energy: float = 0.0
+    path_length: float = 0.0
+    derivative: Literal["acceleration", "jerk"] = "acceleration"
+    max_duration: float | None = None
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """The four weights, by name."""
+        return {
+            "duration": self.duration,
+            "smoothness": self.smoothness,
+            "energy": self.energy,
+            "path_length": self.path_length,
+        }
+
+    @property
+    def is_gentle(self) -> bool:
+        """Whether a slower motion may cost less."""
+        return self.smoothness > 0 or self.energy > 0
+
+    @property
+    def time_weight(self) -> float:
+        """Weight of the duration; where only length counts, a small one that breaks ties [1/s]."""
+        return self.duration or (0.0 if self.is_gentle else _TIE_BREAK * self.path_length)
+
+    @property
+    def derivative_order(self) -> int:
+        """Order of the derivative that `smoothness` integrates: 2 or 3."""
+        return 2 if self.derivative == "acceleration" else 3
+
+    def fault_with(self, method: str) -> str:
+        """Return why a method of refinement cannot minimize this, or ""."""
+        if method == "none":
+            return "method 'none' optimizes nothing: leave the objective out"
+        others = [name for name, weight in self.weights.items() if weight and name != "duration"]
+        if method != "drake" and (others or self.max_duration is not None):
+            what = " and ".join(others) or "max_duration"
+            return (
+                f"method {method!r} minimizes the duration alone, because the retimer that times "
+                f"its curves does; {what} requires method 'drake'"
+            )
+        if not any(self.weights.values()):
+            return "one weight at least must be positive"
+        if self.is_gentle and not self.duration and self.max_duration is None:
+            return (
+                "by smoothness and energy alone slower may always be better: give max_duration, or "
+                "a weight of duration"
+            )
+        return ""
+
+
+# The objective where none is stated.
+QUICKEST = RefineObjective(duration=1.0)

@@ -1,0 +1,1 @@
+"""Drake's kinematic trajectory optimization as a method of refinement."""

@@ -1,0 +1,125 @@
+"""Rows of Drake's program that are functions of this package: distances and loads at instants."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from planning.domain.arrays import Array
+from planning.refine.constraints.distance_query import DistanceQuery
+from planning.refine.constraints.load import Load
+from planning.refine.curves.bspline_basis import ORDER, BasisWeights, basis_weights
+from planning.refine.drake.spline_matrices import SplineMatrices, matrices_at, split
+
+# Signed margin above which pairs are ignored [m].
+_INFLUENCE_DISTANCE = 0.1
+# Pairs that count at each instant, the nearest ones.
+_NUM_PAIRS = 3
+
+
+@dataclass(frozen=True)
+class MarginRows:
+    """Signed margins of the nearest pairs of bodies at instants, which must not be negative.
+
+    The k-th row of an instant is the k-th smallest margin: where two pairs change places, so do
+    their gradients, and a program that is linear in the rows sees no change. Margins of path
+    constraints are among them.
+
+    Attributes:
+        query: Distances, in the coordinates of the control points.
+        num_control_points: Of the motion.
+        weights: Of the control points at the instants.
+    """
+
+    query: DistanceQuery
+    num_control_points: int
+    weights: BasisWeights
+
+    @classmethod
+    def at(
+        cls,
+        instants: Float64[np.ndarray, " m"],
+        query: DistanceQuery,
+        num_control_points: int,
+    ) -> "MarginRows":
+        """Build the rows of instants in (0, 1)."""
+        weights = basis_weights(num_control_points, instants)
+        return cls(query, num_control_points, weights)
+
+    @property
+    def num_rows(self) -> int:
+        """Number of rows."""
+        return len(self.weights.values) * _NUM_PAIRS
+
+    def sparsity(self, num_coordinates: int) -> list[tuple[int, int]]:
+        """Return rows and columns of the gradients that are not always zero."""
+        columns = self._columns(num_coordinates)
+        return [
+            (row, int(column))
+            for row in range(self.num_rows)
+            for column in columns[row // _NUM_PAIRS]
+        ]
+
+    def __call__(self, x: Float64[np.ndarray, " n"]) -> tuple[Array, Array]:
+        """Return the margins, and their gradients."""
+        points, _ = split(x, self.num_control_points)
+        rows = self.query.within(self.weights.apply(points), _INFLUENCE_DISTANCE)
+        order = np.lexsort((rows.signed_margins, rows.sample_indices))
+        instants = rows.sample_indices[order]
+        ranks = np.arange(len(order)) - np.searchsorted(instants, instants)
+        order, instants, ranks = (part[ranks < _NUM_PAIRS] for part in (order, instants, ranks))
+        margins = np.full(self.num_rows, _INFLUENCE_DISTANCE)
+        gradients = np.zeros((self.num_rows, len(x)))
+        targets = instants * _NUM_PAIRS + ranks
+        margins[targets] = rows.signed_margins[order]
+        slopes = self.weights.values[instants][:, :, None] * rows.gradients[order][:, None]
+        columns = self._columns(points.shape[1])[instants]
+        gradients[targets[:, None], columns] = slopes.reshape(columns.shape)
+        return margins, gradients
+
+    def _columns(self, num_coordinates: int) -> Array:
+        first = self.weights.control_points[:, :1] * num_coordinates
+        return first + np.arange(ORDER * num_coordinates)
+
+
+@dataclass(frozen=True)
+class LoadRows:
+    """Squared norms of a load's ratios at instants, which must not exceed 1.
+
+    Attributes:
+        load: Torques, or rates of frames.
+        num_control_points: Of the motion.
+        matrices: At the instants.
+    """
+
+    load: Load
+    num_control_points: int
+    matrices: SplineMatrices
+
+    @classmethod
+    def of(cls, load: Load, num_control_points: int) -> "LoadRows":
+        """Build the rows at the middle of every span and at every knot between."""
+        spans = num_control_points - ORDER + 1
+        instants = np.linspace(0.0, 1.0, 2 * spans + 1)[1:-1]
+        matrices = matrices_at(num_control_points, instants)
+        return cls(load, num_control_points, matrices)
+
+    def __call__(self, x: Float64[np.ndarray, " n"]) -> tuple[Array, Array]:
+        """Return the squared norms, and their gradients."""
+        points, duration = split(x, self.num_control_points)
+        q, v, vdot = self.matrices.states(points, duration)
+        ratios = self.load.load_ratios(q, v, vdot)
+        by_state = 2 * np.einsum("mbd,ambdk->ambk", ratios, self.load.derivatives(q, v, vdot))
+        by_time = -(by_state[1] * v[:, None] + 2 * by_state[2] * vdot[:, None]).sum(axis=-1)
+        scales = np.array([1.0, 1 / duration, 1 / duration**2])
+        by_points = np.einsum("a,amc,ambk->mbck", scales, self.matrices.by_order[:3], by_state)
+        values = (ratios**2).sum(axis=-1)
+        gradients = np.concatenate(
+            [by_points.reshape(values.size, -1), by_time.reshape(-1, 1) / duration], axis=1
+        )
+        return values.ravel(), gradients
+
+    def num_rows(self, num_coordinates: int) -> int:
+        """Return the number of rows."""
+        still = np.zeros((1, num_coordinates))
+        return self.matrices.by_order.shape[1] * self.load.load_ratios(still, still, still).shape[1]

@@ -1,0 +1,155 @@
+"""MotionObjectives: the objectives of a timed motion, and of the same motion at other durations.
+
+A motion that takes k times as long has q(t / k): of its rates the d-th is k^-d as large, and its
+torques are tau_m / k^2 + tau_d / k + tau_g, of inertia, damping and gravity.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planning.domain.arrays import Array
+from planning.domain.curves.curve import TimedTrajectory, derivative
+from planning.domain.report.objective_values import ObjectiveValues
+from planning.domain.request.refine_objective import QUICKEST, RefineObjective
+from planning.domain.robot.joints import JointGroup
+from planning.domain.robot.manifold import Manifold
+from planning.domain.robot.payload import Payload
+from planning.domain.robot.steering import steering_of
+from planning.world.mechanics.dynamics import GroupDynamics
+from planning.world.world import World
+
+# Nodes per piece for integrals of squared rates: exact up to degree 7 of the rate.
+_NODES = 8
+# Instants at which torques are evaluated.
+_NUM_TORQUE_SAMPLES = 161
+# Jump of accelerations that counts as none, as a share of the largest one.
+_JUMP_TOLERANCE = 1e-6
+# Factors of the duration that are compared, from coarse to fine.
+_SLOWDOWNS = np.geomspace(1.0, 100.0, 400)
+_FINE_STEPS = 41
+
+
+@dataclass(frozen=True)
+class MotionObjectives:
+    """Objectives of one motion.
+
+    Attributes:
+        objective: Weights, and which derivative counts as smoothness.
+        duration: [s].
+        smoothness: Integral of the squared rate; None where it is infinite.
+        path_length: Joint-space length [rad or m].
+        torque_products: Integrals over time of tau_i . tau_j for the parts of inertia, damping and
+            gravity, shape (3, 3); None if unknown.
+    """
+
+    objective: RefineObjective
+    duration: float
+    smoothness: float | None
+    path_length: float
+    torque_products: Array | None
+
+    @classmethod
+    def of(
+        cls,
+        world: World,
+        group: JointGroup,
+        trajectory: TimedTrajectory,
+        objective: RefineObjective | None,
+        payload: Payload | None,
+    ) -> "MotionObjectives":
+        """Measure a motion.
+
+        Args:
+            world: The scene, loaded.
+            group: The group that moves.
+            trajectory: The motion.
+            objective: The request's; None for the duration.
+            payload: Mass that the group carries and the scene does not contain.
+        """
+        stated = objective or QUICKEST
+        speeds = np.sqrt(_squared_rates(trajectory, 1))
+        return cls(
+            stated,
+            trajectory.duration,
+            _smoothness(trajectory, stated.derivative_order),
+            float((_node_widths(trajectory) * speeds).sum()),
+            _torque_products(world, group, trajectory, payload),
+        )
+
+    def values(self, slowdown: float = 1.0) -> ObjectiveValues:
+        """Return the values for the motion that takes `slowdown` times as long."""
+        smoothness, energy = self.smoothness, None
+        if smoothness is not None:
+            smoothness *= slowdown ** (1 - 2 * self.objective.derivative_order)
+        if self.torque_products is not None:
+            parts = np.array([slowdown**-2, 1 / slowdown, 1.0])
+            energy = float(slowdown * parts @ self.torque_products @ parts)
+        return ObjectiveValues(self.duration * slowdown, smoothness, energy, self.path_length)
+
+    def cost(self, slowdown: float = 1.0) -> float:
+        """Return the weighted sum for the motion that takes `slowdown` times as long."""
+        return self.values(slowdown).cost(self.objective)
+
+    @property
+    def best_slowdown(self) -> float:
+        """The factor of the duration, at least 1, at which the motion costs the least."""
+        longest = (self.objective.max_duration or np.inf) / self.duration
+        if not self.objective.is_gentle or longest <= 1 or not np.isfinite(self.cost()):
+            return 1.0
+        factors = [*_SLOWDOWNS[longest > _SLOWDOWNS], min(longest, float(_SLOWDOWNS[-1]))]
+        best = min(range(len(factors)), key=lambda i: self.cost(float(factors[i])))
+        low, high = factors[max(best - 1, 0)], factors[min(best + 1, len(factors) - 1)]
+        return min(np.linspace(low, high, _FINE_STEPS).tolist(), key=self.cost)
+
+
+def _smoothness(trajectory: TimedTrajectory, order: int) -> float | None:
+    """Return the integral of the squared rate of an order; None for jerks where rates jump."""
+    if order > 2 and not _is_acceleration_continuous(trajectory):
+        return None
+    return float((_node_widths(trajectory) * _squared_rates(trajectory, order)).sum())
+
+
+def _is_acceleration_continuous(trajectory: TimedTrajectory) -> bool:
+    """Return whether accelerations have no jumps, from rest to rest."""
+    rates = derivative(trajectory.coefficients, 2)
+    powers = trajectory.widths[:, None] ** np.arange(rates.shape[1])
+    begins, ends = rates[:, 0], np.einsum("nk,nkj->nj", powers, rates)
+    jumps = [begins[0], ends[-1], *(b - a for a, b in zip(ends[:-1], begins[1:], strict=True))]
+    return float(np.abs(jumps).max()) <= _JUMP_TOLERANCE * max(float(np.abs(begins).max()), 1e-12)
+
+
+def _nodes() -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    return (nodes + 1) / 2, weights / 2
+
+
+def _node_widths(trajectory: TimedTrajectory) -> Array:
+    """Return the weights of all nodes in an integral over time, shape (pieces, nodes)."""
+    return trajectory.widths[:, None] * _nodes()[1]
+
+
+def _squared_rates(trajectory: TimedTrajectory, order: int) -> Array:
+    """Return the squared norm of the rate of an order at all nodes, shape (pieces, nodes)."""
+    rates = derivative(trajectory.coefficients, order)
+    local = trajectory.widths[:, None] * _nodes()[0]
+    powers = local[:, :, None] ** np.arange(rates.shape[1])
+    return (np.einsum("nmk,nkj->nmj", powers, rates) ** 2).sum(axis=2)
+
+
+def _torque_products(
+    world: World, group: JointGroup, trajectory: TimedTrajectory, payload: Payload | None
+) -> Array | None:
+    """Return the integrals of products of the parts of the torques, by the trapezoidal rule."""
+    if not Manifold(group.joints).is_flat or steering_of(group):
+        return None
+    times = trajectory.evenly_spaced_times(_NUM_TORQUE_SAMPLES)
+    q, v = trajectory.positions(times), trajectory.velocities(times)
+    dynamics = GroupDynamics(world, group, payload)
+    damping = dynamics.damping * v
+    gravity = dynamics.efforts(q, np.zeros_like(v), np.zeros_like(v))
+    inertia = dynamics.efforts(q, v, trajectory.accelerations(times)) - damping - gravity
+    parts = np.stack([inertia, damping, gravity])
+    steps = np.diff(times)
+    weights = (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+    return np.einsum("amj,bmj,m->ab", parts, parts, weights)

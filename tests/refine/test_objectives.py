@@ -1,0 +1,98 @@
+"""Objectives of a motion: measured, scaled in time, and least where `best_slowdown` says."""
+
+import numpy as np
+import pytest
+
+from planning.domain.request.options import RetimeOptions
+from planning.domain.request.refine_objective import RefineObjective
+from planning.domain.robot.payload import Payload
+from planning.refine.objectives import MotionObjectives
+from planning.retime.blend import blend_corners
+from planning.retime.retimer import keep_timing, retime
+
+JERK = RefineObjective(smoothness=1.0, derivative="jerk", max_duration=9.0)
+
+
+def motion_of(case, method="toppra"):
+    spline = blend_corners(case.request.path, 0.03, 2)
+    return retime(spline, case.request.limits, RetimeOptions(method))[0]
+
+
+def measured(case, motion, objective=None, payload=None) -> MotionObjectives:
+    return MotionObjectives.of(case.world, case.request.path.group, motion, objective, payload)
+
+
+def test_values_are_integrals_over_time(pillar):
+    motion = motion_of(pillar)
+    values = measured(pillar, motion).values()
+    times = np.linspace(0.0, motion.duration, 20_001)
+    step = times[1]
+    speeds = np.linalg.norm(motion.velocities(times), axis=1)
+    accelerations = motion.accelerations(times)
+    assert values.duration == motion.duration
+    assert values.path_length == pytest.approx(speeds.sum() * step, rel=1e-3)
+    assert values.smoothness == pytest.approx((accelerations**2).sum() * step, rel=1e-2)
+    assert values.energy > 0
+
+
+def test_jerk_is_infinite_where_accelerations_jump(pillar):
+    assert measured(pillar, motion_of(pillar), JERK).values().smoothness is None
+    assert measured(pillar, motion_of(pillar), JERK).cost() == np.inf
+    smooth = motion_of(pillar, "ruckig")
+    values = measured(pillar, smooth, JERK).values()
+    times = np.linspace(0.0, smooth.duration, 20_001)
+    jerks = smooth.tangents(times, 3)
+    assert values.smoothness == pytest.approx((jerks**2).sum() * times[1], rel=2e-2)
+
+
+@pytest.mark.parametrize("derivative", ["acceleration", "jerk"])
+def test_a_slower_motion_costs_what_was_predicted(pillar, derivative):
+    objective = RefineObjective(1.0, 0.1, 0.001, 0.5, derivative)
+    motion = motion_of(pillar, "ruckig")
+    predicted = measured(pillar, motion, objective).values(1.7)
+    slower = measured(pillar, motion.time_scaled(1.7), objective).values()
+    assert slower.duration == pytest.approx(predicted.duration)
+    assert slower.smoothness == pytest.approx(predicted.smoothness, rel=1e-6)
+    assert slower.energy == pytest.approx(predicted.energy, rel=1e-9)
+    assert slower.path_length == pytest.approx(predicted.path_length)
+
+
+def test_the_best_duration_of_a_sum_is_where_its_slope_vanishes(pillar):
+    """w T k + S k^-3 is least at k^4 = 3 S / (w T)."""
+    motion = motion_of(pillar)
+    plain = measured(pillar, motion).values()
+    weight = 5 * plain.duration / plain.smoothness
+    objective = RefineObjective(duration=1.0, smoothness=weight)
+    best = measured(pillar, motion, objective).best_slowdown
+    assert best == pytest.approx(15**0.25, rel=2e-3)
+    bounded = RefineObjective(duration=1.0, smoothness=weight, max_duration=1.1 * plain.duration)
+    assert measured(pillar, motion, bounded).best_slowdown == pytest.approx(1.1)
+    assert measured(pillar, motion).best_slowdown == 1.0
+
+
+def test_a_payload_costs_energy(pillar):
+    motion, frame = motion_of(pillar), "arm::tcp"
+    carried = Payload.from_parts(frame, 3.0, (0.0, 0.0, 0.05))
+    without, with_it = (
+        measured(pillar, motion, None, load).values().energy for load in (None, carried)
+    )
+    assert with_it > without
+
+
+def test_a_motion_that_keeps_its_limits_keeps_its_time(pillar):
+    motion, limits = motion_of(pillar, "ruckig").time_scaled(1.3), pillar.request.limits
+    kept = keep_timing(motion, limits, RetimeOptions("ruckig"))
+    assert kept is not None
+    assert kept[0].duration == motion.duration
+    assert max(kept[1].utilisation.values()) < 1
+    longer = keep_timing(motion, limits, RetimeOptions("ruckig", duration=9.0))
+    assert longer[0].duration == pytest.approx(9.0)
+    assert keep_timing(motion.time_scaled(0.5), limits, RetimeOptions("ruckig")) is None
+
+
+def test_a_hair_too_fast_is_slowed(pillar):
+    limits = pillar.request.limits
+    motion = motion_of(pillar).time_scaled(1 - 1e-4)
+    trajectory, report = keep_timing(motion, limits, RetimeOptions("toppra"))
+    assert 1 < report.slowed < 1.001
+    assert trajectory.duration == pytest.approx(motion.duration * report.slowed)
