@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 from rich.table import Table
@@ -10,9 +10,9 @@ from rich.table import Table
 from service.cli.options import MAX_SEED, above_zero
 from service.cli.output import console, follow, show_failure
 from service.cli.plan import finished
-from service.cli.session import scene_text, session
-from service.client.client import Client
-from service.client.models import Execution, Plan
+from service.cli.session import post, scene_text, session
+from wayproof_client import Client
+from wayproof_client.generated.models import Execution, Plan
 
 _SCENE = "ur5e_pickup"
 _ARM, _GRIPPER = "arm", "arm::gripper"
@@ -77,7 +77,7 @@ def demo(
 ) -> None:
     """Fetch a can over HTTP: plan, prove and execute every motion, and write a replay of all."""
     with session(server) as client:
-        scene = client.add_scene(*scene_text(_SCENE))
+        scene = post(client, scene_text(_SCENE))
         console.print(
             f"scene {scene.name}: {len(scene.bodies)} bodies, {scene.num_pairs} pairs kept apart, "
             f"groups {', '.join(group.name for group in scene.groups)}"
@@ -85,7 +85,7 @@ def demo(
         table = _table()
         for step in _STORY:
             if isinstance(step, _Edit):
-                edited = client.edit_scene(scene.id, [step.operation])
+                edited = client.edit_scene(scene.id, {"operations": [cast("Any", step.operation)]})
                 console.print(f"{step.title:<16} revision {edited.revision} of the scene")
                 table.add_row(step.title, *[""] * 4, f"revision {edited.revision}")
                 continue
@@ -95,7 +95,7 @@ def demo(
         console.print(table)
         file = out / f"{_SCENE}.html"
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(client.scene_replay(scene.id), encoding="utf-8")
+        file.write_text(client.get_scene_replay(scene.id), encoding="utf-8")
         console.print(f"replay of what was executed: {file}", soft_wrap=True)
 
 
@@ -120,12 +120,13 @@ def _table() -> Table:
 
 
 def _facts(job: Plan, execution: Execution) -> list[str]:
-    if job.result is None or execution.status is None:
+    result, status = job.result, execution.status
+    if result is None or status is None or not (result.certificate and result.trajectory):
         return []
-    proof, status = job.result.certificate, execution.status
+    proof = result.certificate
     return [
         f"{1000 * job.timings['total']:.0f}",
-        f"{job.result.trajectory.duration:.2f}",
+        f"{result.trajectory.duration:.2f}",
         "yes" if proof.proven else "NO",
         "nothing to hit" if proof.min_clearance is None else f"{1000 * proof.min_clearance:.1f}",
         f"{status.max_tracking_error:.0e} {'rad' if execution.group == _ARM else 'm'}",
@@ -138,9 +139,9 @@ def executed(client: Client, name: str, job: Plan, speed: float) -> Execution:
     Raises:
         typer.Exit: With 1, after a message, if it did not succeed.
     """
-    execution = client.execute(job.id, speed, name)
-    follow(f"execute {name}", client.execution_events(execution.id))
-    execution = client.execution(execution.id)
+    execution = client.create_execution({"plan": job.id, "speed": speed, "title": name})
+    follow(f"execute {name}", client.follow(execution))
+    execution = client.refresh(execution)
     if execution.state != "succeeded":
         show_failure(f"the execution of {name}", execution.failure)
         raise typer.Exit(1)

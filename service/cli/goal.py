@@ -5,7 +5,7 @@ from typing import Any
 import typer
 
 from service.cli.output import error_console
-from service.client.models import Group, Scene
+from wayproof_client.generated.models import Group, Scene
 
 
 def group_of(scene: Scene, name: str | None) -> Group:

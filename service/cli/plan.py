@@ -1,16 +1,19 @@
 """wayproof plan: one motion in one scene."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from service.cli.goal import goal_of, group_of, start_of
 from service.cli.options import MAX_SEED, above_zero
 from service.cli.output import console, follow, show_failure, show_plans, unit_of
-from service.cli.session import scene_text, session
-from service.client.client import Client
-from service.client.models import Plan
+from service.cli.session import post, scene_text, session
+from wayproof_client import Client
+from wayproof_client.generated.models import Plan
+
+if TYPE_CHECKING:
+    from wayproof_client.generated.requests import PlanRequest
 
 
 def plan(  # noqa: PLR0913  (one parameter per option)
@@ -37,7 +40,7 @@ def plan(  # noqa: PLR0913  (one parameter per option)
         raise typer.BadParameter(message, param_hint="--out")
     text = scene_text(scene)
     with session(server) as client:
-        posted = client.add_scene(*text)
+        posted = post(client, text)
         moving = group_of(posted, group)
         request: dict[str, Any] = {
             "scene": posted.id,
@@ -60,9 +63,9 @@ def finished(client: Client, title: str, request: dict[str, Any]) -> Plan:
     Raises:
         typer.Exit: With 1, after a message, if it did not.
     """
-    job = client.submit_plan(request)
-    follow(title, client.plan_events(job.id))
-    job = client.plan(job.id)
+    job = client.create_plan(cast("PlanRequest", request))
+    follow(title, client.follow(job))
+    job = client.refresh(job)
     if job.result is None:
         show_failure(f"the plan {title}", job.failure)
         raise typer.Exit(1)
@@ -74,9 +77,9 @@ def write(client: Client, job: Plan, out: Path) -> None:
     out.parent.mkdir(parents=True, exist_ok=True)
     match out.suffix:
         case ".csv":
-            text = client.trajectory_csv(job.id)
+            text = client.get_trajectory_as(job.id, format="csv").decode()
         case ".html":
-            text = client.replay(job.id)
+            text = client.get_replay(job.id)
         case _:
             text = job.model_dump_json(indent=1)
     out.write_text(text, encoding="utf-8")

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
+from typing import Any, cast
 
 import httpx
 import typer
@@ -11,7 +12,8 @@ from service.cli.output import error_console
 from service.cli.private_server import KEY_VARIABLE, ServerFailed, private_server
 from service.cli.scene_source import NoSuchScene, read_scene_text
 from service.client.client import Client
-from service.client.errors import ApiError
+from wayproof_client import ApiError
+from wayproof_client.generated.models import Scene
 
 
 @contextmanager
@@ -38,6 +40,11 @@ def session(server: str | None) -> Generator[Client]:
 def _client(server: str) -> Client:
     # Not an option: what is on a command line, every user of the machine can read.
     return Client(server, key=os.environ.get(KEY_VARIABLE) or None)
+
+
+def post(client: Client, text: tuple[bytes, str]) -> Scene:
+    """Post a scene, given as its text and media type."""
+    return client.create_scene(text[0], media_type=cast("Any", text[1]))
 
 
 def scene_text(scene: str) -> tuple[bytes, str]:

@@ -1,0 +1,1 @@
+"""What `python -m client.generator` makes of the OpenAPI document."""
