@@ -1,8 +1,10 @@
 """What people see: progress bars and summaries."""
 
+import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pydantic import BaseModel
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
@@ -21,8 +23,11 @@ _TIMES = {
 _TURNS = {"revolute", "continuous"}
 
 
-def follow(title: str, events: Iterable[Any]) -> None:
-    """Show the events of a job as a progress bar until they end."""
+def follow(title: str, events: Iterable[Any], total: int = 1) -> None:
+    """Show the events of a job, or of so many in one stream, as a progress bar until they end.
+
+    It goes to stderr, so that stdout has the result alone.
+    """
     columns = (
         TextColumn(f"{title:<16}"),
         BarColumn(bar_width=32),
@@ -30,12 +35,18 @@ def follow(title: str, events: Iterable[Any]) -> None:
         TimeElapsedColumn(),
         TextColumn("{task.description}"),
     )
-    with Progress(*columns, console=console) as bar:
-        task = bar.add_task("", total=1.0)
+    ended = 0
+    with Progress(*columns, console=error_console) as bar:
+        task = bar.add_task("", total=float(total))
         for event in events:
-            is_whole = getattr(event.data, "state", None) == "succeeded"
-            share = 1.0 if is_whole else getattr(event.data, "progress", None)
+            ended += event.event == "finished"
+            share = ended if total > 1 else _share(event)
             bar.update(task, completed=share, description=_described(event))
+
+
+def _share(event: Any) -> float | None:
+    is_whole = getattr(event.data, "state", None) == "succeeded"
+    return 1.0 if is_whole else getattr(event.data, "progress", None)
 
 
 def _described(event: Any) -> str:
@@ -43,6 +54,12 @@ def _described(event: Any) -> str:
     if event.event == "status":
         return f"{data.state}, t = {data.time:.2f} s, off by {data.tracking_error:.1e}"
     return str(getattr(data, "stage", None) or getattr(data, "state", None) or event.event)
+
+
+def print_json(value: Any) -> None:
+    """Print a value, or an answer as it came, as the one JSON document of stdout."""
+    plain = value.model_dump(mode="json") if isinstance(value, BaseModel) else value
+    print(json.dumps(plain, indent=1, ensure_ascii=False))
 
 
 def unit_of(group: Group) -> str:

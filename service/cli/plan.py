@@ -1,40 +1,37 @@
 """wayproof plan: one motion in one scene."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import Annotated, Any
 
 import typer
 
 from service.cli.goal import goal_of, group_of, start_of
-from service.cli.options import MAX_SEED, above_zero
-from service.cli.output import console, follow, show_failure, show_plans, unit_of
+from service.cli.options import AsJson, GroupName, SceneName, Seconds, Seed, ServerUrl
+from service.cli.output import console, error_console, print_json, show_plans, unit_of
+from service.cli.runs import finished
 from service.cli.session import post, scene_text, session
 from wayproof_client import Client
 from wayproof_client.generated.models import Plan
 
-if TYPE_CHECKING:
-    from wayproof_client.generated.requests import PlanRequest
-
 
 def plan(  # noqa: PLR0913  (one parameter per option)
-    scene: Annotated[str, typer.Argument(help="A bundled scene, or a YAML or JSON file.")],
+    scene: SceneName,
     *,
     to: Annotated[str, typer.Option(help="A frame to bring the tool to, or a configuration.")],
     from_: Annotated[
         str | None, typer.Option("--from", help="A configuration; else the scene's state.")
     ] = None,
-    group: Annotated[str | None, typer.Option(help="What moves; else the first group.")] = None,
-    seed: Annotated[int, typer.Option(help="Of all randomness.", min=0, max=MAX_SEED)] = 0,
-    seconds: Annotated[
-        float, typer.Option(help="Allowed planning time [s].", callback=above_zero)
-    ] = 10.0,
+    group: GroupName = None,
+    seed: Seed = 0,
+    seconds: Seconds = 10.0,
     out: Annotated[
         Path | None,
         typer.Option(help="Where to write the motion: .json (everything), .csv or .html (replay)."),
     ] = None,
-    server: Annotated[str | None, typer.Option(help="URL of a running server.")] = None,
+    server: ServerUrl = None,
+    as_json: AsJson = False,
 ) -> None:
-    """Plan a certified motion. Without --server, a private one runs for as long as it takes."""
+    """Plan a certified motion."""
     if out is not None and out.suffix not in {".json", ".csv", ".html"}:
         message = "must end in .json, .csv or .html"
         raise typer.BadParameter(message, param_hint="--out")
@@ -51,25 +48,13 @@ def plan(  # noqa: PLR0913  (one parameter per option)
             "seed": seed,
         }
         job = finished(client, f"to {to}", request)
-        show_plans({f"to {to}": job}, unit_of(moving))
+        if as_json:
+            print_json(job)
+        else:
+            show_plans({f"to {to}": job}, unit_of(moving))
         if out is not None:
             write(client, job, out)
-            console.print(f"written to {out}", markup=False)
-
-
-def finished(client: Client, title: str, request: dict[str, Any]) -> Plan:
-    """Ask for a plan, show its progress, and return it once it succeeded.
-
-    Raises:
-        typer.Exit: With 1, after a message, if it did not.
-    """
-    job = client.create_plan(cast("PlanRequest", request))
-    follow(title, client.follow(job))
-    job = client.refresh(job)
-    if job.result is None:
-        show_failure(f"the plan {title}", job.failure)
-        raise typer.Exit(1)
-    return job
+            (error_console if as_json else console).print(f"written to {out}", markup=False)
 
 
 def write(client: Client, job: Plan, out: Path) -> None:

@@ -73,6 +73,6 @@ def test_following_shows_how_far_a_job_is(capsys):
             for i, (kind, data) in enumerate(said)
         ),
     )
-    shown = capsys.readouterr().out
+    shown = capsys.readouterr().err
     assert "100 %" in shown
     assert "succeeded" in shown

@@ -88,6 +88,7 @@ def test_the_page_runs(real_server, monkeypatch):
     program = "\n".join(blocks).replace("http://127.0.0.1:8470", real_server.url)
     shown = {}
     exec(compile(program, "page", "exec"), shown)
+    shown["client"].close()
     assert shown["plan"].state == "succeeded"
     assert shown["execution"].state == "succeeded"
     assert len(blocks) == 4
