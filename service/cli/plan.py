@@ -1,7 +1,7 @@
 """wayproof plan: one motion in one scene."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -12,6 +12,16 @@ from service.cli.runs import finished
 from service.cli.session import post, scene_text, session
 from wayproof_client import Client
 from wayproof_client.generated.models import Plan
+
+# What a file has, by its ending: the whole plan, its replay, or a format of its samples.
+_ENDINGS: dict[str, Literal["json", "html", "csv", "npz", "mcap", "urscript"]] = {
+    ".json": "json",
+    ".csv": "csv",
+    ".html": "html",
+    ".npz": "npz",
+    ".mcap": "mcap",
+    ".script": "urscript",
+}
 
 
 def plan(  # noqa: PLR0913  (one parameter per option)
@@ -26,14 +36,17 @@ def plan(  # noqa: PLR0913  (one parameter per option)
     seconds: Seconds = 10.0,
     out: Annotated[
         Path | None,
-        typer.Option(help="Where to write the motion: .json (everything), .csv or .html (replay)."),
+        typer.Option(
+            help="Where to write the motion: .json (everything), .csv, .html (replay), .npz (NumPy), "
+            ".mcap (Foxglove) or .script (URScript)."
+        ),
     ] = None,
     server: ServerUrl = None,
     as_json: AsJson = False,
 ) -> None:
     """Plan a certified motion."""
-    if out is not None and out.suffix not in {".json", ".csv", ".html"}:
-        message = "must end in .json, .csv or .html"
+    if out is not None and out.suffix not in _ENDINGS:
+        message = f"must end in {', '.join(_ENDINGS)}"
         raise typer.BadParameter(message, param_hint="--out")
     text = scene_text(scene)
     with session(server) as client:
@@ -60,11 +73,11 @@ def plan(  # noqa: PLR0913  (one parameter per option)
 def write(client: Client, job: Plan, out: Path) -> None:
     """Write a plan to a file, as its ending says."""
     out.parent.mkdir(parents=True, exist_ok=True)
-    match out.suffix:
-        case ".csv":
-            text = client.get_trajectory_as(job.id, format="csv").decode()
-        case ".html":
-            text = client.get_replay(job.id)
-        case _:
-            text = job.model_dump_json(indent=1)
-    out.write_text(text, encoding="utf-8")
+    match _ENDINGS[out.suffix]:
+        case "html":
+            content = client.get_replay(job.id).encode()
+        case "json":
+            content = job.model_dump_json(indent=1).encode()
+        case name:
+            content = client.get_trajectory_as(job.id, format=name)
+    out.write_bytes(content)

@@ -6,6 +6,7 @@ import socket
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 import yaml
 from typer.testing import CliRunner
@@ -45,6 +46,15 @@ def test_a_plan_is_made_and_carried_out(ask, tmp_path):
     assert out.read_text().lstrip().startswith("<!DOCTYPE html>")
     code, execution = ask("execute", plan["id"], "--speed", 20)
     assert (code, execution["state"]) == (0, "succeeded")
+
+
+def test_a_motion_is_written_as_its_ending_says(ask, tmp_path):
+    arguments = ("plan", "panda_shelf", "--to", "ready", "--out", tmp_path / "motion.npz")
+    code, plan = ask(*arguments)
+    assert code == 0
+    with np.load(tmp_path / "motion.npz") as read:
+        assert read["times"][-1] == plan["result"]["trajectory"]["duration"]
+    assert ask("plan", "maze_2d", "--to", "exit", "--out", tmp_path / "motion.mcap")[0] == 4
 
 
 def test_a_plan_is_carried_out_where_it_is():

@@ -393,7 +393,7 @@ class AsyncOperations(AsyncCaller):
         self,
         plan: str,
         *,
-        format: Literal["json", "csv"],
+        format: Literal["json", "csv", "ros2", "npz", "urscript", "mcap"],
         period: float | None = None,
         points: int | None = None,
         even: bool | None = None,

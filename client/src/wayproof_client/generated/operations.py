@@ -385,7 +385,7 @@ class Operations(Caller):
         self,
         plan: str,
         *,
-        format: Literal["json", "csv"],
+        format: Literal["json", "csv", "ros2", "npz", "urscript", "mcap"],
         period: float | None = None,
         points: int | None = None,
         even: bool | None = None,
