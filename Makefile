@@ -104,7 +104,9 @@ golden: setup
 record: setup
 	@$(PYTHON) -m tests.golden.openapi
 	@$(PYTHON) -m client.generator
+	@$(PYTHON) -m tests.golden.failures
 	@$(PYTHON) -W ignore -m tests.golden.service
+	@$(PYTHON) -W ignore -m tests.golden.service.database --answers
 
 # Thousands of random cases from a fresh seed, which is printed.
 campaign: setup
