@@ -12,7 +12,7 @@ from client.generator.requests import requests_text
 
 ROOT = Path(__file__).parents[2]
 DOCUMENT = ROOT / "docs" / "reference" / "openapi.json"
-FOLDER = ROOT / "client" / "src" / "wayproof_client" / "generated"
+FOLDER = ROOT / "client" / "src" / "wayproof_client"
 
 
 def modules(document: Document) -> dict[str, str]:

@@ -14,7 +14,7 @@ from collections.abc import {imports}
 from typing import Literal
 
 from wayproof_client.call import Call
-from wayproof_client.generated import models, requests
+from wayproof_client import models, requests
 from wayproof_client.{base_module} import {base}
 
 

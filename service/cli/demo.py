@@ -11,7 +11,7 @@ from service.cli.options import AsJson, Seed, ServerUrl, above_zero
 from service.cli.output import console, error_console, print_json
 from service.cli.runs import executed, finished
 from service.cli.session import post, scene_text, session
-from wayproof_client.generated.models import Execution, Plan
+from wayproof_client.models import Execution, Plan
 
 _SCENE = "ur5e_pickup"
 _ARM, _GRIPPER = "arm", "arm::gripper"

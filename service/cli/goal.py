@@ -6,7 +6,7 @@ import typer
 
 from service.cli.exit_codes import ExitCode
 from service.cli.output import error_console
-from wayproof_client.generated.models import Group, Scene
+from wayproof_client.models import Group, Scene
 
 
 def configuration_of(group: Group, name: str | None) -> list[float]:

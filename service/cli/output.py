@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from wayproof_client.generated.models import Certificate, Failure, Group, Plan, Stages
+from wayproof_client.models import Certificate, Failure, Group, Plan, Stages
 
 console = Console(highlight=False)
 error_console = Console(stderr=True, highlight=False)

@@ -11,7 +11,7 @@ from service.cli.output import console, error_console, print_json, show_plans, u
 from service.cli.runs import finished
 from service.cli.session import post, scene_text, session
 from wayproof_client import Client
-from wayproof_client.generated.models import Plan
+from wayproof_client.models import Plan
 
 # What a file has, by its ending: the whole plan, its replay, or a format of its samples.
 _ENDINGS: dict[str, Literal["json", "html", "csv", "npz", "mcap", "urscript"]] = {
@@ -37,8 +37,8 @@ def plan(  # noqa: PLR0913  (one parameter per option)
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Where to write the motion: .json (everything), .csv, .html (replay), .npz (NumPy), "
-            ".mcap (Foxglove) or .script (URScript)."
+            help="Where to write the motion: .json (everything), .csv, .html (replay), "
+            ".npz (NumPy), .mcap (Foxglove) or .script (URScript)."
         ),
     ] = None,
     server: ServerUrl = None,

@@ -7,10 +7,10 @@ import typer
 from service.cli.exit_codes import ExitCode
 from service.cli.output import follow, show_failure
 from wayproof_client import Client
-from wayproof_client.generated.models import Batch, Execution, Plan
+from wayproof_client.models import Batch, Execution, Plan
 
 if TYPE_CHECKING:
-    from wayproof_client.generated.requests import PlanRequest
+    from wayproof_client.requests import PlanRequest
 
 
 def finished(client: Client, title: str, request: dict[str, Any]) -> Plan:

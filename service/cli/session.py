@@ -14,7 +14,7 @@ from service.cli.private_server import KEY_VARIABLE, ServerFailed, private_serve
 from service.cli.scene_source import NoSuchScene, read_scene_text
 from service.client.client import Client
 from wayproof_client import ApiError
-from wayproof_client.generated.models import Scene
+from wayproof_client.models import Scene
 
 
 @contextmanager

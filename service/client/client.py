@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from typing import Any, cast, override
 
 import wayproof_client
+from wayproof_client import requests
 from wayproof_client.call import Call
 from wayproof_client.events import Event
-from wayproof_client.generated import requests
-from wayproof_client.generated.models import Execution, Model, Plan, Scene
+from wayproof_client.models import Execution, Model, Plan, Scene
 
 
 class Client(wayproof_client.Client):

@@ -1,7 +1,7 @@
 """What a server answers, by the names that it had in this package."""
 
 from wayproof_client.answer import Answer
-from wayproof_client.generated.models import (
+from wayproof_client.models import (
     Certificate,
     Check,
     Execution,

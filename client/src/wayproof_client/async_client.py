@@ -5,10 +5,10 @@ import time
 from collections.abc import AsyncIterator, Iterable
 from typing import Any
 
+from wayproof_client import models, requests
+from wayproof_client.async_operations import AsyncOperations
 from wayproof_client.connection import pauses
 from wayproof_client.errors import ApiError, WaitTimeout
-from wayproof_client.generated import models, requests
-from wayproof_client.generated.async_operations import AsyncOperations
 from wayproof_client.jobs import has_ended, name_of, require_success
 from wayproof_client.plan_view import PLOTS, PlanView
 

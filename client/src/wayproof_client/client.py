@@ -4,12 +4,12 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any, override
 
+from wayproof_client import models, requests
 from wayproof_client.call import Call
 from wayproof_client.connection import pauses
 from wayproof_client.errors import ApiError, WaitTimeout
-from wayproof_client.generated import models, requests
-from wayproof_client.generated.operations import Operations
 from wayproof_client.jobs import has_ended, name_of, require_success
+from wayproof_client.operations import Operations
 from wayproof_client.plan_view import PLOTS, PlanView
 from wayproof_client.shown_plan import ShownPlan
 

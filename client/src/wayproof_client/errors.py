@@ -5,8 +5,8 @@ from typing import Any
 import httpx
 from pydantic import ValidationError
 
+from wayproof_client import models
 from wayproof_client.connection import adapter
-from wayproof_client.generated import models
 
 # Of an answer that no Wayproof server gave, for example by a proxy.
 _NO_PROBLEM = "http_error"

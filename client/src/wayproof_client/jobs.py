@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from wayproof_client import models
 from wayproof_client.errors import JobFailed
-from wayproof_client.generated import models
 
 # What is asked for a job by its class, and what its operations are called after.
 _NAMES = {

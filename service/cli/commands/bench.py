@@ -12,7 +12,7 @@ from service.cli.options import AsJson, GroupName, SceneName, Seconds, Seed, Ser
 from service.cli.output import console, print_json
 from service.cli.runs import planned_all
 from service.cli.session import post, scene_text, session
-from wayproof_client.generated.models import Plan
+from wayproof_client.models import Plan
 
 
 def bench(  # noqa: PLR0913  (one parameter per option)

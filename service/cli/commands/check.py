@@ -9,7 +9,7 @@ from service.cli.goal import configuration_of, group_of
 from service.cli.options import AsJson, GroupName, SceneName, ServerUrl, numbers_of
 from service.cli.output import console, print_json
 from service.cli.session import post, scene_text, session
-from wayproof_client.generated.models import Verdict
+from wayproof_client.models import Verdict
 
 
 def check(

@@ -10,7 +10,7 @@ from service.cli.goal import goal_of, group_of
 from service.cli.options import AsJson, GroupName, SceneName, Seed, ServerUrl
 from service.cli.output import console, print_json, show_failure
 from service.cli.session import post, scene_text, session
-from wayproof_client.generated.models import IkSolution
+from wayproof_client.models import IkSolution
 
 
 def ik(  # noqa: PLR0913  (one parameter per option)

@@ -8,7 +8,7 @@ from rich.table import Table
 from service.cli.options import AsJson, ServerUrl
 from service.cli.output import console, print_json
 from service.cli.session import session
-from wayproof_client.generated.models import Model
+from wayproof_client.models import Model
 
 
 def models(

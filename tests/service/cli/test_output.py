@@ -7,7 +7,7 @@ import pytest
 from service.cli import output
 from wayproof_client import models
 from wayproof_client.connection import adapter
-from wayproof_client.generated.models import Joint, Plan, Scene
+from wayproof_client.models import Joint, Plan, Scene
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from wayproof_client.call import Call
-from wayproof_client.generated import models, requests
+from wayproof_client import models, requests
 from wayproof_client.caller import Caller
 
 

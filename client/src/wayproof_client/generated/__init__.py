@@ -1,1 +1,0 @@
-"""What `python -m client.generator` makes of the OpenAPI document."""
