@@ -37,7 +37,7 @@ setup: $(STAMP)
 
 # uv from the path, else from a private folder; then exactly what requirements.lock says. Bytecode is
 # compiled here, or the first server to start would do it: twelve seconds to the first plan.
-$(STAMP): requirements.lock pyproject.toml .python-version CMakeLists.txt $(wildcard planning/kernel/src/*/*)
+$(STAMP): requirements.lock pyproject.toml client/pyproject.toml .python-version CMakeLists.txt $(wildcard planning/kernel/src/*/*)
 	@set -e; \
 	BEGUN=$$(date +%s); LAST=$$BEGUN; \
 	took() { NOW=$$(date +%s); echo "  $$((NOW - LAST)) s"; LAST=$$NOW; }; \
@@ -56,7 +56,7 @@ $(STAMP): requirements.lock pyproject.toml .python-version CMakeLists.txt $(wild
 	[ -x $(PYTHON) ] || "$$UV" venv --quiet --python 3.12 $(VENV); \
 	"$$UV" pip sync --quiet --python $(PYTHON) requirements.lock; took; \
 	echo "building the native kernel (without a C++20 compiler it is left out)"; \
-	"$$UV" pip install --quiet --python $(PYTHON) --no-deps --editable .; took; \
+	"$$UV" pip install --quiet --python $(PYTHON) --no-deps --editable . --editable client; took; \
 	echo "compiling what the server imports"; \
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) -W ignore -m service.compile; took; \
 	touch $(STAMP); \
@@ -99,9 +99,11 @@ golden: setup
 	@$(PYTHON) -m tests.golden build/golden/kernel.json
 	@$(PYTHON) -m tests.golden build/golden/drake.json --drake-only
 
-# What clients see, recorded anew where a change of it is meant: the OpenAPI document, and answers.
+# What clients see, recorded anew where a change of it is meant: the OpenAPI document, the client's
+# modules that are made of it, and answers.
 record: setup
 	@$(PYTHON) -m tests.golden.openapi
+	@$(PYTHON) -m client.generator
 	@$(PYTHON) -m tests.golden.failures
 	@$(PYTHON) -W ignore -m tests.golden.service
 	@$(PYTHON) -W ignore -m tests.golden.service.database --answers
@@ -144,6 +146,7 @@ format: setup
 lint: setup
 	@$(VENV)/bin/ruff check .
 	@$(VENV)/bin/deptry . --no-ansi
+	@$(VENV)/bin/deptry client/src --config client/pyproject.toml --no-ansi
 
 imports: setup
 	@$(VENV)/bin/lint-imports
@@ -199,7 +202,8 @@ pictures: setup
 lock:
 	@UV=$$(command -v uv || echo .uv/bin/uv); \
 	"$$UV" pip compile pyproject.toml --group dev --universal --python-version 3.12 \
-	  --generate-hashes --no-emit-index-url --no-header --quiet -o requirements.lock; \
+	  --generate-hashes --no-emit-index-url --no-emit-package wayproof-client --no-header --quiet \
+	  -o requirements.lock; \
 	$(PYTHON) -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['ray'])" | \
 	"$$UV" pip compile - -c requirements.lock --universal --python-version 3.12 --generate-hashes --no-emit-index-url \
 	  --no-header --no-annotate --quiet -o requirements-ray.lock

@@ -2,17 +2,16 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 from rich.table import Table
 
-from service.cli.options import MAX_SEED, above_zero
-from service.cli.output import console, follow, show_failure
-from service.cli.plan import finished
-from service.cli.session import scene_text, session
-from service.client.client import Client
-from service.client.models import Execution, Plan
+from service.cli.options import AsJson, Seed, ServerUrl, above_zero
+from service.cli.output import console, error_console, print_json
+from service.cli.runs import executed, finished
+from service.cli.session import post, scene_text, session
+from wayproof_client.models import Execution, Plan
 
 _SCENE = "ur5e_pickup"
 _ARM, _GRIPPER = "arm", "arm::gripper"
@@ -72,31 +71,37 @@ def demo(
     speed: Annotated[
         float, typer.Option(help="Pace of the execution; 1 is real time.", callback=above_zero)
     ] = 1.0,
-    seed: Annotated[int, typer.Option(help="Of all randomness.", min=0, max=MAX_SEED)] = 1,
-    server: Annotated[str | None, typer.Option(help="URL of a running server.")] = None,
+    seed: Seed = 1,
+    server: ServerUrl = None,
+    as_json: AsJson = False,
 ) -> None:
     """Fetch a can over HTTP: plan, prove and execute every motion, and write a replay of all."""
     with session(server) as client:
-        scene = client.add_scene(*scene_text(_SCENE))
-        console.print(
+        scene = post(client, scene_text(_SCENE))
+        shown = error_console if as_json else console
+        shown.print(
             f"scene {scene.name}: {len(scene.bodies)} bodies, {scene.num_pairs} pairs kept apart, "
             f"groups {', '.join(group.name for group in scene.groups)}"
         )
         table = _table()
+        jobs: list[dict[str, str]] = []
         for step in _STORY:
             if isinstance(step, _Edit):
-                edited = client.edit_scene(scene.id, [step.operation])
-                console.print(f"{step.title:<16} revision {edited.revision} of the scene")
+                edited = client.edit_scene(scene.id, {"operations": [cast("Any", step.operation)]})
+                shown.print(f"{step.title:<16} revision {edited.revision} of the scene")
                 table.add_row(step.title, *[""] * 4, f"revision {edited.revision}")
                 continue
             job = finished(client, f"plan {step.title}", _request(scene.id, step, seed))
-            execution = executed(client, step.title, job, speed)
+            execution = executed(client, step.title, job.id, speed)
             table.add_row(step.title, *_facts(job, execution))
-        console.print(table)
+            jobs.append({"title": step.title, "plan": job.id, "execution": execution.id})
+        shown.print(table)
         file = out / f"{_SCENE}.html"
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(client.scene_replay(scene.id), encoding="utf-8")
-        console.print(f"replay of what was executed: {file}", soft_wrap=True)
+        file.write_text(client.get_scene_replay(scene.id), encoding="utf-8")
+        shown.print(f"replay of what was executed: {file}", soft_wrap=True)
+        if as_json:
+            print_json({"scene": scene.id, "steps": jobs, "replay": str(file)})
 
 
 def _request(scene: str, motion: _Motion, seed: int) -> dict[str, Any]:
@@ -120,28 +125,14 @@ def _table() -> Table:
 
 
 def _facts(job: Plan, execution: Execution) -> list[str]:
-    if job.result is None or execution.status is None:
+    result, status = job.result, execution.status
+    if result is None or status is None or not (result.certificate and result.trajectory):
         return []
-    proof, status = job.result.certificate, execution.status
+    proof = result.certificate
     return [
         f"{1000 * job.timings['total']:.0f}",
-        f"{job.result.trajectory.duration:.2f}",
+        f"{result.trajectory.duration:.2f}",
         "yes" if proof.proven else "NO",
         "nothing to hit" if proof.min_clearance is None else f"{1000 * proof.min_clearance:.1f}",
         f"{status.max_tracking_error:.0e} {'rad' if execution.group == _ARM else 'm'}",
     ]
-
-
-def executed(client: Client, name: str, job: Plan, speed: float) -> Execution:
-    """Carry out a plan, show its progress, and return how it ended.
-
-    Raises:
-        typer.Exit: With 1, after a message, if it did not succeed.
-    """
-    execution = client.execute(job.id, speed, name)
-    follow(f"execute {name}", client.execution_events(execution.id))
-    execution = client.execution(execution.id)
-    if execution.state != "succeeded":
-        show_failure(f"the execution of {name}", execution.failure)
-        raise typer.Exit(1)
-    return execution

@@ -4,8 +4,18 @@ from typing import Any
 
 import typer
 
+from service.cli.exit_codes import ExitCode
 from service.cli.output import error_console
-from service.client.models import Group, Scene
+from wayproof_client.models import Group, Scene
+
+
+def configuration_of(group: Group, name: str | None) -> list[float]:
+    """Return a configuration by its name, or the current one.
+
+    Raises:
+        typer.Exit: There is none of that name.
+    """
+    return group.positions if name is None else start_of(group, name) or []
 
 
 def group_of(scene: Scene, name: str | None) -> Group:
@@ -19,7 +29,7 @@ def group_of(scene: Scene, name: str | None) -> Group:
             return group
     known = ", ".join(group.name for group in scene.groups)
     error_console.print(f"group {name!r} does not exist; groups: {known}", markup=False)
-    raise typer.Exit(1)
+    raise typer.Exit(ExitCode.USAGE)
 
 
 def goal_of(scene: Scene, group: Group, target: str) -> dict[str, Any]:
@@ -37,7 +47,7 @@ def goal_of(scene: Scene, group: Group, target: str) -> dict[str, Any]:
         f"frames: {', '.join(scene.frames)}; configurations: {', '.join(group.configurations)}",
         markup=False,
     )
-    raise typer.Exit(1)
+    raise typer.Exit(ExitCode.USAGE)
 
 
 def start_of(group: Group, name: str | None) -> list[float] | None:
@@ -53,5 +63,5 @@ def start_of(group: Group, name: str | None) -> list[float] | None:
         error_console.print(
             f"configuration {name!r} does not exist; configurations: {known}", markup=False
         )
-        raise typer.Exit(1)
+        raise typer.Exit(ExitCode.USAGE)
     return group.configurations[name]

@@ -1,14 +1,15 @@
 """What people see: progress bars and summaries."""
 
+import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pydantic import BaseModel
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from service.client.events import Event
-from service.client.models import Failure, Group, Plan, PlanResult
+from wayproof_client.models import Certificate, Failure, Group, Plan, Stages
 
 console = Console(highlight=False)
 error_console = Console(stderr=True, highlight=False)
@@ -22,9 +23,11 @@ _TIMES = {
 _TURNS = {"revolute", "continuous"}
 
 
-def follow(title: str, events: Iterable[Event]) -> dict[str, Any]:
-    """Show events as a progress bar until they end; return the data of the last one."""
-    last: dict[str, Any] = {}
+def follow(title: str, events: Iterable[Any], total: int = 1) -> None:
+    """Show the events of a job, or of so many in one stream, as a progress bar until they end.
+
+    It goes to stderr, so that stdout has the result alone.
+    """
     columns = (
         TextColumn(f"{title:<16}"),
         BarColumn(bar_width=32),
@@ -32,21 +35,31 @@ def follow(title: str, events: Iterable[Event]) -> dict[str, Any]:
         TimeElapsedColumn(),
         TextColumn("{task.description}"),
     )
-    with Progress(*columns, console=console) as bar:
-        task = bar.add_task("", total=1.0)
+    ended = 0
+    with Progress(*columns, console=error_console) as bar:
+        task = bar.add_task("", total=float(total))
         for event in events:
-            last = event.data
-            is_whole = last.get("state") == "succeeded"
-            told = 1.0 if is_whole else last.get("progress")
-            bar.update(task, completed=told, description=_described(event))
-    return last
+            ended += event.event == "finished"
+            share = ended if total > 1 else _share(event)
+            bar.update(task, completed=share, description=_described(event))
 
 
-def _described(event: Event) -> str:
-    error = event.data.get("tracking_error")
-    if error is not None:
-        return f"{event.data['state']}, t = {event.data['time']:.2f} s, off by {error:.1e}"
-    return str(event.data.get("stage") or event.data.get("state") or event.type)
+def _share(event: Any) -> float | None:
+    is_whole = getattr(event.data, "state", None) == "succeeded"
+    return 1.0 if is_whole else getattr(event.data, "progress", None)
+
+
+def _described(event: Any) -> str:
+    data = event.data
+    if event.event == "status":
+        return f"{data.state}, t = {data.time:.2f} s, off by {data.tracking_error:.1e}"
+    return str(getattr(data, "stage", None) or getattr(data, "state", None) or event.event)
+
+
+def print_json(value: Any) -> None:
+    """Print a value, or an answer as it came, as the one JSON document of stdout."""
+    plain = value.model_dump(mode="json") if isinstance(value, BaseModel) else value
+    print(json.dumps(plain, indent=1, ensure_ascii=False))
 
 
 def unit_of(group: Group) -> str:
@@ -70,19 +83,20 @@ def show_plans(plans: Mapping[str, Plan], unit: str = "rad or m") -> None:
 
 def _facts(job: Plan, unit: str) -> dict[str, str]:
     result = job.result
-    if result is None:
+    if result is None or result.stages is None or result.certificate is None:
         return {"state": job.state}
     facts = {
         f"{told}, ms": f"{1000 * job.timings[name]:.0f}"
         for name, told in _TIMES.items()
         if name in job.timings
     }
-    return {**facts, **_motion_facts(result, unit), **_proof_facts(result)}
+    proof = _proof_facts(result.certificate)
+    return {**facts, **_motion_facts(result.stages, unit), **proof, "digest": result.digest[:16]}
 
 
-def _motion_facts(result: PlanResult, unit: str) -> dict[str, str]:
-    funnel, search, retime = result.stages.goals.funnel, result.stages.search, result.stages.retime
-    refine = result.stages.refine
+def _motion_facts(stages: Stages, unit: str) -> dict[str, str]:
+    funnel, search, retime = stages.goals.funnel, stages.search, stages.retime
+    refine = stages.refine
     return {
         "IK: tried": str(funnel.tried),
         "IK: converged": str(funnel.converged),
@@ -98,8 +112,7 @@ def _motion_facts(result: PlanResult, unit: str) -> dict[str, str]:
     }
 
 
-def _proof_facts(result: PlanResult) -> dict[str, str]:
-    proof = result.certificate
+def _proof_facts(proof: Certificate) -> dict[str, str]:
     nearest = "nothing to hit" if proof.min_clearance is None else f"{proof.min_clearance:.4f}"
     return {
         "proven": "yes" if proof.proven else "NO",
@@ -109,7 +122,6 @@ def _proof_facts(result: PlanResult) -> dict[str, str]:
         **{
             f"check: {check.name}": "passed" if check.passed else "FAILED" for check in proof.checks
         },
-        "digest": result.digest[:16],
     }
 
 

@@ -1,43 +1,56 @@
 """wayproof plan: one motion in one scene."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
 from service.cli.goal import goal_of, group_of, start_of
-from service.cli.options import MAX_SEED, above_zero
-from service.cli.output import console, follow, show_failure, show_plans, unit_of
-from service.cli.session import scene_text, session
-from service.client.client import Client
-from service.client.models import Plan
+from service.cli.options import AsJson, GroupName, SceneName, Seconds, Seed, ServerUrl
+from service.cli.output import console, error_console, print_json, show_plans, unit_of
+from service.cli.runs import finished
+from service.cli.session import post, scene_text, session
+from wayproof_client import Client
+from wayproof_client.models import Plan
+
+# What a file has, by its ending: the whole plan, its replay, or a format of its samples.
+_ENDINGS: dict[str, Literal["json", "html", "csv", "npz", "mcap", "urscript"]] = {
+    ".json": "json",
+    ".csv": "csv",
+    ".html": "html",
+    ".npz": "npz",
+    ".mcap": "mcap",
+    ".script": "urscript",
+}
 
 
 def plan(  # noqa: PLR0913  (one parameter per option)
-    scene: Annotated[str, typer.Argument(help="A bundled scene, or a YAML or JSON file.")],
+    scene: SceneName,
     *,
     to: Annotated[str, typer.Option(help="A frame to bring the tool to, or a configuration.")],
     from_: Annotated[
         str | None, typer.Option("--from", help="A configuration; else the scene's state.")
     ] = None,
-    group: Annotated[str | None, typer.Option(help="What moves; else the first group.")] = None,
-    seed: Annotated[int, typer.Option(help="Of all randomness.", min=0, max=MAX_SEED)] = 0,
-    seconds: Annotated[
-        float, typer.Option(help="Allowed planning time [s].", callback=above_zero)
-    ] = 10.0,
+    group: GroupName = None,
+    seed: Seed = 0,
+    seconds: Seconds = 10.0,
     out: Annotated[
         Path | None,
-        typer.Option(help="Where to write the motion: .json (everything), .csv or .html (replay)."),
+        typer.Option(
+            help="Where to write the motion: .json (everything), .csv, .html (replay), "
+            ".npz (NumPy), .mcap (Foxglove) or .script (URScript)."
+        ),
     ] = None,
-    server: Annotated[str | None, typer.Option(help="URL of a running server.")] = None,
+    server: ServerUrl = None,
+    as_json: AsJson = False,
 ) -> None:
-    """Plan a certified motion. Without --server, a private one runs for as long as it takes."""
-    if out is not None and out.suffix not in {".json", ".csv", ".html"}:
-        message = "must end in .json, .csv or .html"
+    """Plan a certified motion."""
+    if out is not None and out.suffix not in _ENDINGS:
+        message = f"must end in {', '.join(_ENDINGS)}"
         raise typer.BadParameter(message, param_hint="--out")
     text = scene_text(scene)
     with session(server) as client:
-        posted = client.add_scene(*text)
+        posted = post(client, text)
         moving = group_of(posted, group)
         request: dict[str, Any] = {
             "scene": posted.id,
@@ -48,35 +61,23 @@ def plan(  # noqa: PLR0913  (one parameter per option)
             "seed": seed,
         }
         job = finished(client, f"to {to}", request)
-        show_plans({f"to {to}": job}, unit_of(moving))
+        if as_json:
+            print_json(job)
+        else:
+            show_plans({f"to {to}": job}, unit_of(moving))
         if out is not None:
             write(client, job, out)
-            console.print(f"written to {out}", markup=False)
-
-
-def finished(client: Client, title: str, request: dict[str, Any]) -> Plan:
-    """Ask for a plan, show its progress, and return it once it succeeded.
-
-    Raises:
-        typer.Exit: With 1, after a message, if it did not.
-    """
-    job = client.submit_plan(request)
-    follow(title, client.plan_events(job.id))
-    job = client.plan(job.id)
-    if job.result is None:
-        show_failure(f"the plan {title}", job.failure)
-        raise typer.Exit(1)
-    return job
+            (error_console if as_json else console).print(f"written to {out}", markup=False)
 
 
 def write(client: Client, job: Plan, out: Path) -> None:
     """Write a plan to a file, as its ending says."""
     out.parent.mkdir(parents=True, exist_ok=True)
-    match out.suffix:
-        case ".csv":
-            text = client.trajectory_csv(job.id)
-        case ".html":
-            text = client.replay(job.id)
-        case _:
-            text = job.model_dump_json(indent=1)
-    out.write_text(text, encoding="utf-8")
+    match _ENDINGS[out.suffix]:
+        case "html":
+            content = client.get_replay(job.id).encode()
+        case "json":
+            content = job.model_dump_json(indent=1).encode()
+        case name:
+            content = client.get_trajectory_as(job.id, format=name)
+    out.write_bytes(content)

@@ -5,8 +5,9 @@ from difflib import get_close_matches
 
 from service.settings import CONFIG_FILE, PREFIX, Settings
 
-# Of the kernel, the tests and the benchmarks.
-_OTHERS = {CONFIG_FILE} | {f"{PREFIX}{name}" for name in ("NATIVE", "PROFILE", "SEED", "FACTOR")}
+# Of the kernel, the tests, the benchmarks, and commands that ask a server.
+_NAMES = ("NATIVE", "PROFILE", "SEED", "FACTOR", "SERVER", "API_KEY")
+_OTHERS = {CONFIG_FILE} | {f"{PREFIX}{name}" for name in _NAMES}
 _OTHER_PREFIXES = (f"{PREFIX}BENCH_", f"{PREFIX}MBM")
 
 

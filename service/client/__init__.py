@@ -1,1 +1,1 @@
-"""A small typed client of the HTTP API."""
+"""The client of `wayproof_client` by the names that it had in this package."""

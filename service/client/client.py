@@ -1,166 +1,82 @@
-"""Client: the HTTP API as methods."""
+"""Client: that of `wayproof_client`, with the names of methods that it had in this package."""
 
 from collections.abc import Iterator
-from types import TracebackType
-from typing import Any, Self
+from typing import Any, cast, override
 
-import httpx
-
-from service.client.errors import raise_for_problem
-from service.client.events import Event, decode_events
-from service.client.models import Execution, Model, Plan, Scene
-
-_CONNECT_TIMEOUT = 5.0
-_ANSWER_TIMEOUT = 120.0
+import wayproof_client
+from wayproof_client import requests
+from wayproof_client.call import Call
+from wayproof_client.events import Event
+from wayproof_client.models import Execution, Model, Plan, Scene
 
 
-class Client:
-    """Speaks to one server. Use it as a context manager.
-
-    Every method raises `ApiError` for a problem document and `httpx.TransportError` if the server
-    cannot be reached.
-    """
-
-    def __init__(
-        self,
-        url: str,
-        *,
-        key: str | None = None,
-        transport: httpx.BaseTransport | None = None,
-    ) -> None:
-        """Speak to a server.
-
-        Args:
-            url: Of the server, for example `http://127.0.0.1:8470`.
-            key: API key, if the server asks for one.
-            transport: What carries the requests, None for the network.
-        """
-        timeout = httpx.Timeout(_ANSWER_TIMEOUT, connect=_CONNECT_TIMEOUT)
-        # Proxies of the environment are for the outside world, not for a server on this machine.
-        # To read the certificates of the world takes 20 ms, and plain HTTP has no use for them.
-        self._http = httpx.Client(
-            base_url=url,
-            headers={} if key is None else {"Authorization": f"Bearer {key}"},
-            timeout=timeout,
-            transport=transport,
-            trust_env=False,
-            verify=not url.startswith("http://"),
-        )
-
-    def __enter__(self) -> Self:
-        """Begin to use it."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close all connections."""
-        self._http.close()
-
-    def is_ready(self) -> bool:
-        """Return whether the server takes jobs."""
-        return self._http.get("/readyz").is_success
+class Client(wayproof_client.Client):
+    """Speaks to one server; methods that are not of its base stand for one of them each."""
 
     def models(self) -> list[str]:
         """Return the names of the robots there are."""
-        names: list[str] = self._get("/v1/models").json()["items"]
-        return names
+        return self.list_models().items
 
     def model(self, name: str) -> Model:
         """Return what a robot can do."""
-        return Model.model_validate_json(self._get(f"/v1/models/{name}").content)
+        return self.get_model(name)
 
     def add_scene(self, text: str | bytes, media_type: str = "application/yaml") -> Scene:
         """Post a scene."""
-        headers = {"Content-Type": media_type}
-        answer = self._send("POST", "/v1/scenes", content=text, headers=headers)
-        return Scene.model_validate_json(answer.content)
+        return self.create_scene(text, media_type=cast("Any", media_type))
 
     def scene(self, scene: str) -> Scene:
         """Return a scene."""
-        return Scene.model_validate_json(self._get(f"/v1/scenes/{scene}").content)
-
-    def delete_scene(self, scene: str) -> None:
-        """Forget a scene."""
-        self._send("DELETE", f"/v1/scenes/{scene}")
+        return self.get_scene(scene)
 
     def submit_plan(self, request: dict[str, Any], key: str | None = None) -> Plan:
-        """Ask for a plan.
-
-        Args:
-            request: A `PlanRequest`.
-            key: Idempotency key: the same key and request give the same job.
-        """
-        headers = {} if key is None else {"Idempotency-Key": key}
-        answer = self._send("POST", "/v1/plans", json=request, headers=headers)
-        return Plan.model_validate_json(answer.content)
+        """Ask for a plan; the same key and request give the same one."""
+        return self.create_plan(cast("requests.PlanRequest", request), idempotency_key=key)
 
     def plan(self, plan: str) -> Plan:
         """Return how far a plan is."""
-        return Plan.model_validate_json(self._get(f"/v1/plans/{plan}").content)
-
-    def cancel_plan(self, plan: str) -> Plan:
-        """Ask for the end of a plan."""
-        answer = self._send("POST", f"/v1/plans/{plan}/cancel")
-        return Plan.model_validate_json(answer.content)
+        return self.get_plan(plan)
 
     def plan_events(self, plan: str, after: str | None = None) -> Iterator[Event]:
         """Yield what happens to a plan, from the first event or after one, until it is over."""
-        return self._events(f"/v1/plans/{plan}/events", after)
+        return self._raw_events("/v1/plans/{job}/events", plan, after)
 
     def trajectory_csv(self, plan: str) -> str:
         """Return the trajectory of a plan as CSV."""
-        path = f"/v1/plans/{plan}/trajectory"
-        return self._get(path, format="csv").text
+        return self.get_trajectory_as(plan, format="csv").decode()
 
     def replay(self, plan: str) -> str:
         """Return a page that replays a plan in 3-D."""
-        return self._get(f"/v1/plans/{plan}/replay.html").text
+        return self.get_replay(plan)
 
-    def edit_scene(self, scene: str, operations: list[dict[str, Any]]) -> Scene:
+    @override
+    def edit_scene(
+        self,
+        scene: str,
+        body: requests.SceneEdit | list[dict[str, Any]],
+        *,
+        if_match: str | None = None,
+    ) -> Scene:
         """Carry out operations on a scene, all or none, and return its next revision."""
-        answer = self._send("PATCH", f"/v1/scenes/{scene}", json={"operations": operations})
-        return Scene.model_validate_json(answer.content)
+        edit: Any = {"operations": body} if isinstance(body, list) else body
+        return super().edit_scene(scene, edit, if_match=if_match)
 
     def scene_replay(self, scene: str) -> str:
         """Return a page that replays in 3-D what executions moved in a scene."""
-        return self._get(f"/v1/scenes/{scene}/replay.html").text
+        return self.get_scene_replay(scene)
 
     def execute(self, plan: str, speed: float = 1.0, title: str | None = None) -> Execution:
-        """Carry out a plan in simulation, `speed` times as fast as real time.
-
-        `title` is what replays of the scene call it.
-        """
-        body = {"plan": plan, "driver": "simulated", "speed": speed, "title": title}
-        answer = self._send("POST", "/v1/executions", json=body)
-        return Execution.model_validate_json(answer.content)
+        """Carry out a plan in simulation, `speed` times as fast as real time."""
+        return self.create_execution({"plan": plan, "speed": speed, "title": title})
 
     def execution(self, execution: str) -> Execution:
         """Return how far an execution is."""
-        answer = self._get(f"/v1/executions/{execution}")
-        return Execution.model_validate_json(answer.content)
-
-    def cancel_execution(self, execution: str) -> Execution:
-        """Ask for the end of an execution."""
-        answer = self._send("POST", f"/v1/executions/{execution}/cancel")
-        return Execution.model_validate_json(answer.content)
+        return self.get_execution(execution)
 
     def execution_events(self, execution: str, after: str | None = None) -> Iterator[Event]:
         """Yield what happens to an execution, until it is over."""
-        return self._events(f"/v1/executions/{execution}/events", after)
+        return self._raw_events("/v1/executions/{job}/events", execution, after)
 
-    def _get(self, path: str, **params: str) -> httpx.Response:
-        return raise_for_problem(self._http.get(path, params=params))
-
-    def _send(self, method: str, path: str, **content: Any) -> httpx.Response:
-        return raise_for_problem(self._http.request(method, path, **content))
-
-    def _events(self, path: str, after: str | None) -> Iterator[Event]:
-        headers = {} if after is None else {"Last-Event-ID": after}
-        with self._http.stream("GET", path, headers=headers) as answer:
-            if answer.is_error:
-                answer.read()
-            yield from decode_events(raise_for_problem(answer))
+    def _raw_events(self, path: str, job: str, after: str | None) -> Iterator[Event]:
+        call = Call("GET", path, inserted={"job": job}, headers={"Last-Event-ID": after})
+        return self.ask_raw_events(call)

@@ -3,6 +3,7 @@
 import csv
 import io
 import time
+from base64 import b64encode
 from dataclasses import replace
 
 from planning import Deadline, TimedTrajectory
@@ -11,15 +12,19 @@ from planning.api.sample_motion import sample_plan, unproven_samples
 from planning.errors import InputError
 from planning.world.replay.replay_writer import replay_html
 from service.jobs.context import TaskContext
+from service.plans.exports.formats import FORMATS, require_format
 from service.plans.models.sampling import IN_QUERY, require_few
 from service.plans.models.trajectory import Polynomial, Trajectory
 from service.plans.tasks import (
+    EXPORT,
     PLOT,
     REPLAY,
     SAMPLE,
     SAMPLE_TABLE,
     DeliveredWork,
     Drawing,
+    ExportedFile,
+    ExportWork,
     Page,
     PlotWork,
     SampleWork,
@@ -65,11 +70,28 @@ def sample_as_table(work: SampleWork, context: TaskContext) -> Table:
     columns = (samples.positions, samples.velocities, samples.accelerations)
     for instant, q, v, vdot in zip(samples.times, *columns, strict=True):
         writer.writerow([instant, *q, *v, *vdot])
-    verdicts = (
+    return Table(text=text.getvalue(), proven=_verdicts(samples))
+
+
+@EXPORT.runs
+def export(work: ExportWork, context: TaskContext) -> ExportedFile:
+    """Sample as `sample` does; give the samples as a file of another program.
+
+    Raises:
+        ProblemInvalid: That would be too many samples, or the format cannot hold them.
+    """
+    require_format(work.format, work.trajectory.joint_types)
+    samples = sample(work, context)
+    content = FORMATS[work.format].write(samples)
+    return ExportedFile(base64=b64encode(content).decode(), proven=_verdicts(samples))
+
+
+def _verdicts(samples: Trajectory) -> str:
+    """Return what is proven of samples, for a header."""
+    return ", ".join(
         f"{proof.kind}={'proven' if proof.proven else 'unproven'}"
         for proof in samples.interpolations
     )
-    return Table(text=text.getvalue(), proven=", ".join(verdicts))
 
 
 def _proven(work: SampleWork, trajectory: TimedTrajectory, context: TaskContext) -> Trajectory:

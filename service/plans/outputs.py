@@ -1,5 +1,6 @@
 """/v1/plans/{id}/trajectory, replay.html, plots: what a plan delivered, to use and to look at."""
 
+from base64 import b64decode
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Query, Response
@@ -9,20 +10,29 @@ from service.api.dependencies import JobsDep
 from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.plans.dependencies import PlanJob
+from service.plans.exports.formats import FORMATS
 from service.plans.models.trajectory import Trajectory
 from service.plans.resource import delivered_work, motion_of, work_of
 from service.plans.tasks import (
+    EXPORT,
     PLOT,
     REPLAY,
     SAMPLE,
     SAMPLE_TABLE,
+    ExportWork,
     PlotWork,
     SampleWork,
 )
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
 
-type Format = Annotated[Literal["json", "csv"], Query(description="What to answer with")]
+type Format = Annotated[
+    Literal["json", "csv", "ros2", "npz", "urscript", "mcap"],
+    Query(
+        description="What to answer with: the last four are files of ROS 2 (a `JointTrajectory` as "
+        "JSON), of NumPy, of Universal Robots, and a log for Foxglove"
+    ),
+]
 type Period = Annotated[
     float | None,
     Query(
@@ -81,10 +91,14 @@ _SVG = {"schema": {"type": "string", "description": "A drawing"}}
 _CSV = {"schema": {"type": "string", "description": "A header, then a row per instant"}}
 _TOLD = {
     INTERPOLATION: {
-        "description": "Of CSV: what is proven of the samples, as `linear=proven, cubic=unproven, "
-        "quintic=proven`",
+        "description": "Of all but JSON: what is proven of the samples, as `linear=proven, "
+        "cubic=unproven, quintic=proven`",
         "schema": {"type": "string"},
     }
+}
+_FILES = {
+    form.media_type: {"schema": {"type": "string", "format": "binary", "description": form.told}}
+    for form in FORMATS.values()
 }
 _HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
@@ -94,7 +108,7 @@ _HTML = {"schema": {"type": "string", "description": "A page that needs nothing 
     operation_id="getTrajectory",
     response_model=Trajectory,
     responses={
-        200: {"content": {"text/csv": _CSV}, "headers": _TOLD},
+        200: {"content": {"text/csv": _CSV, **_FILES}, "headers": _TOLD},
         **problems(404, 409, 422, 429, 503),
     },
 )
@@ -122,9 +136,13 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     )
     if format == "json":
         return passed_on(await jobs.call_text(SAMPLE, work))
-    table = await jobs.call(SAMPLE_TABLE, work)
-    headers = {INTERPOLATION: table.proven}
-    return Response(table.text, media_type="text/csv", headers=headers)
+    if format == "csv":
+        table = await jobs.call(SAMPLE_TABLE, work)
+        headers = {INTERPOLATION: table.proven}
+        return Response(table.text, media_type="text/csv", headers=headers)
+    file = await jobs.call(EXPORT, ExportWork(**dict(work), format=format))
+    headers = {INTERPOLATION: file.proven}
+    return Response(b64decode(file.base64), media_type=FORMATS[format].media_type, headers=headers)
 
 
 @router.get(

@@ -8,6 +8,7 @@ from planning.domain.curves.sampling import Sampling
 from planning.domain.report.motion_plan import PlanPart
 from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
+from service.plans.exports.formats import FormatName
 from service.plans.models.request import PlanRequest, Retime
 from service.plans.models.result import PlanResult
 from service.plans.models.search_reports import PlannerGraph
@@ -140,6 +141,19 @@ class Table(TaskModel):
     proven: str
 
 
+class ExportWork(SampleWork):
+    """What a file of another program is made from."""
+
+    format: FormatName
+
+
+class ExportedFile(TaskModel):
+    """A file in base64, and a line that says what is proven of its samples."""
+
+    base64: str
+    proven: str
+
+
 class PlotWork(DeliveredWork):
     """What a chart is drawn from: the motion, and the limits that it was made to keep."""
 
@@ -169,6 +183,7 @@ PLAN = Task("plan", PlanWork, PlanOutcome, queue="plan", outline=_LARGE)
 REVERSE = Task("reverse", ReverseWork, PlanOutcome, queue="plan", outline=_LARGE)
 SAMPLE = Task("sample_plan", SampleWork, Trajectory)
 SAMPLE_TABLE = Task("sample_plan_as_table", SampleWork, Table)
+EXPORT = Task("export_plan", ExportWork, ExportedFile)
 PLOT = Task("plot_plan", PlotWork, Drawing)
 REPLAY = Task("replay_plan", DeliveredWork, Page)
 WARM_UP = Task("warm_up", NoWork, WarmedUp)

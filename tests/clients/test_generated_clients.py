@@ -114,7 +114,7 @@ def test_a_type_that_does_not_fit_is_told(python):
 def test_no_type_of_the_package_is_made_twice(python):
     """An inline object or enum is named after its field, once for each model that has it."""
     folder, _ = python
-    names = {file.stem for file in (folder / "wayproof_client" / "models").glob("*.py")}
+    names = {file.stem for file in (folder / "wayproof_openapi" / "models").glob("*.py")}
     assert {name for name in names if name.endswith(("_timings", "_versions"))} == set()
     assert {"timings", "versions", "line_stop_reason", "sample_rejection"} <= names
 

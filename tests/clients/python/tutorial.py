@@ -12,13 +12,13 @@ from pathlib import Path
 
 import httpx_sse
 import yaml
-from wayproof_client import AuthenticatedClient
-from wayproof_client.api.executions import create_execution, get_execution
-from wayproof_client.api.models import get_model, list_models
-from wayproof_client.api.plans import create_plan, get_replay, get_trajectory
-from wayproof_client.api.queries import check_configurations, solve_inverse_kinematics
-from wayproof_client.api.scenes import create_scene, get_scene_replay
-from wayproof_client.models import (
+from wayproof_openapi import AuthenticatedClient
+from wayproof_openapi.api.executions import create_execution, get_execution
+from wayproof_openapi.api.models import get_model, list_models
+from wayproof_openapi.api.plans import create_plan, get_replay, get_trajectory
+from wayproof_openapi.api.queries import check_configurations, solve_inverse_kinematics
+from wayproof_openapi.api.scenes import create_scene, get_scene_replay
+from wayproof_openapi.models import (
     CheckRequest,
     CheckResponse,
     Execution,

@@ -65,8 +65,8 @@ def test_the_demo_shows_what_was_executed(real_server, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "word"),
     [
-        (("nowhere", "--to", "pick"), 1, "ur5e_pickup"),
-        (("maze_2d", "--to", "exit", "--server", "http://127.0.0.1:1"), 1, "cannot reach"),
+        (("nowhere", "--to", "pick"), 2, "ur5e_pickup"),
+        (("maze_2d", "--to", "exit", "--server", "http://127.0.0.1:1"), 5, "cannot reach"),
         (("maze_2d", "--to", "exit", "--out", "x.png"), 2, ".json"),
     ],
 )
@@ -76,7 +76,7 @@ def test_mistakes_end_with_a_message(arguments, code, word, capsys):
 
 def test_what_the_server_lacks_ends_with_a_message(real_server, capsys):
     arguments = ("ur5e_pickup", "--to", "pik", "--server", real_server.url)
-    check_told(arguments, 1, "pick", capsys)
+    check_told(arguments, 2, "pick", capsys)
 
 
 def check_told(arguments, code, word, capsys):

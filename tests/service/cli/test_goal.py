@@ -35,7 +35,7 @@ def test_a_configuration_is_itself(posted):
 def test_unknown_names_end_with_those_that_exist(posted, capsys, attempt, known):
     with pytest.raises(typer.Exit) as ended:
         attempt(posted)
-    assert ended.value.exit_code == 1
+    assert ended.value.exit_code == 2
     told = capsys.readouterr().err
     assert "abov" in told
     assert [name for name in known if name not in told] == []

@@ -1,10 +1,13 @@
 """Summaries have everything a person asks for."""
 
+import json
+
 import pytest
 
 from service.cli import output
-from service.client.events import Event
-from service.client.models import Joint, Plan, Scene
+from wayproof_client import models
+from wayproof_client.connection import adapter
+from wayproof_client.models import Joint, Plan, Scene
 
 
 @pytest.fixture
@@ -46,17 +49,30 @@ def test_what_is_not_in_the_total_stands_below_it(solved, capsys):
 )
 def test_lengths_have_the_unit_of_the_joints(client, scene, solved, capsys, types, unit):
     group = Scene.model_validate(client.get(f"/v1/scenes/{scene}").json()).groups[0]
-    joints = [Joint(name="r::j", type=type_) for type_ in types]
+    joints = [Joint.model_construct(name="r::j", type=type_) for type_ in types]
     measured = output.unit_of(group.model_copy(update={"joints": joints}))
     output.show_plans({"to ready": Plan.model_validate(solved)}, measured)
     assert f"path length, {unit} " in capsys.readouterr().out
 
 
 @pytest.mark.usefixtures("wide")
-def test_following_returns_the_last_event(capsys):
-    events = [
-        Event("1", "stage", {"stage": "search", "progress": 0.2}),
-        Event("2", "finished", {"state": "succeeded", "progress": 1.0}),
+def test_following_shows_how_far_a_job_is(capsys):
+    at = "2026-01-01T00:00:00Z"
+    said = [
+        ("stage", {"stage": "search", "progress": 0.2, "detail": "", "timings": {}}),
+        ("finished", {"state": "succeeded", "failure": None}),
     ]
-    assert output.follow("plan", events) == events[-1].data
-    assert "100 %" in capsys.readouterr().out
+    output.follow(
+        "plan",
+        (
+            adapter(models.JobEvent).validate_python({
+                "id": str(i),
+                "event": kind,
+                "data": json.dumps({"at": at, **data}),
+            })
+            for i, (kind, data) in enumerate(said)
+        ),
+    )
+    shown = capsys.readouterr().err
+    assert "100 %" in shown
+    assert "succeeded" in shown

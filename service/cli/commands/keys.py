@@ -11,7 +11,8 @@ from rich.table import Table
 from sqlalchemy.exc import SQLAlchemyError
 
 from planning.errors import WayproofError
-from service.cli.output import console
+from service.cli.options import AsJson
+from service.cli.output import console, print_json
 from service.cli.serve import settings_of
 from service.jobs.store.database import open_engine
 from service.security.keys import ApiKey, KeyStore, NewKey
@@ -23,6 +24,7 @@ COMMANDS = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
 )
 type Name = Annotated[str, typer.Argument(help="Whom or what the key is for.")]
 type Known = Annotated[str, typer.Argument(help="Name or id of a key.")]
@@ -46,11 +48,14 @@ def create(
 
 
 @COMMANDS.command("list")
-def list_keys(data_dir: DataDir = None) -> None:
+def list_keys(*, data_dir: DataDir = None, as_json: AsJson = False) -> None:
     """List all keys, without their secrets."""
     now = datetime.now(UTC)
     with _store(data_dir) as store:
         keys = store.all()
+    if as_json:
+        print_json([_as_plain(key, now) for key in keys])
+        return
     table = Table()
     for title in ("name", "id", "scopes", "created", "expires", "state"):
         table.add_column(title, overflow="fold")
@@ -119,6 +124,18 @@ def _show_new(new: NewKey) -> None:
     until = _instant(new.key.expires_at)
     typer.echo(f"{new.key.name} is for {scopes}; expires: {until}; told only now:", err=True)
     typer.echo(new.text)
+
+
+def _as_plain(key: ApiKey, now: datetime) -> dict[str, Any]:
+    expires = None if key.expires_at is None else key.expires_at.isoformat()
+    return {
+        "name": key.name,
+        "id": key.id,
+        "scopes": sorted(key.scopes),
+        "created_at": key.created_at.isoformat(),
+        "expires_at": expires,
+        "state": _state(key, now),
+    }
 
 
 def _instant(at: datetime | None) -> str:

@@ -1,0 +1,5525 @@
+"""What a server answers. Made by `python -m client.generator`: never edit it."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, Json
+
+from wayproof_client.answer import Answer
+from wayproof_client.shown_plan import ShownPlan
+
+
+class AddressEvidence(Answer):
+    """Where a webhook may not lead."""
+
+    host: str
+    """As the URL has it."""
+    pointer: str
+    """Where the URL stands in the body."""
+
+
+class AddressNotAllowedProblem(Answer):
+    """A webhook leads where the server sends nothing."""
+
+    code: Literal["address_not_allowed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: AddressEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+type AnyLimit = (
+    Literal[
+        "velocity",
+        "acceleration",
+        "jerk",
+        "torque",
+        "tool_speed",
+        "tool_acceleration",
+        "speed_zone",
+        "acceleration_bounds",
+        "duration",
+        "",
+    ]
+    | str
+)
+"""What keeps a motion from being quicker."""
+
+type AnyStage = (
+    Literal[
+        "load",
+        "goals",
+        "line",
+        "roadmap",
+        "search",
+        "refine",
+        "retime",
+        "certify",
+        "explain",
+        "samples",
+        "regions",
+        "execute",
+        "",
+        "plan",
+        "worker",
+    ]
+    | str
+)
+"""Stages of jobs, and what stands for none."""
+
+
+class ApproachBlockedFailure(Answer):
+    """Free goal configurations exist, but none with a free approach and retreat."""
+
+    code: Literal["approach_blocked"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class ApproachBlockedProblem(Answer):
+    """Free goal configurations exist, but none with a free approach and retreat."""
+
+    code: Literal["approach_blocked"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class ApproachFailures(Answer):
+    """How often one thing stopped the approach or retreat of a configuration."""
+
+    count: int
+    """Configurations."""
+    leg: LineLeg
+    """Which of both."""
+    max_fraction: float
+    """The most of the line that was free, seen from the goal [1]."""
+    reason: LineStopReason
+    """Why it stopped."""
+    where: str
+    """The pair of bodies or the joint, or empty."""
+
+
+class Approximation(Answer):
+    """The nearest that a search came to a goal."""
+
+    goal: list[float]
+    """That goal [rad or m]."""
+    goal_distance: float
+    """From a goal, as a length in joint space [rad or m]."""
+    path: list[list[float]]
+    """To it, a row for each configuration [rad or m]."""
+    positions: list[float]
+    """The configuration [rad or m]."""
+
+
+class AssetEvidence(Answer):
+    """Which file does not exist."""
+
+    uri: str
+    """As the scene or the model has it."""
+    known: list[str] | None = None
+    """What there is instead."""
+    path: str | None = None
+    """Its place in the scene."""
+
+
+class AssetNotFoundFailure(Answer):
+    """A robot description, mesh or package does not exist."""
+
+    code: Literal["asset_not_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: AssetEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class AssetNotFoundProblem(Answer):
+    """A robot description, mesh or package does not exist."""
+
+    code: Literal["asset_not_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: AssetEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class AttachmentDocument(Answer):
+    """Attachment of an object to a robot."""
+
+    frame: str
+    """Frame that the object follows: `robot::link`, or a frame with one as ancestor."""
+    touch: list[str] | None = None
+    """Bodies that it may touch; by default those that move rigidly with the frame and those
+    that they carry outside the robot's default group, such as fingers."""
+
+
+class AttemptReport(Answer):
+    """What one attempt at a solution came to."""
+
+    cost: float
+    """By the objective, in its unit."""
+    length: float
+    """And after it [rad or m]."""
+    num_states_checked: int
+    """Configurations checked for collision."""
+    outcome: str
+    """`solved`, `collides` (on a closer look), `setup` (setting the planner up took longer than
+    it may), or how it ended."""
+    planner: str
+    """OMPL's name."""
+    raw_length: float
+    """Of its solution, before shortcutting [rad or m]."""
+
+
+class Batch(Answer):
+    """A batch; poll it until `finished_at` is there. Deleted plans are no part of it any more."""
+
+    counts: BatchCounts
+    """Plans by state."""
+    created_at: datetime
+    """When it was requested (UTC)."""
+    finished_at: datetime | None
+    """When the last plan ended (UTC); null while one waits or runs."""
+    id: str
+    """Of the batch."""
+    plans: list[str]
+    """Ids of the plans, in the order of the problems; `GET /v1/plans?batch=` lists them, newest
+    first."""
+
+
+class BatchCounts(Answer):
+    """How many plans of a batch are in each state."""
+
+    canceled: int = 0
+    """Plans whose end was requested."""
+    failed: int = 0
+    """Plans with a failure."""
+    queued: int = 0
+    """Plans that wait."""
+    running: int = 0
+    """Plans that a worker has."""
+    succeeded: int = 0
+    """Plans with a result."""
+
+
+class BestPath(Answer):
+    """The best path that a search has found so far."""
+
+    length: float
+    """Its weighted length."""
+    seconds: float | None = None
+    """When it was found, since the worker began with the plan [s]."""
+
+
+class BestPathData(Answer):
+    """A path that is better than those before it."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    detail: str
+    """For a person."""
+    length: float
+    """Weighted length of the path."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+    seconds: float | None = None
+    """Since the worker began with the plan [s]; null where an older version told it."""
+
+
+class BestSoFarEvent(Answer):
+    """The search found a better path."""
+
+    data: Json[BestPathData]
+    """How long the path is."""
+    event: Literal["best-so-far"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class BindingInterval(Answer):
+    """What keeps the motion from being quicker for a while."""
+
+    begin: float
+    """[s]."""
+    end: float
+    """[s]."""
+    limit: AnyLimit
+    """velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, speed_zone or
+    acceleration_bounds: the one that is used the most; duration where the motion takes longer
+    than it must because the request says so; empty while nothing moves."""
+    share: float
+    """How much of it is used at most, 0 to 1; 1 where it is met [1]."""
+    where: str
+    """The joint, block, frame or zone whose limit it is, or empty."""
+
+
+class BlockedMoves(Answer):
+    """How many approaches or retreats stopped for one reason."""
+
+    count: int
+    """Configurations."""
+    leg: LineLeg
+    """Which."""
+    max_fraction: float
+    """The largest part of the line that is free, from the goal outwards [0 to 1]."""
+    reason: LineStopReason
+    """Why."""
+    where: str
+    """The pair of bodies or the joint, or empty."""
+
+
+class BodyTooLargeProblem(Answer):
+    """The body has more bytes than are read."""
+
+    code: Literal["body_too_large"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: SizeEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Box(Answer):
+    """A box, placed by the pose of its middle."""
+
+    size: list[float]
+    """Full side lengths along the axes of `pose` [m]."""
+    pose: Pose | None = None
+    """Of its middle; in a frame that moves with the group, where the start puts it."""
+
+
+class Branch(Answer):
+    """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
+
+    elbow: Literal[-1, 0, 1] | str
+    """To which side the elbow bends."""
+    shoulder: Literal[-1, 0, 1] | str
+    """On which side of the first axis the wrist is."""
+    wrist: Literal[-1, 0, 1] | str
+    """To which side the wrist bends."""
+
+
+class BusyEvidence(Answer):
+    """What moves in the scene."""
+
+    execution: str
+    """Its id."""
+    group: str
+    """That it moves."""
+
+
+class CancelEvidence(Answer):
+    """Where a cancel came."""
+
+    during: str | None = None
+    """The work at which it ended."""
+    reason: str | None = None
+    """Where the server ended it, not a client: why."""
+    time: float | None = None
+    """Of an execution, along the motion [s]."""
+
+
+class CanceledFailure(Answer):
+    """The caller canceled this plan."""
+
+    code: Literal["canceled"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: CancelEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class CanceledProblem(Answer):
+    """The caller canceled this plan."""
+
+    code: Literal["canceled"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: CancelEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Car(Answer):
+    """A planar base that moves like a car: never sideways, in no tighter turn than it can."""
+
+    turning_radius: float
+    """Of its tightest turn, at the origin of the base [m]."""
+    reverse: bool = True
+    """Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')."""
+
+
+class Certificate(Answer):
+    """The verdict on the motion, between its samples too."""
+
+    checks: list[Check]
+    """All checks, passed or not."""
+    min_clearance: float | None
+    """If clearance is proven, a lower bound on the distance of all pairs at all instants [m];
+    if not, the same as `observed_clearance`; null if there is no pair."""
+    pair: tuple[str, str]
+    """The two bodies of `observed_clearance`, or empty names."""
+    proven: bool
+    """Every check passed on the whole interval."""
+    time: float
+    """When it was observed [s]; if clearance is not proven neither the first instant that is
+    too near nor for certain the worst."""
+    first_unproven: Pair | None = None
+    """The pair that stopped the proof of clearance there, at most 0.1 ms later; null if none
+    did."""
+    observed_clearance: float | None = None
+    """Smallest signed distance at any instant that was measured [m]; the true smallest one lies
+    between `min_clearance`, if that is proven, and this."""
+    points: list[list[float]] = Field(default=[], validate_default=True)
+    """The nearest point of each of `pair` then, in world [m], of shapes that overlap the
+    deepest; empty without a pair."""
+    proven_until: float = 0.0
+    """Clearance is proven from the beginning until then [s]: the duration, if the check
+    `clearance` passed."""
+    unchecked: list[UncheckedPair] = Field(default=[], validate_default=True)
+    """Pairs of bodies whose clearance is not looked at, and why: the certificate says nothing
+    of them."""
+
+
+class CertificateEvidence(Answer):
+    """Why no motion passed the certifier; of executions, why the plan's does not by now."""
+
+    checks: list[FailedCheck]
+    """Of the last motion, the worst first."""
+    bound: float | None = None
+    """Of executions, what it may be."""
+    check: str | None = None
+    """Of executions, the first of the checks."""
+    pair: list[str] | None = None
+    """Of executions, the two bodies that come too near, if that is the check."""
+    refused: list[str] | None = None
+    """Each motion that was refused, and why."""
+    time: float | None = None
+    """Of executions, when on the motion [s]."""
+    value: float | None = None
+    """Of executions, the worst value of that check."""
+
+
+class Certify(Answer):
+    """What to find out about the motion once it is proven; the report on `certify` has it."""
+
+    max_stopping_time: float | None = None
+    """No stop may take longer [s], and `stop_anywhere` is meant; null for no bound."""
+    robustness: bool = False
+    """Bound how far off obstacles and joints may be: `robustness` in the report; takes some 0.2
+    s."""
+    stop_anywhere: bool = False
+    """Bound the longest stop along the path, from any instant: a check `stop`, and `stop` in
+    the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with `effort` or
+    accelerations in `tool_limits`."""
+
+
+class CertifyMotionResponse(Answer):
+    """The verdict on the motion, between its samples too."""
+
+    certificate: Certificate
+    """Checks that passed and checks that failed."""
+    duration: float
+    """Duration of the motion [s]."""
+    interpolation: MotionInterpolation
+    """What the samples were taken for."""
+    stage: CertifyReport
+    """Report of the proof."""
+    unchecked: list[str] = Field(default=[], validate_default=True)
+    """Checks that straight lines are not held to, as their velocity jumps."""
+
+
+class CertifyReport(Answer):
+    """What the certify stage did."""
+
+    candidates: int
+    """Candidate motions that were looked at."""
+    distance_queries: int
+    """Configurations at which distances were measured."""
+    intervals: int
+    """Intervals on which clearance was bounded."""
+    refused: list[str]
+    """What was wrong with those before the delivered one."""
+    robustness: Robustness | None = None
+    """How wrong world and robot may be; null if not requested, or no time was left."""
+    stop: StopReport | None = None
+    """How it can be stopped; null if not requested, or no time was left."""
+
+
+class Check(Answer):
+    """One property that was checked on the whole interval."""
+
+    bound: float | None
+    """What it was held against, in `unit`; null for none."""
+    name: str
+    """position, velocity, acceleration, jerk, clearance, start, ..."""
+    passed: bool
+    """Whether the property holds."""
+    resolution: float | None
+    """How far the true worst value may lie beyond `value`; null if it is not bounded, as where
+    a search for it ended at once."""
+    time: float
+    """When that is [s]; not the first instant at which a check fails."""
+    unit: str
+    """Of value, bound and resolution; `1` for peak over limit."""
+    value: float | None
+    """The worst value found, in `unit`; of a check that failed the worst seen until then, there
+    may be worse; null for none."""
+    where: str
+    """The joint or pair that is worst, or empty."""
+
+
+class CheckResponse(Answer):
+    """A verdict per configuration, in order."""
+
+    results: list[Verdict]
+    """In the order of the configurations."""
+
+
+class ClearanceObjective(Answer):
+    """Clearance that is preferred, beyond the margin that is required."""
+
+    distance: float
+    """Between bodies, but for those of one robot [m]."""
+    weight: float
+    """By how much longer the motion may take for a metre less of what its clearance lacks of
+    the distance, on average along the motion [s/m]."""
+
+
+class CollidingPair(Answer):
+    """How often two bodies were the deepest collision of a rejected configuration."""
+
+    bodies: tuple[str, str]
+    """Full names."""
+    count: int
+    """Rejected configurations."""
+    max_depth: float
+    """Largest depth among them [m]."""
+    min_depth: float
+    """Smallest depth among them [m]."""
+
+
+class ConfigurationDocument(Answer):
+    """A named configuration of a group."""
+
+    group: str
+    """`robot` or `robot::group`."""
+    positions: list[float]
+    """In the group's order [rad or m]."""
+
+
+class ConfigurationGoal(Answer):
+    """Reach a configuration that the scene or the robot names."""
+
+    name: str
+    """Of the configuration, for example `home`."""
+    type: Literal["configuration"]
+    """Says which goal this is."""
+
+
+class ConfigurationRelaxation(Answer):
+    """What all would have to change for the least infeasible of the goal's configurations."""
+
+    constraints: list[ConstraintViolation]
+    """Path constraints that are violated."""
+    goal_index: int
+    """Which of the goal's configurations, from 0."""
+    limits: list[ViolatedLimit]
+    """Limits that are violated."""
+    margin: float | None
+    """A margin that is kept [m]; null where none is."""
+    obstacles: list[ViolatingPair]
+    """Pairs that are violated."""
+    positions: list[float]
+    """The group's positions [rad or m]."""
+    remove: list[str] | None
+    """Bodies to be removed; null where the robot is in its own way."""
+
+
+class OtherConstraint(Answer):
+    """One that a newer server has."""
+
+    type: str
+
+
+type Constraint = Annotated[
+    Annotated[
+        DistanceBand | KeepOut | KeepIn | Position | Orientation | LockedJoints | JointLimits,
+        Field(discriminator="type"),
+    ]
+    | OtherConstraint,
+    Field(union_mode="left_to_right"),
+]
+"""What a motion shall keep on its whole way."""
+
+
+class ConstraintViolation(Answer):
+    """A path constraint that is violated."""
+
+    bound: float | None
+    """What it may be, in `unit`."""
+    constraint: str
+    """Its place in the request and its kind."""
+    unit: str
+    """Of both; `1` for a number without one."""
+    value: float | None
+    """What it is, in `unit`."""
+    joint: str | None = None
+    """Of constraints on joints, the worst one."""
+
+
+class Contact(Answer):
+    """Two bodies that touched during the motion."""
+
+    bodies: tuple[str, str]
+    """Full names."""
+    depth: float
+    """Depth of penetration [m]."""
+    time: float
+    """Time along the motion [s]."""
+
+
+class ContactEvidence(Answer):
+    """What touched what."""
+
+    pair: list[str]
+    """Full names of both bodies."""
+    time: float
+    """On the motion [s]."""
+    depth: float | None = None
+    """By which they overlap [m]."""
+
+
+class ContactFailure(Answer):
+    """The robot touched something."""
+
+    code: Literal["contact"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: ContactEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class ControlsData(Answer):
+    """What is asked of an execution from now on; what is left out stays as it was."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    is_paused: bool | None = None
+    """Whether it rests on its path."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+    speed: float | None = None
+    """Seconds of the motion per second."""
+
+
+class ControlsEvent(Answer):
+    """The execution was paused or resumed, or its speed set."""
+
+    data: Json[ControlsData]
+    """What is asked of it."""
+    event: Literal["controls"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class ConvexDocument(Answer):
+    """The convex hull of points."""
+
+    points: list[list[float]]
+    """[m]; not all in one plane."""
+
+
+class CountEvidence(Answer):
+    """How many values a list should have."""
+
+    expected: int
+    """As many."""
+    got: int
+    """As many were given."""
+    names: list[str]
+    """Of the coordinates that they are for."""
+    field: str | None = None
+    """Its place in the request."""
+
+
+class CountedViolation(Answer):
+    """How many goal configurations violate one path constraint."""
+
+    constraint: str
+    """Its place in the request and its kind."""
+    count: int
+    """Goal configurations."""
+    least: ConstraintViolation
+    """The least violation among them."""
+
+
+class DatabaseTakenEvidence(Answer):
+    """Which server has the database."""
+
+    epoch: int
+    """How many servers had it up to this one."""
+    latest: int | None
+    """And up to the one that has it now."""
+
+
+class DatabaseTakenProblem(Answer):
+    """Another server has taken the database over."""
+
+    code: Literal["database_taken"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: DatabaseTakenEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class DatabaseUnavailableProblem(Answer):
+    """The database does not answer, or takes nothing."""
+
+    code: Literal["database_unavailable"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: StorageEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class DeadlineEvidence(Answer):
+    """What had been done when the time was over; of a search, as in `SearchEvidence`."""
+
+    allowed: float | None = None
+    """Seconds that it might take."""
+    approximate: Approximation | None = None
+    """In the stage `search`, the nearest to a goal, if the request wants it."""
+    attempts: int | None = None
+    """In the stage `search`, how many were made."""
+    cut_short: bool | None = None
+    """In the stage `goals`, that the funnel is not complete."""
+    during: str | None = None
+    """The work at which it ended."""
+    funnel: FunnelEvidence | None = None
+    """In the stage `goals`, how many samples passed each test until then."""
+    goal_distance: float | None = None
+    """In the stage `search`, from the nearest to a goal, as a length in joint space [rad or m]."""
+    graph: dict[str, Any] | None = None
+    """In the stage `search`, what the planner explored, if the request wants it."""
+    max_trials: int | None = None
+    """In the stage `goals`, how many samples were to be tried."""
+    num_goals: int | None = None
+    """In the stage `search`, goal configurations."""
+    num_states_checked: int | None = None
+    """In the stage `search`, configurations checked for collision."""
+    planner: str | None = None
+    """In the stage `search`, OMPL's name; of several, all."""
+    waited: float | None = None
+    """Seconds for which a question waited for a worker before."""
+
+
+class DeadlineExceededFailure(Answer):
+    """The allowed time ran out."""
+
+    code: Literal["deadline_exceeded"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: DeadlineEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class DeadlineExceededProblem(Answer):
+    """The allowed time ran out."""
+
+    code: Literal["deadline_exceeded"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: DeadlineEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Deviation(Answer):
+    """How far a tool may be from its line, between waypoints and samples too."""
+
+    position: float = 0.001
+    """Of its origin, from the line [m]."""
+    rotation: float = 0.008726646259971648
+    """Of its rotation [rad]."""
+
+
+class DigestEvidence(Answer):
+    """Which scene is not kept."""
+
+    digest: str
+    """Of its content."""
+
+
+class DiskFullProblem(Answer):
+    """The data folder has no room for what the request needs."""
+
+    code: Literal["disk_full"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: StorageEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Displacement(Answer):
+    """A displacement: a translation, a rotation, or both."""
+
+    position: list[float] | None = None
+    """Translation [m]; null for none."""
+    quaternion: list[float] | None = None
+    """Rotation as [w, x, y, z]; normalised when read, never zero."""
+    rpy: list[float] | None = None
+    """Rotation as roll, pitch, yaw about fixed x, y, z [rad]."""
+
+
+class DistanceBand(Answer):
+    """The smallest distance between two sets of bodies stays within bounds."""
+
+    type: Literal["distance_band"]
+    """Says which constraint this is."""
+    bodies: list[str] | None = None
+    """Full names; null for all bodies that the group moves."""
+    max: float | None = None
+    """At least two of them are no farther apart [m]; null for any."""
+    min: float = 0.0
+    """No two of them are nearer than this [m]."""
+    to: list[str] | None = None
+    """Full names of the others; null for all not in `bodies`."""
+
+
+class DocumentFault(Answer):
+    """One fault of a document or of a parameter."""
+
+    message: str
+    """What is wrong there, for a person."""
+    path: str
+    """Its place, as names and numbers with dots."""
+    pointer: str
+    """The same as a JSON pointer (RFC 6901); empty for the root and for parameters."""
+    line: int | None = None
+    """In the text, from 1; null where it is not known."""
+    nearest: list[str] | None = None
+    """Names that were perhaps meant, the nearest first."""
+    type: str | None = None
+    """Kind of the fault, as the library calls it that checks documents."""
+
+
+class DurationExplanation(Answer):
+    """Why the motion takes as long as it does."""
+
+    intervals: list[BindingInterval]
+    """What binds when; together they cover the motion."""
+    relaxed: float
+    """The factor by which limits were relaxed, one at a time."""
+    savings: list[Saving]
+    """What that saved, the most first; measured for limits that are met."""
+
+
+class EmptyDocument(Answer):
+    """No parameters."""
+
+
+class EntityTagEvidence(Answer):
+    """Which revision the scene is at."""
+
+    asked: str
+    """What `If-Match` names."""
+    etag: str
+    """Of that revision."""
+    revision: int
+    """That there is."""
+
+
+class EventData(Answer):
+    """What every event says."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class Execution(Answer):
+    """An execution of a plan; poll it until its state is final."""
+
+    attempts: int
+    """How often a worker has begun with it, this time included: more than once where a worker
+    or the server ended under it."""
+    cancel_requested_at: datetime | None
+    """When its end was first requested (UTC), whatever became of that; null if it was not, or
+    by a version that did not keep it."""
+    created_at: datetime
+    """When it was asked for (UTC)."""
+    failure: Failure | None
+    """Why it was aborted or canceled."""
+    finished_at: datetime | None
+    """When it ended (UTC)."""
+    group: str
+    """Group that moves."""
+    id: str
+    """Id of the execution."""
+    request: ExecutionRequest
+    """The request, defaults filled in."""
+    scene: str
+    """Id of the scene it moves in."""
+    started_at: datetime | None
+    """When it began to move (UTC)."""
+    state: ExecutionState
+    """succeeded, canceled and aborted are final."""
+    status: ExecutionStatus | None
+    """The latest status; null before it began."""
+    unrecorded: list[str]
+    """What has happened and the database does not hold yet, because it is full, locked or away:
+    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
+    for is done all the same."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds of the stages `load` and `execute`, once it has ended; of a failure those of
+    `failure` [s]."""
+
+
+class OtherExecutionEvent(Answer):
+    """One that a newer server has."""
+
+    event: str
+    data: Any
+    id: str
+
+
+type ExecutionEvent = Annotated[
+    Annotated[
+        QueuedEvent | StartedEvent | StageEvent | ControlsEvent | StatusEvent | FinishedEvent,
+        Field(discriminator="event"),
+    ]
+    | OtherExecutionEvent,
+    Field(union_mode="left_to_right"),
+]
+"""What happened to an execution."""
+
+
+class ExecutionPage(Answer):
+    """Executions, newest first."""
+
+    items: list[Execution]
+    """Executions on this page."""
+    next: str | None
+    """Cursor of the next page; null on the last one."""
+
+
+class ExecutionRequest(Answer):
+    """Carry out a plan."""
+
+    plan: str
+    """Id of a plan that succeeded."""
+    driver: Literal["simulated"] = "simulated"
+    """What moves: Drake's simulation under a joint controller."""
+    speed: float = 1.0
+    """Factor on the pace at which the simulation runs; 1 is real time."""
+    title: str | None = None
+    """Title of the motion in replays of the scene."""
+
+
+type ExecutionState = (
+    Literal["accepted", "executing", "paused", "canceling", "succeeded", "canceled", "aborted"]
+    | str
+)
+"""States of an execution: those of ROS 2 actions, and paused; the last three are final."""
+
+
+class ExecutionStatus(Answer):
+    """How far an execution is; also the data of its events."""
+
+    contacts: list[Contact]
+    """Touches so far that the scene does not allow."""
+    max_tracking_error: float
+    """Largest tracking error so far [rad or m]."""
+    positions: list[float]
+    """Measured positions [rad or m]."""
+    progress: float
+    """Time along the motion over its duration, 0 to 1."""
+    state: ExecutionState
+    """State of the execution."""
+    time: float
+    """Time along the motion [s]."""
+    tracking_error: float
+    """Largest distance of a joint from where it should be, now [rad or m]."""
+    lateness: float | None = None
+    """The longest so far that the controller was late to look at the clock [s]: what else runs
+    on the machine makes the motion fall behind; null if not recorded."""
+
+
+class FailedCheck(Answer):
+    """A check of the certificate that failed."""
+
+    bound: float | None
+    """What it may be; null where it is not finite."""
+    name: str
+    """Of the check."""
+    value: float | None
+    """Its worst value, in the unit of the check; null where it is not finite."""
+    where: str
+    """The joint, frame or bodies, or empty."""
+    time: float | None = None
+    """On the motion [s]."""
+    unit: str | None = None
+    """Of both; `1` for a number without one."""
+
+
+type Failure = Annotated[
+    Annotated[
+        SceneInvalidFailure
+        | SceneEditImpossibleFailure
+        | AssetNotFoundFailure
+        | ModelInvalidFailure
+        | ProblemInvalidFailure
+        | UnknownNameFailure
+        | StartInCollisionFailure
+        | StartTooNearFailure
+        | StartOutOfLimitsFailure
+        | StartViolatesConstraintFailure
+        | GoalOutOfLimitsFailure
+        | GoalInCollisionFailure
+        | GoalTooNearFailure
+        | GoalUnreachableFailure
+        | GoalViolatesConstraintFailure
+        | ApproachBlockedFailure
+        | LineBlockedFailure
+        | NoPathFoundFailure
+        | DeadlineExceededFailure
+        | CanceledFailure
+        | RetimingFailedFailure
+        | NotCertifiedFailure
+        | IllegalTransitionFailure
+        | TrackingLostFailure
+        | ContactFailure
+        | WorkerCrashedFailure
+        | WorkerUnresponsiveFailure
+        | HostLostFailure
+        | MemoryLimitExceededFailure
+        | ServerRestartedFailure
+        | InternalErrorFailure,
+        Field(discriminator="code"),
+    ]
+    | OtherFailure,
+    Field(union_mode="left_to_right"),
+]
+"""Why a job has no result: its `code` says what its `evidence` has. Codes and evidence of older
+versions are passed on as they are."""
+
+
+class FaultsEvidence(Answer):
+    """Where a body or its parameters have faults."""
+
+    faults: list[DocumentFault]
+    """At most 20 of them."""
+
+
+class Files(Answer):
+    """The files of a robot or a mesh, as they were when it entered the scene."""
+
+    card: str
+    """The `robot.yaml` that goes with it; empty for none."""
+    main: str
+    """The robot's description, or the mesh; one of the paths."""
+    named: str
+    """What the document calls them: `model`, or the mesh's `uri`."""
+    sha256: dict[str, str]
+    """Of the bytes of every file, by path relative to the folder of all."""
+
+
+class FinishedData(Answer):
+    """How a job ended."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    state: Literal["succeeded", "failed", "canceled"] | str
+    """Final state of the job."""
+    failure: Failure | None = None
+    """Why there is no result."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class FinishedEvent(Answer):
+    """The job ended; no event follows."""
+
+    data: Json[FinishedData]
+    """How it ended."""
+    event: Literal["finished"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class FkResponse(Answer):
+    """Poses per configuration, in order."""
+
+    results: list[dict[str, Pose]]
+    """Pose in world per frame, in the order of the configurations."""
+
+
+class FoundDeviation(Answer):
+    """How far a tool is from its line at most, between waypoints too."""
+
+    position: float
+    """Of its origin, from the line [m]."""
+    rotation: float
+    """Of its rotation [rad]."""
+
+
+class FrameDocument(Answer):
+    """A named pose: a target, a tool point."""
+
+    name: str
+    """Its name."""
+    parent: str = "world"
+    """An object, a frame, `robot::link` or `world`."""
+    pose: PoseDocument | None = None
+    """X_PF."""
+
+
+class FunnelEvidence(Answer):
+    """How many samples of inverse kinematics pass each test."""
+
+    collision_free: int
+    """Of these, those that are free."""
+    converged: int
+    """Those that reached the target."""
+    distinct: int
+    """Of these, those that differ from all others."""
+    rejected_by: list[RejectedPair]
+    """Collisions by pair, the most frequent first."""
+    tried: int
+    """Seeds given to the solver."""
+    within_limits: int
+    """Of these, those within the joint limits."""
+    approach_ok: int | None = None
+    """Of the free ones that keep path constraints, those with free approach and retreat."""
+    blocked_by: list[BlockedMoves] | None = None
+    """What stopped approaches and retreats, the most frequent first."""
+    breaking: int | None = None
+    """Of the free ones, those that violate a path constraint."""
+    rejected: list[RejectedSamples] | None = None
+    """Why the others are not among the distinct ones; the counts add up to those tried."""
+    summary: str | None = None
+    """The same as a sentence."""
+    violating: int | None = None
+    """Goal configurations dropped for path constraints, whole turns included."""
+
+
+class OtherGoal(Answer):
+    """One that a newer server has."""
+
+    type: str
+
+
+type Goal = Annotated[
+    Annotated[
+        JointGoal | ConfigurationGoal | PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal,
+        Field(discriminator="type"),
+    ]
+    | OtherGoal,
+    Field(union_mode="left_to_right"),
+]
+"""What a motion shall reach."""
+
+
+class GoalConstraintEvidence(Answer):
+    """Path constraints that all goal configurations violate."""
+
+    violations: list[CountedViolation]
+    """By constraint, the most frequent first."""
+    nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
+    """The nearest feasible pose or configuration, null if none was found."""
+    relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
+    """Which constraint would have to give way, and how far."""
+
+
+class GoalEvidence(Answer):
+    """Why no goal configuration is feasible, and what would have to change."""
+
+    funnel: FunnelEvidence
+    """How many samples passed each test."""
+    nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
+    """The nearest feasible pose or configuration, null if none was found."""
+    pairs: list[ViolatingPair] | None = None
+    """Of given configurations, the pairs of the least infeasible one."""
+    relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
+    """What would have to change."""
+
+
+class GoalInCollisionFailure(Answer):
+    """Goal configurations exist and bodies overlap in all of them."""
+
+    code: Literal["goal_in_collision"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class GoalInCollisionProblem(Answer):
+    """Goal configurations exist and bodies overlap in all of them."""
+
+    code: Literal["goal_in_collision"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class GoalLimitsEvidence(Answer):
+    """Positions of the goal's configurations outside their limits."""
+
+    joints: list[ViolatedLimit]
+    """Where, and by how much."""
+    nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
+    """The nearest feasible configuration, null if none was found."""
+    relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
+    """What would have to change."""
+
+
+class GoalOutOfLimitsFailure(Answer):
+    """Every goal configuration violates position limits."""
+
+    code: Literal["goal_out_of_limits"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GoalLimitsEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class GoalOutOfLimitsProblem(Answer):
+    """Every goal configuration violates position limits."""
+
+    code: Literal["goal_out_of_limits"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: GoalLimitsEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class GoalTooNearFailure(Answer):
+    """No goal configuration keeps its margins, though in at least one no bodies overlap."""
+
+    code: Literal["goal_too_near"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class GoalTooNearProblem(Answer):
+    """No goal configuration keeps its margins, though in at least one no bodies overlap."""
+
+    code: Literal["goal_too_near"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class GoalUnreachableFailure(Answer):
+    """No configuration reaches the goal."""
+
+    code: Literal["goal_unreachable"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class GoalUnreachableProblem(Answer):
+    """No configuration reaches the goal."""
+
+    code: Literal["goal_unreachable"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: GoalEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class GoalViolatesConstraintFailure(Answer):
+    """Every goal configuration violates path constraints."""
+
+    code: Literal["goal_violates_constraint"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GoalConstraintEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class GoalViolatesConstraintProblem(Answer):
+    """Every goal configuration violates path constraints."""
+
+    code: Literal["goal_violates_constraint"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: GoalConstraintEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class GoalsReport(Answer):
+    """What the goals stage found."""
+
+    funnel: IkFunnel
+    """How many samples survived what."""
+    num_configurations: int
+    """Goal configurations that were offered to search."""
+
+
+class Group(Answer):
+    """Joints that are planned for together."""
+
+    aliases: list[str]
+    """Other names that it answers to."""
+    configurations: dict[str, list[float]]
+    """Named configurations, in the group's order [rad or m]."""
+    joints: list[Joint]
+    """In the group's order."""
+    limits: Limits
+    """What its joints may do."""
+    name: str
+    """`robot` or `robot::group`."""
+    position_names: list[str]
+    """A name per position coordinate, in order."""
+    positions: list[float]
+    """The current state [rad or m]."""
+    tool_frames: list[str]
+    """Frames that it moves; the first is the default."""
+    velocity_names: list[str]
+    """A name per velocity coordinate, in order."""
+
+
+class Health(Answer):
+    """That the server is there."""
+
+    kernel: str
+    """Instruction set of the native collision kernel; `none` where it was not built, and Drake
+    answers everything, more slowly."""
+    status: Literal["ok"]
+    """Always `ok`: no answer is the other answer."""
+    version: str
+    """Of Wayproof."""
+
+
+class HostEvidence(Answer):
+    """Whom a request was for."""
+
+    host: str
+    """As the request has it."""
+
+
+class HostLostEvidence(Answer):
+    """Which machine was lost."""
+
+    host: str
+    """Its address and the first digits of its id."""
+    attempts: int | None = None
+    """How often the job was started."""
+    during: str | None = None
+    """The stage that it told last."""
+
+
+class HostLostFailure(Answer):
+    """The machine that the job ran on was lost, and it may not run again, or it was lost too
+    often."""
+
+    code: Literal["host_lost"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: HostLostEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class HostLostProblem(Answer):
+    """The machine that the job ran on was lost, and it may not run again, or it was lost too
+    often."""
+
+    code: Literal["host_lost"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: HostLostEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class HostNotAllowedProblem(Answer):
+    """The request is for a server of another name."""
+
+    code: Literal["host_not_allowed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: HostEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class HttpErrorProblem(Answer):
+    """Any other status."""
+
+    code: Literal["http_error"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: NoEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class IdempotencyConflictProblem(Answer):
+    """An idempotency key came again with another request."""
+
+    code: Literal["idempotency_conflict"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: IdempotencyEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class IdempotencyEvidence(Answer):
+    """What the first request with the key made."""
+
+    key: str
+    """The key."""
+    batch: str | None = None
+    """Id of the batch."""
+    job: str | None = None
+    """Id of the plan, the regions or the execution."""
+    scene: str | None = None
+    """Id of the scene."""
+
+
+class Ik(Answer):
+    """How hard to look for goal configurations, and which of them are near."""
+
+    allowed_time: float | None = None
+    """For finding them, or saying why there is none [s]; null for as long as there is."""
+    joint_weights: dict[str, float] = Field(default={}, validate_default=True)
+    """Factor on each joint's part of the distance from the start, by full name
+    (`robot::joint`); 1 for joints that are not named [1]."""
+    max_configurations: int = 100
+    """At most so many, the nearest to the start of all that are found; as many are looked for,
+    but 100 at least, and until 40 in a row are known already."""
+    max_trials: int = 300
+    """Stop after this many seeds of the solver, over all poses."""
+    pose_metric: PoseMetric | None = None
+    """Which pose is the nearest to one that no configuration reaches."""
+
+
+class IkFunnel(Answer):
+    """The same, with the reason of every rejected sample."""
+
+    collision_free: int
+    """Touch nothing."""
+    converged: int
+    """Reached the target within tolerance."""
+    distinct: int
+    """Differ from all others."""
+    rejected_by: list[CollidingPair]
+    """Which pairs the colliding ones hit, of the first few that were measured."""
+    tried: int
+    """Seeds given to the solver."""
+    within_limits: int
+    """Kept the joint limits."""
+    approach_ok: int = 0
+    """Have a free, continuous approach and retreat; all without a request for them."""
+    blocked_by: list[ApproachFailures] = Field(default=[], validate_default=True)
+    """What stopped approaches and retreats, most frequent first."""
+    breaking: int = 0
+    """Of the collision-free samples, those that violate a path constraint."""
+    rejected: list[Rejection] = Field(default=[], validate_default=True)
+    """Why the others are no solutions."""
+    summary: str = ""
+    """The same as a sentence."""
+    violating: int = 0
+    """Goal configurations, whole turns included, that were dropped because they or their lines
+    violate a path constraint."""
+
+
+class IkResponse(Answer):
+    """All distinct goal configurations, nearest to the start first, or why there are none."""
+
+    configurations: list[IkSolution]
+    """Free, within limits, distinct."""
+    failure: Failure | None
+    """Why there is none, `goal_unreachable`, `goal_in_collision`, `goal_too_near`,
+    `approach_blocked` or `goal_violates_constraint`; the evidence has the `nearest` feasible
+    pose and the `relaxation` that would do, what blocks the approaches, and what is violated;
+    or `deadline_exceeded`, with the funnel so far; null if there is one."""
+    funnel: IkFunnel | None
+    """How many samples survived what."""
+
+
+class IkSolution(Answer):
+    """A goal configuration, and how good it is."""
+
+    branch: Branch | None
+    """Of six-joint arms with a spherical wrist or one like Universal Robots'; else null."""
+    clearance: float | None
+    """Smallest signed distance of any two bodies [m]; null if nothing can collide."""
+    distance: float
+    """From the start, by `ik.joint_weights`; the answers are sorted by it [rad or m]."""
+    limit_margin: float | None
+    """Smallest distance to a position limit as a share of its range, 0 to 0.5; null if nothing
+    is limited."""
+    manipulability: float
+    """Yoshikawa's sqrt(det(J J^T)) of the tool; it mixes metres and radians, so it compares
+    configurations of one arm."""
+    pair: tuple[str, str] | None
+    """The full names of these two."""
+    pose_index: int
+    """Which of the goal's poses it reaches, from 0."""
+    positions: list[float]
+    """The group's positions [rad or m]."""
+
+
+class IllegalTransitionFailure(Answer):
+    """The present state does not allow an event."""
+
+    code: Literal["illegal_transition"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: TransitionEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class IllegalTransitionProblem(Answer):
+    """The present state does not allow an event."""
+
+    code: Literal["illegal_transition"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: TransitionEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class InUseEvidence(Answer):
+    """What is not deleted, and because of what."""
+
+    id: str
+    """Of the resource."""
+    used_by: str
+    """Id of what names it, and has not ended."""
+
+
+class InternalErrorEvidence(Answer):
+    """A fault of ours; the log has the rest."""
+
+    during: str | None = None
+    """The stage that it told last."""
+    exception: str | None = None
+    """Its class."""
+    reference: str | None = None
+    """Under which the server's log says more."""
+
+
+class InternalErrorFailure(Answer):
+    """The task raised what it should not."""
+
+    code: Literal["internal_error"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: InternalErrorEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class InternalErrorProblem(Answer):
+    """The task raised what it should not."""
+
+    code: Literal["internal_error"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: InternalErrorEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Interpolation(Answer):
+    """Whether the samples keep what the motion was proven to keep, read in one way."""
+
+    deviation: float | None
+    """How far any coordinate is from the exact motion at most [rad or m]; null if that is not
+    known."""
+    failed: list[Check]
+    """The checks that did not pass."""
+    kind: Literal["linear", "cubic", "quintic"] | str
+    """Between samples a receiver goes straight (`linear`: positions alone), by the polynomial
+    of degree 3 (`cubic`: positions and velocities) or of degree 5 (`quintic`: accelerations
+    too)."""
+    proven: bool
+    """Every check passed on the whole interval, those in `unchecked` excepted."""
+    reason: str
+    """Why it is not proven where no check says so, or empty."""
+    unchecked: list[str]
+    """Checks of the certificate that straight lines are not held to: at every sample their
+    velocity jumps."""
+    up_to_period: float | None
+    """The longest `sample_period` with which it is known to be proven [s], the duration if that
+    is however long; of samples that are evenly apart only that of theirs; null if none is known."""
+
+
+class OtherJobEvent(Answer):
+    """One that a newer server has."""
+
+    event: str
+    data: Any
+    id: str
+
+
+type JobEvent = Annotated[
+    Annotated[
+        QueuedEvent
+        | StartedEvent
+        | RequeuedEvent
+        | StageEvent
+        | ProgressEvent
+        | BestSoFarEvent
+        | FinishedEvent,
+        Field(discriminator="event"),
+    ]
+    | OtherJobEvent,
+    Field(union_mode="left_to_right"),
+]
+"""What happened to a plan or to regions."""
+
+
+class JobIdEvidence(Answer):
+    """Which job does not exist."""
+
+    id: str
+    """As it was given."""
+
+
+type JobState = Literal["queued", "running", "succeeded", "failed", "canceled"] | str
+"""Where a job is; the last three are final and written once."""
+
+
+class Joint(Answer):
+    """A joint of a group."""
+
+    name: str
+    """Full name, `robot::joint`."""
+    type: JointType
+    """Whole turns are nothing only to continuous joints, and a joint that another one follows
+    by less is revolute."""
+    steering: Steering | None = None
+    """How a planar joint is steered; null if it moves any way."""
+
+
+class JointGoal(Answer):
+    """Reach a configuration, or any of several."""
+
+    positions: list[float] | list[list[float]]
+    """The group's positions, one list or several [rad or m]."""
+    type: Literal["joint"]
+    """Says which goal this is."""
+
+
+class JointLimits(Answer):
+    """Some coordinates of the group stay within bounds, besides those of the robot."""
+
+    limits: dict[str, list[float]]
+    """Smallest and largest position by the name of a joint, or of a coordinate of one that has
+    several [rad or m]."""
+    type: Literal["joint_limits"]
+    """Says which constraint this is."""
+
+
+type JointType = Literal["revolute", "continuous", "prismatic", "planar", "floating"] | str
+"""Types of joints; positions and velocities are in Drake's order."""
+
+
+class KeepIn(Answer):
+    """The origin of a frame stays in a box."""
+
+    box: Box
+    """Where it must be."""
+    frame: str
+    """Whose origin."""
+    type: Literal["keep_in"]
+    """Says which constraint this is."""
+
+
+class KeepOut(Answer):
+    """The origin of a frame stays out of a box."""
+
+    box: Box
+    """Where it must not be."""
+    frame: str
+    """Whose origin."""
+    type: Literal["keep_out"]
+    """Says which constraint this is."""
+
+
+class LargerTolerance(Answer):
+    """Tolerances with which the nearest pose solves the goal."""
+
+    pose_index: int
+    """Of the goal's pose, from 0."""
+    position: list[float]
+    """Along x, y, z of the goal [m]."""
+    rotation: list[float]
+    """About x, y, z of the goal [rad]."""
+
+
+type Limit = (
+    Literal[
+        "velocity",
+        "acceleration",
+        "jerk",
+        "torque",
+        "tool_speed",
+        "tool_acceleration",
+        "speed_zone",
+        "acceleration_bounds",
+    ]
+    | str
+)
+"""Limits on a motion."""
+
+
+class LimitViolation(Answer):
+    """A joint outside its position limits."""
+
+    joint: str
+    """Name of the position coordinate."""
+    lower: float | None
+    """Smallest allowed [rad or m]; null for none."""
+    upper: float | None
+    """Largest allowed [rad or m]; null for none."""
+    value: float
+    """Where it is [rad or m]."""
+
+
+class Limits(Answer):
+    """What the joints of a group may do; null is unlimited. Positions are limited per
+    coordinate. Rates are limited per block: the Euclidean norm of the block's velocity
+    coordinates; a scalar joint is a block of its own. Joints that follow those of the group
+    keep their own limits within these."""
+
+    acceleration: list[float | None]
+    """Per block [rad/s^2 or m/s^2]."""
+    blocks: list[str]
+    """Names of the blocks, in the order of the rates."""
+    effort: list[float | None]
+    """Per block [N m or N]."""
+    jerk: list[float | None]
+    """Per block [rad/s^3 or m/s^3]."""
+    lower: list[float | None]
+    """Smallest positions [rad or m]."""
+    upper: list[float | None]
+    """Largest positions [rad or m]."""
+    velocity: list[float | None]
+    """Per block [rad/s or m/s]."""
+
+
+class LineBlockedFailure(Answer):
+    """A straight line cannot be followed to its end."""
+
+    code: Literal["line_blocked"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: LineEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class LineBlockedProblem(Answer):
+    """A straight line cannot be followed to its end."""
+
+    code: Literal["line_blocked"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: LineEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class LineEvidence(Answer):
+    """Where a straight line stops."""
+
+    fraction: float
+    """The part of it that is free [0 to 1]."""
+    length: float
+    """Of the line [m]."""
+    line: int
+    """Which of the goal's lines, from 0."""
+    stopped_by: LineStopEvidence
+    """Where and why."""
+
+
+class LineGoal(Answer):
+    """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
+
+    type: Literal["line"]
+    """Says which goal this is."""
+    deviation: Deviation | None = None
+    """How far from the line the motion may be, between samples too."""
+    displacement: Translation | None = None
+    """Or the way from where the tool stands."""
+    frame: str | None = None
+    """The tool frame: any that the group moves; null for its default."""
+    pose: Pose | None = None
+    """Where the line ends, and the rotation turns along with the translation; this or
+    `displacement`."""
+
+
+type LineLeg = Literal["approach", "retreat"] | str
+"""Straight line to a goal, or away from it."""
+
+
+class LineResponse(Answer):
+    """How far it goes, on what way, and what stops it."""
+
+    deviation: FoundDeviation
+    """How far from the line the tool is at most, between waypoints too."""
+    fraction: float
+    """Of the line that is reached, 0 to 1 [1]."""
+    fractions: list[float]
+    """Of the line, of every waypoint [1]."""
+    length: float
+    """How far the tool's origin gets along it [m]."""
+    poses: list[Pose] | None
+    """The tool at each waypoint, in world; null if not asked for."""
+    positions: list[list[float]]
+    """Waypoints from the start on, to be joined straight [rad or m]."""
+    stopped_by: LineStop | None
+    """What ended it; null if all is reached."""
+
+
+class LineStop(Answer):
+    """What ended a line before its end."""
+
+    fraction: float
+    """Of the line that was reached, to about 1e-5 [1]."""
+    joint: str | None
+    """The position coordinate at its limit, for `limit`."""
+    pair: Pair | None
+    """The two bodies just beyond, for `collision`."""
+    positions: list[float]
+    """The group there [rad or m]."""
+    reason: LineStopReason
+    """`limit`: a joint would leave its range. `collision`: two bodies would be nearer than
+    their margin. `singularity`: the joints would have to move without bound. `unreachable`: the
+    joints cannot move the tool that way."""
+    singular_value: float
+    """Smallest singular value there of the tool's Jacobian, of those that are not zero
+    everywhere [1 or m per rad or m]."""
+    where: Pose
+    """The tool there, in world."""
+
+
+class LineStopEvidence(Answer):
+    """Where and why a straight line stops."""
+
+    fraction: float
+    """The part of the line that is free [0 to 1]."""
+    joint: str | None
+    """That would leave its limits, if that is the reason."""
+    pair: ViolatingPair | None
+    """That would violate its margin, if that is the reason."""
+    positions: list[float]
+    """The group's positions there [rad or m]."""
+    reason: LineStopReason
+    """Why."""
+    singular_value: float | None
+    """The least of the Jacobian there."""
+    where: PlainPose
+    """The tool there, in world."""
+
+
+type LineStopReason = Literal["limit", "singularity", "collision", "unreachable"] | str
+"""Why a straight line stops."""
+
+
+class LockedJoints(Answer):
+    """Some joints of the group stay where the start has them."""
+
+    joints: list[str]
+    """Full names."""
+    type: Literal["locked_joints"]
+    """Says which constraint this is."""
+
+
+class MarginDocument(Answer):
+    """A distance that two bodies keep, other than the scene's margin."""
+
+    bodies: list[str]
+    margin: float
+    """[m]."""
+
+
+class MediaTypeEvidence(Answer):
+    """What is read instead."""
+
+    got: str | None = None
+    """The content type that came."""
+    known: list[str] | None = None
+    """Those that are read."""
+
+
+class MemoryEvidence(Answer):
+    """How much memory the worker used."""
+
+    bound: int
+    """What it may use [bytes]."""
+    used: int
+    """The most that was seen [bytes]."""
+    attempts: int | None = None
+    """How often the job was started."""
+    during: str | None = None
+    """The stage that it told last."""
+
+
+class MemoryLimitExceededFailure(Answer):
+    """The job needs more memory than a worker may use."""
+
+    code: Literal["memory_limit_exceeded"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: MemoryEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class MemoryLimitExceededProblem(Answer):
+    """The job needs more memory than a worker may use."""
+
+    code: Literal["memory_limit_exceeded"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: MemoryEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class MeshDocument(Answer):
+    """A mesh file; its convex hull is what counts."""
+
+    uri: str
+    """Path of an .obj, .vtk or .gltf file."""
+    scale: list[float] = Field(default=[1.0, 1.0, 1.0], validate_default=True)
+    """One factor, or one per axis."""
+
+
+class MethodNotAllowedProblem(Answer):
+    """The resource is there, but does not do that."""
+
+    code: Literal["method_not_allowed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: NoEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Model(Answer):
+    """A robot that scenes may name."""
+
+    assumed: list[str]
+    """Joints whose rate limits nobody states, so that ours are assumed."""
+    bodies: list[str]
+    """Its bodies, in a robot of this name."""
+    default_group: str
+    """The group that the bare robot name stands for."""
+    description: str
+    """What it is."""
+    groups: list[Group]
+    """What can be planned for, in a robot of this name."""
+    name: str
+    """As `model` of a scene's robot has it."""
+    sources: list[Source]
+    """Where its numbers are from."""
+
+
+class ModelEvidence(Answer):
+    """What is wrong with a robot, or with one of its files."""
+
+    reason: str
+    """What is wrong."""
+    body: str | None = None
+    """At which body."""
+    element: str | None = None
+    """In which element of it."""
+    elements: Any | None = None
+    """Which elements of it have the fault."""
+    file: str | None = None
+    """In which file."""
+    joint: str | None = None
+    """At which joint."""
+    joints: list[str] | None = None
+    """At which joints."""
+    link: str | None = None
+    """At which link."""
+    robot: str | None = None
+    """Which robot of the scene it is."""
+
+
+class ModelInvalidFailure(Answer):
+    """A robot file is unsafe or does not load."""
+
+    code: Literal["model_invalid"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: ModelEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class ModelInvalidProblem(Answer):
+    """A robot file is unsafe or does not load."""
+
+    code: Literal["model_invalid"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: ModelEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class ModelList(Answer):
+    """Robots there are."""
+
+    items: list[str]
+    """Names, sorted; GET /v1/models/{name} says more."""
+
+
+type MotionInterpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"] | str
+"""What a motion is between its instants."""
+
+
+class NameEvidence(Answer):
+    """A name that does not exist."""
+
+    kind: str
+    """What was looked for."""
+    known: list[str]
+    """Names that there are."""
+    name: str
+    """As it was given."""
+    nearest: list[str] | None = None
+    """Of these, those that were perhaps meant, the nearest first."""
+    operation: int | None = None
+    """Of an edit, in which operation, from 0."""
+
+
+class NearestConfigurationEvidence(Answer):
+    """The feasible configuration that is nearest to the goal's."""
+
+    binding: Literal["collision", "path_constraint", "limits"] | str
+    """What keeps it from being nearer."""
+    constraints: list[str]
+    """Path constraints that would be violated nearer to the goal."""
+    cut_short: bool
+    """Whether time ran out, so that a nearer one may exist."""
+    differences: dict[str, float]
+    """From it, by coordinate [rad or m]."""
+    distance: float
+    """From the goal's configuration, in the metric of joints [rad or m]."""
+    goal_index: int
+    """Which of the goal's configurations it is nearest to, from 0."""
+    joints: list[str]
+    """Coordinates at their limits."""
+    pairs: list[tuple[str, str]]
+    """Pairs of bodies at their margins."""
+    positions: list[float]
+    """The group's positions [rad or m]."""
+
+
+class NearestPoseEvidence(Answer):
+    """The feasible pose of the tool that is nearest to the goal."""
+
+    binding: (
+        Literal["collision", "path_constraint", "approach", "retreat", "limits", "reach"]
+        | str
+        | None
+    )
+    """What keeps it from being nearer; null where time ran out before that was known."""
+    constraints: list[str]
+    """Path constraints that would be violated nearer to the goal."""
+    cut_short: bool
+    """Whether time ran out, so that a nearer pose may exist."""
+    goal: PlainPose
+    """That pose, within its tolerance, as near as it may be."""
+    joints: list[str]
+    """Coordinates at their limits."""
+    line: dict[str, Any] | None
+    """Where and why its approach or retreat would stop nearer to the goal."""
+    pairs: list[tuple[str, str]]
+    """Pairs of bodies at their margins."""
+    pose_index: int
+    """Which of the goal's poses it is nearest to, from 0."""
+    position: list[float]
+    """x, y, z in world [m]."""
+    positions: list[float]
+    """The group's positions there [rad or m]."""
+    quaternion: list[float]
+    """w, x, y, z in world."""
+    rotation_error: float
+    """Angle from the goal, its tolerance aside [rad]."""
+    translation_error: float
+    """Distance from the goal, its tolerance aside [m]."""
+
+
+class NewWebhook(Answer):
+    """A webhook that was just registered."""
+
+    created_at: datetime
+    """When it was registered (UTC)."""
+    disabled_at: datetime | None
+    """Since when nothing is sent, because it failed for days or said 410 (UTC); null if it is
+    enabled."""
+    events: list[WebhookEvent]
+    """What is told."""
+    failing_since: datetime | None
+    """Since when it has taken nothing that was sent (UTC); null if it takes them."""
+    id: str
+    """Of the webhook."""
+    reason: str
+    """Of the last failure since a success, or empty."""
+    secret: str
+    """With which messages are signed, `whsec_` and base64: it is never told again."""
+    url: str
+    """Where messages are posted."""
+
+
+class NoEvidence(Answer):
+    """Nothing: the detail says all."""
+
+
+class NoPathFoundFailure(Answer):
+    """The planner ended without an exact solution."""
+
+    code: Literal["no_path_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: SearchEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class NoPathFoundProblem(Answer):
+    """The planner ended without an exact solution."""
+
+    code: Literal["no_path_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: SearchEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class NoRegionsEvidence(Answer):
+    """Which regions were looked for."""
+
+    digest: str
+    """Of its content."""
+    group: str
+    """That they are for."""
+    margin: float
+    """That they keep at least [m]."""
+    there: list[dict[str, Any]]
+    """Regions that there are, and why they do not fit."""
+    scene: str | None = None
+    """The scene."""
+
+
+class NoRegionsProblem(Answer):
+    """No regions fit the plan."""
+
+    code: Literal["no_regions"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: NoRegionsEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class NoTrajectoryEvidence(Answer):
+    """What there is instead of a motion."""
+
+    failure: dict[str, Any] | None = None
+    """Why it has no motion, if it ended without one."""
+    id: str | None = None
+    """Of the plan."""
+    state: str | None = None
+    """That it is in."""
+
+
+class NoTrajectoryProblem(Answer):
+    """The plan has no trajectory (yet)."""
+
+    code: Literal["no_trajectory"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: NoTrajectoryEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class NotCertifiedFailure(Answer):
+    """No candidate motion passed the certifier."""
+
+    code: Literal["not_certified"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: CertificateEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class NotCertifiedProblem(Answer):
+    """No candidate motion passed the certifier."""
+
+    code: Literal["not_certified"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: CertificateEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class NotFoundProblem(Answer):
+    """There is nothing of that id."""
+
+    code: Literal["not_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: UnknownResourceEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class NotReadyProblem(Answer):
+    """Workers are not warm yet, or cannot be."""
+
+    code: Literal["not_ready"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: ReadinessEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class ObjectDocument(Answer):
+    """An obstacle, or an object to handle."""
+
+    name: str
+    """Of its body and of its frame."""
+    shape: ShapeDocument
+    """Its geometry [m]."""
+    attached: AttachmentDocument | None = None
+    """Its attachment to a robot; none if it is fixed to the world."""
+    center_of_mass: list[float] | None = None
+    """In its frame [m]; none for that of the shape; only with `mass`."""
+    color: list[float] | None = None
+    """RGB or RGBA, each 0 to 1."""
+    mass: float | None = None
+    """Its mass while it is attached [kg]; none for no mass. Its inertia is that of the shape at
+    uniform density; a mesh counts as its convex hull."""
+    movable: bool = False
+    """Whether it may be attached."""
+    pose: PoseDocument | None = None
+    """X_WO; of an attached object X_FO, in its frame."""
+
+
+class Orientation(Answer):
+    """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
+
+    axis: list[float]
+    """In that frame; any length but zero."""
+    direction: list[float]
+    """In `reference`; any length but zero."""
+    frame: str
+    """Whose axis."""
+    tolerance: float
+    """Largest angle between them [rad]."""
+    type: Literal["orientation"]
+    """Says which constraint this is."""
+    reference: str = "world"
+    """Whose axes `direction` counts in; of a frame that moves, as the start has it."""
+
+
+class OriginEvidence(Answer):
+    """Whose page asked."""
+
+    origin: str
+    """As the request has it."""
+
+
+class OriginNotAllowedProblem(Answer):
+    """A web page of another origin asks."""
+
+    code: Literal["origin_not_allowed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: OriginEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class OtherFailure(Answer):
+    """A failure that an older or a newer version recorded."""
+
+    code: str
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: dict[str, Any]
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class OtherProblem(Answer):
+    """A problem that a newer version tells."""
+
+    code: str
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: dict[str, Any]
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Pair(Answer):
+    """Two bodies and how near they are."""
+
+    bodies: tuple[str, str]
+    """Full names."""
+    depth: float
+    """Of penetration [m]; 0 if they do not touch."""
+    distance: float
+    """Signed [m]; negative is the depth of penetration."""
+    points: list[list[float]]
+    """The nearest point of each, in world [m]."""
+
+
+class PairsEvidence(Answer):
+    """Pairs of bodies at the start."""
+
+    pairs: list[ViolatingPair]
+    """Those that overlap or violate their margin."""
+
+
+class Parameter(Answer):
+    """A parameter of a planner."""
+
+    default: str
+    """Its value if it is not given, as text."""
+    maximum: float | None
+    """Greatest value, or null where there is none."""
+    minimum: float | None
+    """Least value, or null where there is none."""
+    name: str
+    """OMPL's name."""
+    range: str
+    """The values that it may have, for a person."""
+    type: Literal["boolean", "integer", "number"] | str
+    """JSON type of its values."""
+
+
+class Part(Answer):
+    """A part of the motion, from rest to rest."""
+
+    begin: float
+    """First instant [s]."""
+    end: float
+    """Last instant [s]."""
+    kind: Literal["free", "approach", "retreat", "line"] | str
+    """What it is for; all but `free` are straight lines of the tool."""
+    length: float
+    """Of the tool's way [m]."""
+    num_waypoints: int
+    """Of its part of `path`, both ends included."""
+
+
+class PartialPose(Answer):
+    """A configuration that keeps the rest of the pose."""
+
+    error: float
+    """By which the position [m] or the rotation [rad] is off."""
+    pose_index: int
+    """Of the goal's pose, from 0."""
+    positions: list[float]
+    """The group's positions [rad or m]."""
+
+
+class PathGoal(Answer):
+    """Bring a tool frame through poses in straight lines, at rest at each."""
+
+    poses: list[Pose]
+    """In this order; frames that move count where the start puts them."""
+    type: Literal["path"]
+    """Says which goal this is."""
+    deviation: Deviation | None = None
+    """How far from the lines the motion may be, between samples too."""
+    frame: str | None = None
+    """The tool frame: any that the group moves; null for its default."""
+
+
+class Payload(Answer):
+    """A rigid mass that follows a frame and burdens every joint that carries it."""
+
+    frame: str
+    """What it follows; the group must move it."""
+    mass: float
+    """[kg]."""
+    center_of_mass: list[float] = Field(default=[0.0, 0.0, 0.0], validate_default=True)
+    """In the frame [m]."""
+    inertia: list[float] = Field(default=[0.0, 0.0, 0.0, 0.0, 0.0, 0.0], validate_default=True)
+    """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass, along the frame's axes [kg m^2];
+    zeros for a point mass."""
+
+
+class PlainPose(Answer):
+    """A pose in world."""
+
+    position: list[float]
+    """x, y, z [m]."""
+    quaternion: list[float]
+    """w, x, y, z."""
+
+
+class Plan(ShownPlan):
+    """A plan; poll it until its state is final."""
+
+    attempts: int
+    """How often a worker has begun with it, this time included: more than once where a worker
+    or the server ended under it."""
+    batch: str | None
+    """Id of the batch that it is of; null for none."""
+    cancel_requested_at: datetime | None
+    """When its end was first requested (UTC), whatever became of that; null if it was not, or
+    by a version that did not keep it."""
+    created_at: datetime
+    """When it was requested (UTC)."""
+    digest: str | None
+    """sha256 over the delivered numbers."""
+    failure: Failure | None
+    """Why there is no result."""
+    finished_at: datetime | None
+    """When it ended (UTC)."""
+    id: str
+    """Of the plan."""
+    progress: float
+    """Of the whole plan, 0 to 1: within a stage it grows with the share of the allowed time
+    that is used; of a plan that failed or was canceled, how far it came."""
+    request: PlanRequest
+    """The request with its defaults, and the scene's latest `revision` and the newest
+    `search.regions` where they were left open: posted again, it gives the same plan."""
+    result: PlanResult | None
+    """What it gave, once it succeeded."""
+    seed: int
+    """Of all randomness."""
+    stage: AnyStage
+    """The stage that it is in or ended in, or empty."""
+    started_at: datetime | None
+    """When a worker took it (UTC)."""
+    state: JobState
+    """Where it stands; succeeded, failed, canceled are final."""
+    timings: Timings
+    """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
+    unrecorded: list[str]
+    """What has happened and the database does not hold yet, because it is full, locked or away:
+    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
+    for is done all the same."""
+    versions: Versions
+    """Of everything that the numbers depend on, in the server that ran it last; empty before it
+    runs, and for plans of versions that did not keep it."""
+    best: BestPath | None = None
+    """The best path of the search so far, while the plan runs; null before one is found, and
+    once the plan has ended."""
+
+
+class PlanPage(Answer):
+    """Plans, newest first."""
+
+    items: list[PlanSummary]
+    """On this page, without their results."""
+    next: str | None
+    """Cursor of the next page; null on the last one."""
+
+
+class PlanRequest(Answer):
+    """Move a group of a scene from a start to a goal."""
+
+    goal: Goal
+    """What to reach."""
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    scene: str
+    """Id of a scene."""
+    certify: Certify | None = None
+    """What to find out besides the proof."""
+    ik: Ik | None = None
+    """Options of the goals stage."""
+    margin: float | None = None
+    """Distance that everything keeps [m]; null for the scene's."""
+    path_constraints: list[Constraint] = Field(default=[], validate_default=True)
+    """What the motion shall keep on its whole way, all of it; each has a check of its own in
+    the certificate."""
+    priority: Priority = "normal"
+    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    for 30 s goes with the next priority: `low` is delayed by others, never for good."""
+    refine: Refine | None = None
+    """Options of the refinement."""
+    retime: Retime | None = None
+    """Options of the timing."""
+    revision: int | None = None
+    """Of the scene; null for its latest."""
+    search: Search | None = None
+    """Options of the search."""
+    seed: int = 0
+    """Of all randomness: the same seed gives the same bytes."""
+    start: list[float] | None = None
+    """The group's positions [rad or m]; null for the scene's current state."""
+
+
+class PlanResult(Answer):
+    """What a solved problem gives; `?include=` leaves out `path, trajectory, certificate,
+    stages`. A part that is left out is absent. Without `include` all are there."""
+
+    digest: str
+    """sha256 over the delivered numbers."""
+    goal_configuration: list[float]
+    """Where the motion reaches the goal: its end, but for a retreat [rad or m]."""
+    goal_index: int
+    """Which of the goal's candidates that is, from 0."""
+    start: list[float]
+    """Where it starts, clipped into the limits [rad or m]."""
+    start_clipped: list[float]
+    """By how much the given start was clipped, at most 1e-6 [rad or m]."""
+    certificate: Certificate | None = None
+    """The proof."""
+    cut_short: list[str] | None = None
+    """Stages that ended early because of the clock, by their names in `timings`: what they give
+    may be something else another time. Empty: the same request gives the same numbers again,
+    but for `timings`. Null: made by a version that did not record it."""
+    parts: list[Part] = Field(default=[], validate_default=True)
+    """The free motion and the straight lines it is made of, in order."""
+    path: list[list[float]] | None = None
+    """Untimed waypoints, one row each [rad or m]."""
+    stages: Stages | None = None
+    """What every stage did."""
+    trajectory: Trajectory | None = None
+    """The timed motion, sampled as `retime` says."""
+
+
+class PlanSummary(Answer):
+    """A plan without its result."""
+
+    attempts: int
+    """How often a worker has begun with it, this time included: more than once where a worker
+    or the server ended under it."""
+    batch: str | None
+    """Id of the batch that it is of; null for none."""
+    cancel_requested_at: datetime | None
+    """When its end was first requested (UTC), whatever became of that; null if it was not, or
+    by a version that did not keep it."""
+    created_at: datetime
+    """When it was requested (UTC)."""
+    digest: str | None
+    """sha256 over the delivered numbers."""
+    failure: Failure | None
+    """Why there is no result."""
+    finished_at: datetime | None
+    """When it ended (UTC)."""
+    id: str
+    """Of the plan."""
+    progress: float
+    """Of the whole plan, 0 to 1: within a stage it grows with the share of the allowed time
+    that is used; of a plan that failed or was canceled, how far it came."""
+    request: PlanRequest
+    """The request with its defaults, and the scene's latest `revision` and the newest
+    `search.regions` where they were left open: posted again, it gives the same plan."""
+    seed: int
+    """Of all randomness."""
+    stage: AnyStage
+    """The stage that it is in or ended in, or empty."""
+    started_at: datetime | None
+    """When a worker took it (UTC)."""
+    state: JobState
+    """Where it stands; succeeded, failed, canceled are final."""
+    timings: Timings
+    """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
+    unrecorded: list[str]
+    """What has happened and the database does not hold yet, because it is full, locked or away:
+    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
+    for is done all the same."""
+    versions: Versions
+    """Of everything that the numbers depend on, in the server that ran it last; empty before it
+    runs, and for plans of versions that did not keep it."""
+    best: BestPath | None = None
+    """The best path of the search so far, while the plan runs; null before one is found, and
+    once the plan has ended."""
+
+
+class Planner(Answer):
+    """A planner that a plan may name."""
+
+    name: str
+    """OMPL's name, or `GCS`."""
+    needs_regions: bool
+    """Whether it plans inside regions, see POST /v1/scenes/{id}/regions."""
+    parameters: list[Parameter]
+    """What can be set."""
+
+
+class PlannerGraph(Answer):
+    """What a planner explored: trees or a roadmap, the first 2,000 vertices of it at most."""
+
+    edges: list[tuple[int, int]]
+    """Pairs of rows that motions join."""
+    goals: list[int]
+    """Rows of goals."""
+    num_edges: int
+    """How many pairs there were, those left out included."""
+    num_vertices: int
+    """How many there were, those left out included."""
+    path: list[int]
+    """Rows of the solution as the planner found it, before shortcutting, in order; empty if it
+    found none."""
+    planner: str
+    """OMPL's name; empty where a straight line was free."""
+    starts: list[int]
+    """Rows of starts."""
+    vertices: list[list[float]]
+    """The group's positions, a row each [rad or m]."""
+
+
+class PlannerList(Answer):
+    """All planners."""
+
+    items: list[Planner]
+    """Sorted by name."""
+
+
+class Polynomial(Answer):
+    """The exact motion: q(t) = bases[i] [+] sum_k coefficients[i][k] (t - breaks[i])^k. It
+    holds on breaks[i] <= t <= breaks[i + 1]. `[+]` is the plain sum, but for floating joints,
+    where the first three tangent coordinates turn the quaternion: R exp(delta)."""
+
+    bases: list[list[float]]
+    """Where each piece is anchored, n rows [rad or m]."""
+    breaks: list[float]
+    """Instants between pieces, n + 1 of them [s]."""
+    coefficients: list[list[list[float]]]
+    """n pieces, powers from 0 up, a column per velocity coordinate."""
+    joint_names: list[str]
+    """A name per position coordinate."""
+    joint_types: list[str]
+    """A type per joint: revolute, continuous, prismatic, planar or floating."""
+
+
+class Portal(Answer):
+    """Where two regions overlap."""
+
+    point: list[float]
+    """Center of the largest ball in both [rad or m]."""
+    radius: float
+    """Radius of that ball [rad or m]."""
+    regions: tuple[int, int]
+    """Indices of the two in the list of regions."""
+
+
+class Pose(Answer):
+    """A rigid transform in a frame; `quaternion` or `rpy`, or neither for no rotation."""
+
+    position: list[float]
+    """x, y, z in `frame` [m]."""
+    frame: str = "world"
+    """The frame that the pose is given in: any frame of the scene."""
+    quaternion: list[float] | None = None
+    """Rotation as [w, x, y, z]; normalised when read, never zero."""
+    rpy: list[float] | None = None
+    """Rotation as roll, pitch, yaw about fixed x, y, z [rad]."""
+
+
+class PoseDistanceTolerance(Answer):
+    """All poses within a weighted distance: sqrt(sum (w_i * way_i)^2 + (w_r * angle)^2)."""
+
+    tolerance: float
+    """The largest distance [1]."""
+    frame: str | None = None
+    """By whose axes the way from the target's origin is, as they stand at the start: any frame;
+    null for the target's own."""
+    weights: list[float] = Field(default=[1.0, 1.0, 1.0, 0.1], validate_default=True)
+    """w_x, w_y, w_z [1/m] and w_r [1/rad]; what has no weight is free."""
+
+
+class PoseDocument(Answer):
+    """A rigid transform; `quaternion` or `rpy`, or neither for no rotation."""
+
+    position: list[float] = Field(default=[0.0, 0.0, 0.0], validate_default=True)
+    """x, y, z [m]."""
+    quaternion: list[float] | None = None
+    """[w, x, y, z], any length > 0."""
+    rpy: list[float] | None = None
+    """roll, pitch, yaw about fixed axes [rad]."""
+
+
+class PoseGoal(Answer):
+    """Bring a tool frame to a pose, or to any of several."""
+
+    poses: list[Pose]
+    """The candidates; `goal_index` of the result says which one was reached."""
+    type: Literal["pose"]
+    """Says which goal this is."""
+    approach: list[float] | None = None
+    """The motion ends in a straight line without a turn, which begins where the tool is
+    displaced by this, in the target's axes [m]; null for none."""
+    frame: str | None = None
+    """The tool frame: any that the group moves; null for its default."""
+    metric: PoseDistanceTolerance | None = None
+    """Instead of `tolerance`: how far off it may be by a weighted metric."""
+    retreat: list[float] | None = None
+    """After the goal the tool goes on in a straight line by this, in the target's axes [m];
+    null for none."""
+    tolerance: Tolerance | None = None
+    """How far off it may be."""
+
+
+class PoseMetric(Answer):
+    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * angle)^2)."""
+
+    rotation: float = 0.1
+    """Weight of a radian [1/rad]; by default one weighs as much as 0.1 m."""
+    translation: float = 1.0
+    """Weight of a metre [1/m]."""
+
+
+class Position(Answer):
+    """The origin of a frame stays near a line, a plane or a point."""
+
+    frame: str
+    """Whose origin."""
+    size: list[float | None]
+    """How wide the band is along each axis of `pose` [m]; null for an axis that is free: one
+    number is a plane, two are a line."""
+    type: Literal["position"]
+    """Says which constraint this is."""
+    pose: Pose | None = None
+    """Of its middle; in a frame that moves with the group, where the start puts it."""
+
+
+type Priority = Literal["low", "normal", "high"] | str
+"""What goes first of what waits."""
+
+type Problem = Annotated[
+    Annotated[
+        HttpErrorProblem
+        | SceneInvalidProblem
+        | SceneEditImpossibleProblem
+        | AssetNotFoundProblem
+        | ModelInvalidProblem
+        | ProblemInvalidProblem
+        | UnknownNameProblem
+        | StartInCollisionProblem
+        | StartTooNearProblem
+        | StartOutOfLimitsProblem
+        | StartViolatesConstraintProblem
+        | GoalOutOfLimitsProblem
+        | GoalInCollisionProblem
+        | GoalTooNearProblem
+        | GoalUnreachableProblem
+        | GoalViolatesConstraintProblem
+        | ApproachBlockedProblem
+        | LineBlockedProblem
+        | NoPathFoundProblem
+        | DeadlineExceededProblem
+        | CanceledProblem
+        | RetimingFailedProblem
+        | NotCertifiedProblem
+        | IllegalTransitionProblem
+        | WorkerCrashedProblem
+        | WorkerUnresponsiveProblem
+        | HostLostProblem
+        | MemoryLimitExceededProblem
+        | InternalErrorProblem
+        | QueueFullProblem
+        | QueueTimeoutProblem
+        | IdempotencyConflictProblem
+        | ResourceInUseProblem
+        | UnknownJobProblem
+        | DatabaseTakenProblem
+        | DatabaseUnavailableProblem
+        | UnreadableBodyProblem
+        | UnauthorizedProblem
+        | ScopeMissingProblem
+        | HostNotAllowedProblem
+        | OriginNotAllowedProblem
+        | RequestTimeoutProblem
+        | NotFoundProblem
+        | AddressNotAllowedProblem
+        | MethodNotAllowedProblem
+        | NotReadyProblem
+        | WrongJointCountProblem
+        | NoTrajectoryProblem
+        | NoRegionsProblem
+        | StartMismatchProblem
+        | RobotBusyProblem
+        | RevisionConflictProblem
+        | RevisionMismatchProblem
+        | SceneNotKeptProblem
+        | BodyTooLargeProblem
+        | UnsupportedMediaTypeProblem
+        | RequestInvalidProblem
+        | RateLimitedProblem
+        | DiskFullProblem
+        | ServerStoppingProblem,
+        Field(discriminator="code"),
+    ]
+    | OtherProblem,
+    Field(union_mode="left_to_right"),
+]
+"""Why a request was refused (`application/problem+json`, RFC 9457). Its `code` says what its
+`evidence` has."""
+
+
+class ProblemError(Answer):
+    """One thing that is wrong with a request, and where."""
+
+    message: str
+    """What is wrong there, for a person."""
+    nearest: list[str]
+    """Names that were perhaps meant, the nearest first."""
+    pointer: str
+    """JSON pointer into the body; empty for its root and for parameters."""
+
+
+class ProblemFieldEvidence(Answer):
+    """Which field of a request is wrong; other members say what is in its way."""
+
+    field: str
+    """Its place in the request, as names and numbers with dots."""
+
+
+class ProblemInvalidFailure(Answer):
+    """A planning problem has a fault."""
+
+    code: Literal["problem_invalid"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: ProblemFieldEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class ProblemInvalidProblem(Answer):
+    """A planning problem has a fault."""
+
+    code: Literal["problem_invalid"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: ProblemFieldEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class ProgressData(Answer):
+    """How far a job is."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    detail: str
+    """For a person, or empty."""
+    progress: float
+    """Of the whole job, 0 to 1."""
+    stage: Stage
+    """The stage that it is in."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class ProgressEvent(Answer):
+    """The job is further, at most twenty times a second."""
+
+    data: Json[ProgressData]
+    """How far it is."""
+    event: Literal["progress"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class QueueFullEvidence(Answer):
+    """How full a queue is."""
+
+    bound: int
+    """How many may wait."""
+    queue: str
+    """Which queue."""
+    retry_after: float
+    """When to ask again [s]."""
+    queued: int | None = None
+    """How many do."""
+
+
+class QueueFullProblem(Answer):
+    """A queue has as many waiting jobs as it may."""
+
+    code: Literal["queue_full"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: QueueFullEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class QueueTimeoutEvidence(Answer):
+    """How long a question waited for a worker."""
+
+    queue: str
+    """In which queue."""
+    queued: int
+    """How many wait there."""
+    retry_after: float
+    """When to ask again [s]."""
+    waited: float
+    """Seconds."""
+
+
+class QueueTimeoutProblem(Answer):
+    """No worker was free in time."""
+
+    code: Literal["queue_timeout"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: QueueTimeoutEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class QueuedEvent(Answer):
+    """The job was accepted."""
+
+    data: Json[EventData]
+    """When."""
+    event: Literal["queued"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class RateEvidence(Answer):
+    """How many requests a caller may make."""
+
+    limit: str
+    """As the server's settings have it, such as `600/minute`."""
+    retry_after: float
+    """When to ask again [s]."""
+
+
+class RateLimitedProblem(Answer):
+    """The caller has made too many requests."""
+
+    code: Literal["rate_limited"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: RateEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Readiness(Answer):
+    """Whether the server takes jobs."""
+
+    queued: dict[str, int]
+    """Jobs that wait, by queue."""
+    role: Literal["leader", "follower"] | str
+    """What it is among the servers of its database: the leader runs the jobs of all; one server
+    alone is the leader."""
+    running: dict[str, int]
+    """Jobs that run, by queue."""
+    status: Literal["ready"]
+    """Always `ready`; else the answer is 503."""
+
+
+class ReadinessEvidence(Answer):
+    """Why the server is not ready."""
+
+    faults: dict[str, str] | None = None
+    """By kind of work, why none of its workers is."""
+    retry_after: float | None = None
+    """When to ask again [s]."""
+
+
+class Refine(Answer):
+    """Whether and how to optimise the path."""
+
+    clearance: ClearanceObjective | None = None
+    """What the duration is weighed against; `none` has no use for it."""
+    method: Literal["trajopt", "auto", "none"] | str = "trajopt"
+    """Optimise the duration; do so only if at least half a second is left; or leave the path as
+    it is."""
+
+
+class RefineReport(Answer):
+    """What the refine stage did."""
+
+    duration_after: float
+    """Estimate for the solution [s]."""
+    duration_before: float
+    """Estimate for the initial guess [s]."""
+    improved: bool
+    """Whether the refined curve is what was delivered."""
+    length_after: float
+    """Of the refined curve [rad or m]."""
+    length_before: float
+    """Of the path [rad or m]."""
+    lower_bound: float
+    """What the slowest joint alone takes from start to goal [s]; nothing is quicker."""
+    method: Literal["trajopt", "auto", "none"] | str
+    """As it was asked for."""
+    reason: str
+    """Why not, or empty."""
+    rounds: int
+    """Steps tried, each a convex program."""
+    solver: str
+    """Name of the solver, or empty."""
+    shortfall: float | None = None
+    """By how much the clearance falls short of the preferred one, on average over the motion
+    [m]; null if none was preferred or nothing was refined."""
+
+
+class Region(Answer):
+    """A region: those configurations q with normals q <= offsets."""
+
+    center: list[float]
+    """A configuration well inside [rad or m]."""
+    normals: list[list[float]]
+    """Unit normals of its faces, a row each."""
+    num_free: int
+    """Number of consecutive random configurations that were free: with 95 % confidence less
+    than 3 / num_free of its volume collides."""
+    offsets: list[float]
+    """One for each face [rad or m]."""
+
+
+class RegionGoal(Answer):
+    """Bring a tool frame anywhere into a region, or into any of several."""
+
+    type: Literal["region"]
+    """Says which goal this is."""
+    approach: list[float] | None = None
+    """As of a pose: the last way to wherever in the region the motion ends begins where the
+    tool is displaced by this, in the region's axes [m]; null for none."""
+    frame: str | None = None
+    """The tool frame: any that the group moves; null for its default."""
+    free_axes: list[Literal["x", "y", "z", "rx", "ry", "rz"] | str] = Field(
+        default=[], validate_default=True
+    )
+    """Axes of the region that it is unbounded along (`x`, `y`, `z`: as far as the group
+    reaches) or free to turn about (`rx`, `ry`, `rz`)."""
+    pose: Pose | None = None
+    """The middle of the only region."""
+    poses: list[Pose] | None = None
+    """The middles of the regions; or one as `pose`."""
+    retreat: list[float] | None = None
+    """As of a pose: the way that the tool goes on, in the region's axes [m]; null for none."""
+    tolerance: Tolerance | None = None
+    """How far from the middle the region goes, by its axes."""
+
+
+class RegionsBrief(Answer):
+    """A request for regions and its state, without faces."""
+
+    attempts: int
+    """How often a worker has begun with it, this time included: more than once where a worker
+    or the server ended under it."""
+    cancel_requested_at: datetime | None
+    """When its end was first requested (UTC), whatever became of that; null if it was not, or
+    by a version that did not keep it."""
+    created_at: datetime
+    """When they were asked for (UTC)."""
+    failure: Failure | None
+    """Why there is no result."""
+    finished_at: datetime | None
+    """When it ended (UTC)."""
+    id: str
+    """Id of the regions."""
+    progress: float
+    """0 to 1."""
+    request: RegionsRequest
+    """The request, defaults filled in."""
+    revision: int
+    """Revision of the scene."""
+    scene: str
+    """Id of the scene."""
+    stage: AnyStage
+    """`load` or `regions`, or empty."""
+    started_at: datetime | None
+    """When a worker began (UTC)."""
+    state: JobState
+    """State of the growth; succeeded, failed and canceled are final."""
+    summary: RegionsSummary | None
+    """The regions without their faces, once it succeeded."""
+    timings: Timings
+    """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
+    unrecorded: list[str]
+    """What has happened and the database does not hold yet, because it is full, locked or away:
+    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
+    for is done all the same."""
+    versions: Versions
+    """Of everything that the numbers depend on, in the server that ran it last; empty before it
+    runs, and for regions of versions that did not keep it."""
+
+
+class RegionsJob(Answer):
+    """A request for regions with its result; poll it until its state is final."""
+
+    attempts: int
+    """How often a worker has begun with it, this time included: more than once where a worker
+    or the server ended under it."""
+    cancel_requested_at: datetime | None
+    """When its end was first requested (UTC), whatever became of that; null if it was not, or
+    by a version that did not keep it."""
+    created_at: datetime
+    """When they were asked for (UTC)."""
+    failure: Failure | None
+    """Why there is no result."""
+    finished_at: datetime | None
+    """When it ended (UTC)."""
+    id: str
+    """Id of the regions."""
+    progress: float
+    """0 to 1."""
+    request: RegionsRequest
+    """The request, defaults filled in."""
+    result: RegionsResult | None
+    """The regions, once it succeeded."""
+    revision: int
+    """Revision of the scene."""
+    scene: str
+    """Id of the scene."""
+    stage: AnyStage
+    """`load` or `regions`, or empty."""
+    started_at: datetime | None
+    """When a worker began (UTC)."""
+    state: JobState
+    """State of the growth; succeeded, failed and canceled are final."""
+    summary: RegionsSummary | None
+    """The regions without their faces, once it succeeded."""
+    timings: Timings
+    """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
+    unrecorded: list[str]
+    """What has happened and the database does not hold yet, because it is full, locked or away:
+    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
+    for is done all the same."""
+    versions: Versions
+    """Of everything that the numbers depend on, in the server that ran it last; empty before it
+    runs, and for regions of versions that did not keep it."""
+
+
+class RegionsPage(Answer):
+    """Regions, newest first."""
+
+    items: list[RegionsBrief]
+    """Regions on this page, without their faces."""
+    next: str | None
+    """Cursor of the next page; null on the last one."""
+
+
+class RegionsReport(Answer):
+    """What regions were good for in a search."""
+
+    considered: list[int]
+    """Places of those that the path was looked for in."""
+    digest: str
+    """Of the regions, whose id is `search.regions` of the plan's `request`."""
+    fallback: str
+    """Why it did not, or empty."""
+    is_inside: bool
+    """Whether the path came from them."""
+    num_regions: int
+    """How many there are."""
+
+
+class RegionsRequest(Answer):
+    """Grow regions for a group of a scene."""
+
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    allowed_time: float = 600.0
+    """After this time what has grown is the result [s]."""
+    along: Literal["paths", "nothing"] | str = "paths"
+    """What comes first: regions along paths from the scene's state to the group's named
+    configurations and the scene's frames; or nothing but the cover."""
+    bounds: dict[str, list[float]] = Field(default={}, validate_default=True)
+    """Lowest and highest value to grow in [rad or m], by position name, within the limits;
+    angles that may turn further are taken from -pi to pi, those on a circle over one turn at
+    most."""
+    coverage: float = 0.9
+    """Coverage at which growth ends, as a share of the free configurations in the domain [1]."""
+    iterations: int = 3
+    """Number of times that a region is grown anew around its largest ellipsoid."""
+    margin: float | None = None
+    """Distance that regions keep [m]; null for the scene's."""
+    num_free: int = 5000
+    """Number of consecutive random configurations of a region that must be free."""
+    num_regions: int = 60
+    """Largest number of regions."""
+    padding: float = 0.001
+    """Distance beyond the margin, for proofs to be quick [m]."""
+    priority: Priority = "normal"
+    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    for 30 s goes with the next priority: `low` is delayed by others, never for good."""
+    revision: int | None = None
+    """Of the scene; null for its latest."""
+    seed: int = 0
+    """Of all randomness: the same seed gives the same regions."""
+
+
+class RegionsResult(Answer):
+    """Regions that were grown, with their faces."""
+
+    coverage: float
+    """Share of the domain's free configurations that some region holds, by sampling."""
+    coverage_error: float
+    """Standard error of `coverage`."""
+    digest: str
+    """sha256 over all numbers of the regions."""
+    group: str
+    """Group of the configurations."""
+    lower: list[float]
+    """Lowest configuration of the domain [rad or m]."""
+    margin: float
+    """Distance that they keep [m]."""
+    num_portals: int
+    """Number of pairs of regions that overlap."""
+    num_regions: int
+    """Number of regions."""
+    portals: list[Portal]
+    """Where they overlap."""
+    regions: list[Region]
+    """In the order in which they were grown."""
+    scene: str
+    """Digest of the scene in which they are free of collision."""
+    seed: int
+    """Seed of all randomness."""
+    stopped_by: RegionsStopReason
+    """Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`."""
+    upper: list[float]
+    """Highest configuration of the domain [rad or m]."""
+
+
+type RegionsStopReason = Literal["coverage", "num_regions", "deadline", "exhausted"] | str
+"""Why there are no more regions."""
+
+
+class RegionsSummary(Answer):
+    """Regions that were grown, without their faces."""
+
+    coverage: float
+    """Share of the domain's free configurations that some region holds, by sampling."""
+    coverage_error: float
+    """Standard error of `coverage`."""
+    digest: str
+    """sha256 over all numbers of the regions."""
+    group: str
+    """Group of the configurations."""
+    lower: list[float]
+    """Lowest configuration of the domain [rad or m]."""
+    margin: float
+    """Distance that they keep [m]."""
+    num_portals: int
+    """Number of pairs of regions that overlap."""
+    num_regions: int
+    """Number of regions."""
+    scene: str
+    """Digest of the scene in which they are free of collision."""
+    seed: int
+    """Seed of all randomness."""
+    stopped_by: RegionsStopReason
+    """Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`."""
+    upper: list[float]
+    """Highest configuration of the domain [rad or m]."""
+
+
+class RejectedPair(Answer):
+    """How many configurations were rejected with one pair as the deepest collision."""
+
+    bodies: tuple[str, str]
+    """Full names."""
+    count: int
+    """Configurations."""
+    max_depth: float
+    """The largest depth among them [m]."""
+    min_depth: float
+    """The least depth among them [m]."""
+
+
+class RejectedSamples(Answer):
+    """Why some samples are no goal configurations."""
+
+    bodies: tuple[str, str] | None
+    """The deepest pair of collisions; null where it was not measured."""
+    count: int
+    """Samples."""
+    max_depth: float | None
+    """The largest depth among them [m]."""
+    min_depth: float | None
+    """The least depth among them [m]."""
+    reason: SampleRejection
+    """Which test they failed."""
+    share: float
+    """Of the samples tried [0 to 1]."""
+
+
+class Rejection(Answer):
+    """Why some samples are no goal configurations."""
+
+    bodies: tuple[str, str] | None
+    """For `collision`, what they hit deepest; null for those that time was short for."""
+    count: int
+    """How many; with `distinct` the counts add up to `tried`."""
+    max_depth: float | None
+    """Largest depth among them [m]."""
+    min_depth: float | None
+    """Smallest depth among them [m]."""
+    reason: SampleRejection
+    """What is wrong with them."""
+    share: float
+    """Of `tried`, 0 to 1."""
+
+
+class RelativeGoal(Answer):
+    """Move a tool frame by a displacement from where the start has it."""
+
+    displacement: Displacement
+    """By how much."""
+    type: Literal["relative"]
+    """Says which goal this is."""
+    frame: str | None = None
+    """The tool frame: any that the group moves; null for its default."""
+    reference: str | None = None
+    """The frame by whose axes, as they are at the start, the tool is shifted, and turned about
+    its own origin; null for the tool frame itself."""
+
+
+class RelaxedConstraint(Answer):
+    """A path constraint whose change alone is sufficient."""
+
+    bound: float | None
+    """The bound that there is, in `unit`."""
+    constraint: str
+    """Its place in the request and its kind."""
+    pose_index: int
+    """Of the goal's pose that is reached then, from 0."""
+    positions: list[float]
+    """The group's positions then [rad or m]."""
+    unit: str
+    """Of both; `1` for a number without one."""
+    value: float | None
+    """The bound that is sufficient, in `unit`; null where it would have to be left out."""
+    joint: str | None = None
+    """Of constraints on joints, the worst one."""
+
+
+class RemovedBody(Answer):
+    """A body without which the goal is feasible."""
+
+    body: str
+    """Its full name."""
+    pose_index: int
+    """Of the goal's pose that is reached then, from 0."""
+    positions: list[float]
+    """The group's positions then [rad or m]."""
+
+
+class RequestInvalidProblem(Answer):
+    """The body or the parameters have faults."""
+
+    code: Literal["request_invalid"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: FaultsEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class RequestTimeoutProblem(Answer):
+    """The body did not arrive in time."""
+
+    code: Literal["request_timeout"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: TimeoutEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class RequeuedData(Answer):
+    """Why a job runs again."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    reason: str
+    """For a person."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class RequeuedEvent(Answer):
+    """The job waits again: its worker or the server ended."""
+
+    data: Json[RequeuedData]
+    """When and why."""
+    event: Literal["requeued"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class ResourceInUseProblem(Answer):
+    """A job that has not ended names this one."""
+
+    code: Literal["resource_in_use"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: InUseEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class RestartEvidence(Answer):
+    """How often the job was started."""
+
+    attempts: int
+    """So often."""
+    during: str | None = None
+    """The stage that it told last."""
+    reason: str | None = None
+    """Why the server ended it, if it did."""
+
+
+class Retime(Answer):
+    """How to time the path."""
+
+    acceleration_bounds: dict[str, list[float]] = Field(default={}, validate_default=True)
+    """Lowest (below 0) and highest (above 0) acceleration, by name of a joint with one
+    coordinate, or `joint.angular` of a planar one [rad/s^2 or m/s^2]."""
+    acceleration_scale: float = 1.0
+    """Factor on every acceleration and jerk limit, 0..1."""
+    deviation: float | None = None
+    """How far corners of the path may be rounded at most [rad or m, joint-space length]; 0 to
+    follow the very path, with a rest at every corner; null for at most 0.1. What refinement
+    makes of a path has no corners."""
+    duration: float | None = None
+    """How long the motion shall take [s]; null for the least that the limits allow, and less
+    than that is `retiming_failed`."""
+    effort: bool = False
+    """Whether joint torques and forces stay within their limits, gravity and all that is
+    carried included: check `torque` of the certificate."""
+    even_samples: bool = False
+    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
+    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    explain: bool = False
+    """Report which limit binds when, and what relaxing it would save
+    (`stages.retime.explanation`), once the motion is proven and if there is time; takes some 20
+    ms for each part, with ruckig as long as timing it once more for each limit that binds, six
+    at most."""
+    method: Literal["toppra", "ruckig"] | str = "toppra"
+    """toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too."""
+    num_points: int | None = None
+    """Deliver so many samples, evenly in time, first and last instants included, however far
+    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
+    `sample_period`; not both."""
+    payload: Payload | None = None
+    """What the group carries that the scene does not show; it counts for torques."""
+    sample_period: float | None = 0.01
+    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
+    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
+    are `problem_invalid`; null where `num_points` says how many."""
+    speed_zones: list[SpeedZone] = Field(default=[], validate_default=True)
+    """Boxes in which a frame is slower."""
+    tool_limits: list[ToolLimit] = Field(default=[], validate_default=True)
+    """Largest speeds and accelerations of frames."""
+    velocity_scale: float = 1.0
+    """Factor on every velocity limit, 0..1."""
+
+
+class RetimeReport(Answer):
+    """What the retime stage did."""
+
+    binding: dict[str, str]
+    """What is nearest its bound, per limit."""
+    blend_deviation: float
+    """How far corners were rounded, or the smoothed curve may be from the path [rad or m]."""
+    duration: float
+    """Of the trajectory [s]."""
+    method: Literal["toppra", "ruckig"] | str
+    """As it was asked for."""
+    slowed: float
+    """Factor by which the audit stretched it; 1 is not at all."""
+    stops: int
+    """Instants of rest between start and goal."""
+    utilisation: dict[str, float]
+    """Peak over limit, per limit [1]."""
+    explanation: DurationExplanation | None = None
+    """Why it takes that long; null if not requested, or no time was left."""
+
+
+class RetimeResponse(Answer):
+    """A certified motion along the path, or why there is none."""
+
+    certificate: Certificate | None
+    """The proof; null if there is none."""
+    failure: Failure | None
+    """Why there is none: `not_certified` with the failed checks, `retiming_failed`,
+    `deadline_exceeded`; null if there is one."""
+    stages: RetimeStages | None
+    """Reports of the stages; null if there is no motion."""
+    trajectory: Trajectory | None
+    """The motion; null if there is none."""
+    cut_short: list[str] = Field(default=[], validate_default=True)
+    """Stages that the clock ended early, whose results may differ another time: `retime`,
+    `certify`, `explain`, `samples`."""
+
+
+class RetimeStages(Answer):
+    """Reports of the two stages."""
+
+    certify: CertifyReport
+    """How the motion was proven."""
+    retime: RetimeReport
+    """How the path was timed."""
+
+
+class RetimingEvidence(Answer):
+    """Why the path has no timing."""
+
+    at: float | None = None
+    """The share of the way where that is [0 to 1]."""
+    bound: float | None = None
+    """That it may use [N m or N]."""
+    duration: float | None = None
+    """That was requested [s]."""
+    joints: list[str] | None = None
+    """Of types that the method does not move."""
+    least: float | None = None
+    """That the limits allow [s]."""
+    limit: str | None = None
+    """Which one is too low."""
+    method: str | None = None
+    """Of timing."""
+    missed: float | None = None
+    """By how much it missed the end of the path [rad or m]."""
+    num_cells: int | None = None
+    """Pieces that the path was cut into."""
+    num_grid_points: int | None = None
+    """Points that the path was sampled at."""
+    result: str | None = None
+    """What the method said."""
+    stuck: list[str] | None = None
+    """Joints that move and may not, because of it."""
+    torque: float | None = None
+    """That gravity alone needs [N m or N]."""
+    where: str | None = None
+    """Of a limit on torques: the joint."""
+
+
+class RetimingFailedFailure(Answer):
+    """No timing of the path keeps the limits."""
+
+    code: Literal["retiming_failed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: RetimingEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class RetimingFailedProblem(Answer):
+    """No timing of the path keeps the limits."""
+
+    code: Literal["retiming_failed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: RetimingEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class RevisionConflictProblem(Answer):
+    """The scene has moved on since."""
+
+    code: Literal["revision_conflict"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: RevisionEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class RevisionEvidence(Answer):
+    """Which revision the scene is at."""
+
+    latest: int
+    """That there is."""
+    revision: int
+    """That the request names."""
+
+
+class RevisionMismatchProblem(Answer):
+    """The scene is not at the revision of `If-Match`."""
+
+    code: Literal["revision_mismatch"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: EntityTagEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Roadmap(Answer):
+    """A roadmap that many plans share; it is built once for a scene as a group sees it."""
+
+    neighbours: int = 12
+    """With how many of the nearest others each is joined, where the way is free."""
+    seed: int = 0
+    """Of its samples; the plan's own seed does not change it."""
+    states: int = 2000
+    """Free configurations that it has."""
+
+
+class RoadmapReport(Answer):
+    """What a roadmap did; the same whether it was built for this plan or there already."""
+
+    digest: str
+    """sha256 of its content."""
+    num_edges: int
+    """Free ways between them."""
+    num_states: int
+    """Its configurations."""
+    num_states_checked: int
+    """Configurations checked for collision to build it, whenever that was."""
+    reason: (
+        Literal[
+            "",
+            "straight_line",
+            "start_not_joined",
+            "goal_not_joined",
+            "no_way",
+            "blocked",
+            "interrupted",
+            "not_proven",
+        ]
+        | str
+    )
+    """Why not: a straight line is better, no free way leads from the start or to a goal, none
+    through it, its path is blocked on a closer look, the search ended before it answered, or
+    its path was not proven; or empty."""
+    used: bool
+    """Whether the path that was kept is one of its."""
+
+
+class RobotBusyProblem(Answer):
+    """An execution moves something in this scene."""
+
+    code: Literal["robot_busy"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: BusyEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class RobotDocument(Answer):
+    """A robot in the scene."""
+
+    model: str
+    """Name of a robot (GET /v1/models), or a path of a URDF, SDF or MJCF file."""
+    name: str
+    """Prefix of its bodies, frames and joints: `name::link`."""
+    base: PoseDocument | None = None
+    """X_WB, where its base link is welded."""
+    positions: str | list[float] | dict[str, float | list[float]] | None = None
+    """Name of a configuration, values of its default group, or values by joint."""
+    weld: bool | None = None
+    """Whether its base link is welded to the world at `base`, or floats and starts there; by
+    default bases of URDF files are welded, and those of SDF and MJCF files float unless they
+    say otherwise themselves."""
+
+
+class Robustness(Answer):
+    """What the proof of clearance survives: guaranteed lower bounds, each by itself."""
+
+    joint_error: float
+    """How far off every joint may be at once, at most 0.5 [rad or m]."""
+    joint_pair: tuple[str, str]
+    """The two bodies that allow no more."""
+    joint_time: float
+    """When they do [s]."""
+    obstacle_displacement: float
+    """How far all points of all obstacles may be from where the scene has them, at most 1 [m]."""
+    obstacle_pair: tuple[str, str]
+    """The two bodies that allow no more."""
+    obstacle_time: float
+    """When they do [s]."""
+
+
+class RoundDocument(Answer):
+    """Radius and length of a cylinder or capsule [m]; the axis is z."""
+
+    length: float
+    """Of the cylindrical part [m]."""
+    radius: float
+    """[m]."""
+
+
+type SampleRejection = (
+    Literal[
+        "not_converged", "outside_limits", "collision", "path_constraint", "approach", "duplicate"
+    ]
+    | str
+)
+"""Which test an IK sample fails."""
+
+
+class Saving(Answer):
+    """How much shorter the motion would be with one limit relaxed."""
+
+    limit: Limit
+    """Which, as in the intervals."""
+    seconds: float
+    """How much shorter [s]."""
+    where: str
+    """The joint, block, frame or zone whose limit it is."""
+
+
+class Scene(Answer):
+    """A scene: its document and what it holds once loaded."""
+
+    assumed: list[str]
+    """Joints whose rate limits nobody states, so that ours are assumed."""
+    bodies: list[str]
+    """Everything that can collide."""
+    created_at: datetime
+    """When this revision was made (UTC)."""
+    digest: str
+    """sha256 of the content, the bytes of all files included."""
+    document: SceneDocument
+    """As it was posted or edited, defaults filled in."""
+    frames: list[str]
+    """Frames that poses may be given in."""
+    groups: list[Group]
+    """What can be planned for."""
+    id: str
+    """Of the scene."""
+    name: str
+    """For people."""
+    num_pairs: int
+    """Pairs of bodies that are kept apart."""
+    revision: int
+    """Of its content, from 1."""
+    warnings: list[str]
+    """What was found odd, for example concave meshes."""
+    files: dict[str, Files] = Field(default={}, validate_default=True)
+    """What its robots and meshes were made from, by name: they are kept, and no change of a
+    file on the disk changes this scene."""
+    unchecked: list[UncheckedPair] = Field(default=[], validate_default=True)
+    """Pairs of bodies that no collision check looks at, and why."""
+
+
+class SceneBrief(Answer):
+    """A scene without its content."""
+
+    created_at: datetime
+    """When this revision was made (UTC)."""
+    digest: str
+    """sha256 of the content, the bytes of all files included."""
+    id: str
+    """Of the scene."""
+    name: str
+    """For people."""
+    revision: int
+    """Of its content, from 1."""
+
+
+class SceneDocument(Answer):
+    """A scene: robots, obstacles, frames."""
+
+    robots: list[RobotDocument]
+    allowed_collisions: list[list[str]] = Field(default=[], validate_default=True)
+    """Pairs of bodies that may touch."""
+    configurations: dict[str, ConfigurationDocument] = Field(default={}, validate_default=True)
+    """Named configurations beside those of the robots."""
+    frames: list[FrameDocument] = Field(default=[], validate_default=True)
+    margin: float = 0.0
+    """Distance kept from everything but the robot itself [m]."""
+    margins: list[MarginDocument] = Field(default=[], validate_default=True)
+    """Exceptions from `margin`, by pair."""
+    name: str = "scene"
+    """For people."""
+    objects: list[ObjectDocument] = Field(default=[], validate_default=True)
+    version: Literal[1] = 1
+    """Of this format."""
+
+
+class SceneEditEvidence(Answer):
+    """Which operation cannot be applied, and what is in its way."""
+
+    allowed: list[list[str]] | None = None
+    """Pairs that are allowed to collide."""
+    attached: list[str] | None = None
+    """What is attached."""
+    frame: str | None = None
+    """That it is attached to, or would be."""
+    hangs_on: str | None = None
+    """What the frame belongs to."""
+    known: list[str] | None = None
+    """Names that there are already."""
+    movable: list[str] | None = None
+    """What may be moved."""
+    name: str | None = None
+    """Of what it is about."""
+    operation: int | None = None
+    """Which one, from 0."""
+    pair: list[str] | None = None
+    """Of bodies that is not allowed to collide."""
+
+
+class SceneEditImpossibleFailure(Answer):
+    """An operation cannot be applied to this scene."""
+
+    code: Literal["scene_edit_impossible"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: SceneEditEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class SceneEditImpossibleProblem(Answer):
+    """An operation cannot be applied to this scene."""
+
+    code: Literal["scene_edit_impossible"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: SceneEditEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class SceneFaultEvidence(Answer):
+    """Where a scene document has a fault."""
+
+    bound: int | None = None
+    """How many of something there may be."""
+    faults: list[DocumentFault] | None = None
+    """All of them, where there may be several."""
+    line: int | None = None
+    """In the text, from 1; null where it is not known."""
+    path: str | None = None
+    """Its place, as names and numbers with dots; empty for the root."""
+    pointer: str | None = None
+    """The same as a JSON pointer."""
+
+
+class SceneInvalidFailure(Answer):
+    """A scene document has a fault."""
+
+    code: Literal["scene_invalid"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: SceneFaultEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class SceneInvalidProblem(Answer):
+    """A scene document has a fault."""
+
+    code: Literal["scene_invalid"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: SceneFaultEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class SceneNotKeptProblem(Answer):
+    """What a scene was made from is not there any more."""
+
+    code: Literal["scene_not_kept"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: DigestEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class ScenePage(Answer):
+    """Scenes, newest first."""
+
+    items: list[SceneBrief]
+    """On this page."""
+    next: str | None
+    """Cursor of the next page; null on the last one."""
+
+
+class ScopeEvidence(Answer):
+    """What a key is not good for."""
+
+    needed: str
+    """The scope that the operation needs."""
+    scopes: list[str]
+    """Those of the key."""
+
+
+class ScopeMissingProblem(Answer):
+    """The key is not good for that."""
+
+    code: Literal["scope_missing"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: ScopeEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Search(Answer):
+    """How to search for a path."""
+
+    allowed_planning_time: float = 5.0
+    """For the whole plan, all stages, from when the scene is loaded [s]; what it cuts is in
+    `result.cut_short`."""
+    approach_states: int = 100
+    """Interpolate each straight part to at least this many waypoints; `num_states` is then for
+    the free part."""
+    approximate: bool = False
+    """Whether a failure has, as evidence `approximate`, the reached configuration that is
+    nearest to a goal."""
+    attempts: int = 1
+    """How many solutions to look for; the best by `objective` is kept. Of several planners each
+    has at least one."""
+    bounds: dict[str, list[float]] = Field(default={}, validate_default=True)
+    """Lowest and highest value to search in [rad or m], by position name, within the limits."""
+    interpolate_time: float | None = None
+    """For interpolating each solution to `num_states` [s]; one that takes longer stays as it
+    was (`stages.search.interpolated`). null for as long as there is."""
+    keep_graph: bool = False
+    """Whether the planner's graph is kept for GET /plans/{id}/graph."""
+    num_states: int | None = None
+    """Interpolate the path to at least this many waypoints."""
+    objective: Literal["length", "weighted_length", "clearance", "duration"] | str = "length"
+    """By what solutions are compared, and improved by planners that improve them."""
+    on_cancel: Literal["discard", "best"] | str = "discard"
+    """What a cancel ends: the plan, or only the search if it has a path by then; that path is
+    delivered if it can be timed and proven in 0.9 s."""
+    parameters: dict[str, bool | int | float | str] = Field(default={}, validate_default=True)
+    """OMPL's names and values of its parameters; of several planners, each takes those that it
+    has."""
+    planner: str | list[str] = "RRTConnect"
+    """OMPL's name, see GET /v1/planners; or several, which take turns. `GCS` plans inside
+    regions, and where it cannot the others do, by default RRTConnect."""
+    regions: str | None = None
+    """Id of the regions that GCS plans in; null for the newest that fit (a plan's `request` has
+    the id of those), and where GCS is not among the planners."""
+    resolution: float = 0.05
+    """Largest joint-space distance between two checked states of an edge [rad or m]."""
+    roadmap: Roadmap | None = None
+    """Look for a path in this roadmap first, and use the planner only where it has none; under
+    `path_constraints` it is one that keeps them."""
+    setup_time: float | None = None
+    """For setting up the space and the planner, in each attempt [s]; an attempt that took
+    longer gives up. null for as long as it takes."""
+    shortcut_time: float | None = None
+    """For shortening each solution [s]; 0 for none, null for a share of the rest."""
+    solve_time: float | None = None
+    """For the planner, in each attempt [s]; null for as long as there is."""
+    spaces: dict[str, Space] = Field(default={}, validate_default=True)
+    """`position` keeps the rotation of a planar or floating joint, named here, as it is at the
+    start; a turning radius [m] makes a car of a planar joint."""
+    weights: dict[str, float] = Field(default={}, validate_default=True)
+    """Factors of the metric that planners measure by [1], by name of a joint or of one of the
+    group's `blocks`; 1 for what is not named."""
+
+
+class SearchEvidence(Answer):
+    """What a search without a path did; members that its planner does not tell are absent."""
+
+    approximate: Approximation | None = None
+    """The nearest to a goal, if the request wants it."""
+    attempts: int | None = None
+    """How many were made."""
+    budget: float | None = None
+    """What setting the planner up may take [s]."""
+    goal_distance: float | None = None
+    """From the nearest of them to a goal, as a length in joint space [rad or m]."""
+    graph: dict[str, Any] | None = None
+    """What the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`."""
+    locked: list[str] | None = None
+    """Locked joints that no goal has at their start positions."""
+    num_edges: int | None = None
+    """Motions that the planner kept; null where it does not tell."""
+    num_given_up: int | None = None
+    """Attempts whose planner gave up before its time was over."""
+    num_goals: int | None = None
+    """Goal configurations."""
+    num_states_checked: int | None = None
+    """Configurations checked for collision."""
+    num_vertices: int | None = None
+    """Configurations that the planner kept; null where it does not tell."""
+    padding: float | None = None
+    """Distance that was demanded beyond the margin [m]."""
+    planner: str | None = None
+    """OMPL's name; of several, all."""
+    reason: str | None = None
+    """`start`, `goals` or `setup` where nothing could be searched for because of these."""
+    roadmap: dict[str, Any] | None = None
+    """What a roadmap did, if the request has one: as in a search's report."""
+    spent: float | None = None
+    """What it took [s]."""
+    status: str | None = None
+    """OMPL's word for how its last attempt ended."""
+
+
+class SearchReport(Answer):
+    """What the search stage did; lengths are in joint space [rad or m]."""
+
+    attempts: int
+    """How many were made; 0 where a straight line was free (`direct`) or a roadmap knew a way,
+    so that none was needed."""
+    length: float
+    """And after it [rad or m]."""
+    num_motions_checked: int
+    """Edges checked."""
+    num_states_checked: int
+    """Configurations checked for collision."""
+    num_waypoints: int
+    """Of the delivered path."""
+    padding: float
+    """Distance that was demanded beyond the margin [m]."""
+    planner: str
+    """OMPL's name; of several, whose solution was kept; `roadmap` for a roadmap's."""
+    raw_length: float
+    """Of the kept solution, before shortcutting [rad or m]."""
+    resolution: float
+    """At which edges were checked [rad or m]."""
+    solved: int
+    """How many of the attempts found an exact solution."""
+    attempts_log: list[AttemptReport] = Field(default=[], validate_default=True)
+    """One entry per attempt, the first hundred."""
+    cost: float = 0.0
+    """Of the kept solution: a length [rad or m], a duration [s], or, for clearance, length over
+    distance."""
+    direct: bool = False
+    """Whether the straight line was free, so that no search was needed."""
+    interpolated: bool = True
+    """Whether the path has `num_states` waypoints, if the request has it; false where
+    `interpolate_time` was over before."""
+    objective: Literal["length", "weighted_length", "clearance", "duration"] | str = "length"
+    """By what solutions were compared."""
+    regions: RegionsReport | None = None
+    """What regions were good for, if the planner is GCS."""
+    roadmap: RoadmapReport | None = None
+    """What a roadmap did, if the request has one."""
+    was_canceled: bool = False
+    """Whether a cancel ended the search early."""
+
+
+class ServerRestartedFailure(Answer):
+    """The server ended while the job ran, and it may not run again."""
+
+    code: Literal["server_restarted"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: RestartEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class ServerStoppingProblem(Answer):
+    """The server ends before it could answer."""
+
+    code: Literal["server_stopping"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: NoEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class ShapeDocument(Answer):
+    """Exactly one of the shapes."""
+
+    box: list[float] | None = None
+    """Full side lengths x, y, z [m]."""
+    capsule: RoundDocument | None = None
+    convex: ConvexDocument | None = None
+    cylinder: RoundDocument | None = None
+    ellipsoid: list[float] | None = None
+    """Semi-axes x, y, z [m]."""
+    half_space: EmptyDocument | None = None
+    """All points with z <= 0 in the object's frame."""
+    mesh: MeshDocument | None = None
+    sphere: float | None = None
+    """Radius [m]."""
+
+
+class SizeEvidence(Answer):
+    """How large a body may be."""
+
+    bound: int | None = None
+    """Largest number of bytes that is read."""
+    bytes: int | None = None
+    """Number of bytes of the body."""
+
+
+class Source(Answer):
+    """Where a number is from."""
+
+    source: str
+    """Where they were published."""
+    what: str
+    """Which numbers."""
+
+
+type Space = Literal["full", "position"] | str | Car
+"""How much of a joint is searched, or what a car of it can drive."""
+
+
+class SpeedZone(Answer):
+    """How fast the origin of a frame may move while it is in a box."""
+
+    box: Box
+    """Where."""
+    frame: str
+    """Whose origin: any frame of the scene."""
+    name: str
+    """For the certificate's check; no two zones share one."""
+    speed: float
+    """At most, in the box [m/s]."""
+
+
+class SpliceMotionResponse(Answer):
+    """A certified motion from the instant on to the end of the other one, or why there is none."""
+
+    certificate: Certificate | None
+    """The proof; null if there is none."""
+    failure: Failure | None
+    """Why there is none: `retiming_failed`, `not_certified` with the failed checks,
+    `deadline_exceeded`; null if there is one."""
+    interpolation: MotionInterpolation
+    """What the samples of the running motion were taken for."""
+    onto_interpolation: MotionInterpolation
+    """What the samples of the other motion were taken for."""
+    stage: CertifyReport | None
+    """Report of the proof; null if there is none."""
+    trajectory: Trajectory | None
+    """The motion, from the running motion's state at `time`, which is its 0; null if there is
+    none."""
+
+
+type Stage = (
+    Literal[
+        "load",
+        "goals",
+        "line",
+        "roadmap",
+        "search",
+        "refine",
+        "retime",
+        "certify",
+        "explain",
+        "samples",
+        "regions",
+        "execute",
+    ]
+    | str
+)
+"""Stages of jobs."""
+
+
+class StageData(Answer):
+    """Which stage begins."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    detail: str
+    """For a person, or empty."""
+    progress: float
+    """Of the whole job, 0 to 1."""
+    stage: Stage
+    """The stage that it is in."""
+    timings: Timings
+    """Seconds of the stages before it."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class StageEvent(Answer):
+    """The job enters a stage."""
+
+    data: Json[StageData]
+    """Which stage, and how long those before it took."""
+    event: Literal["stage"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class Stages(Answer):
+    """One report per stage."""
+
+    certify: CertifyReport
+    """The proof."""
+    goals: GoalsReport
+    """Goal configurations."""
+    refine: RefineReport
+    """The optimisation."""
+    retime: RetimeReport
+    """The timing."""
+    search: SearchReport
+    """The path."""
+
+
+class StartConstraintEvidence(Answer):
+    """Path constraints that the start violates."""
+
+    violations: list[ConstraintViolation]
+    """Which, and by how much."""
+
+
+class StartInCollisionFailure(Answer):
+    """Bodies overlap at the start."""
+
+    code: Literal["start_in_collision"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: PairsEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class StartInCollisionProblem(Answer):
+    """Bodies overlap at the start."""
+
+    code: Literal["start_in_collision"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: PairsEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class StartLimitsEvidence(Answer):
+    """Positions of the start outside their limits."""
+
+    joints: list[ViolatedLimit]
+    """Where, and by how much; dust below 1e-6 is clipped and no failure."""
+
+
+class StartMismatchEvidence(Answer):
+    """Where a plan starts, and where the robot is."""
+
+    distance: float
+    """The largest difference of a coordinate [rad or m]."""
+    positions: list[float]
+    """Of the robot [rad or m]."""
+    start: list[float]
+    """Of the plan [rad or m]."""
+    bound: float | None = None
+    """What it may be [rad or m]."""
+    names: list[str] | None = None
+    """Of the coordinates."""
+
+
+class StartMismatchProblem(Answer):
+    """The plan does not start where the robot is."""
+
+    code: Literal["start_mismatch"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: StartMismatchEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class StartOutOfLimitsFailure(Answer):
+    """The start violates position limits."""
+
+    code: Literal["start_out_of_limits"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: StartLimitsEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class StartOutOfLimitsProblem(Answer):
+    """The start violates position limits."""
+
+    code: Literal["start_out_of_limits"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: StartLimitsEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class StartTooNearFailure(Answer):
+    """The start is free of collision but violates a margin."""
+
+    code: Literal["start_too_near"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: PairsEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class StartTooNearProblem(Answer):
+    """The start is free of collision but violates a margin."""
+
+    code: Literal["start_too_near"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: PairsEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class StartViolatesConstraintFailure(Answer):
+    """The start violates path constraints."""
+
+    code: Literal["start_violates_constraint"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: StartConstraintEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class StartViolatesConstraintProblem(Answer):
+    """The start violates path constraints."""
+
+    code: Literal["start_violates_constraint"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: StartConstraintEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class StartedEvent(Answer):
+    """A worker took the job."""
+
+    data: Json[EventData]
+    """When."""
+    event: Literal["started"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class StatusData(Answer):
+    """How far an execution is, and when it was there."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    contacts: list[Contact]
+    """Touches so far that the scene does not allow."""
+    max_tracking_error: float
+    """Largest tracking error so far [rad or m]."""
+    positions: list[float]
+    """Measured positions [rad or m]."""
+    progress: float
+    """Time along the motion over its duration, 0 to 1."""
+    state: ExecutionState
+    """State of the execution."""
+    time: float
+    """Time along the motion [s]."""
+    tracking_error: float
+    """Largest distance of a joint from where it should be, now [rad or m]."""
+    lateness: float | None = None
+    """The longest so far that the controller was late to look at the clock [s]: what else runs
+    on the machine makes the motion fall behind; null if not recorded."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class StatusEvent(Answer):
+    """The execution moves, or changes its state; at most twenty times a second."""
+
+    data: Json[StatusData]
+    """How far it is."""
+    event: Literal["status"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class Steering(Answer):
+    """What a car can drive."""
+
+    reverse: bool
+    """Whether it drives backwards too."""
+    turning_radius: float
+    """Of its tightest turn, at the base's origin [m]."""
+
+
+class StopMotionResponse(Answer):
+    """A certified motion from the instant on, or why there is none."""
+
+    certificate: Certificate | None
+    """The proof; null if there is none."""
+    failure: Failure | None
+    """Why there is none: `retiming_failed`, `not_certified` with the failed checks,
+    `deadline_exceeded`; null if there is one."""
+    interpolation: MotionInterpolation
+    """What the samples of the running motion were taken for."""
+    stage: CertifyReport | None
+    """Report of the proof; null if there is none."""
+    trajectory: Trajectory | None
+    """The motion, from the running motion's state at `time`, which is its 0; null if there is
+    none."""
+
+
+class StopReport(Answer):
+    """Stops along the path within limits, from every instant: guaranteed upper bounds."""
+
+    begin: float
+    """When it begins [s]."""
+    distance: float
+    """A joint's longest way until it stands [rad or m]."""
+    frame: str
+    """The tool frame, or empty."""
+    joint: str
+    """Which joint, or block of a planar or floating one."""
+    time: float
+    """Of the longest stop [s]."""
+    tool_distance: float | None
+    """The tool frame's longest way until it stands [m]; null without a tool frame."""
+    unheld: str = ""
+    """With `effort`: `torque` and the joint that cannot hold the robot still somewhere, so that
+    no stop ends there; empty if there is none."""
+    unheld_at: float | None = None
+    """When the motion is where that is worst [s]; null for nowhere."""
+
+
+class StorageEvidence(Answer):
+    """Why nothing is written."""
+
+    reason: str
+    """What the database or the file system said."""
+    retry_after: float
+    """When to ask again [s]."""
+
+
+class TimeoutEvidence(Answer):
+    """How long a body may take."""
+
+    allowed: float
+    """Seconds."""
+
+
+type Timings = dict[str, float]
+"""Seconds by stage [s]."""
+
+
+class Tolerance(Answer):
+    """How far from a target the tool frame may end, in the target's own axes."""
+
+    position: list[float] = Field(default=[0.0, 0.0, 0.0], validate_default=True)
+    """Half-widths of a box about the target [m]."""
+    rotation: list[float] = Field(default=[0.0, 0.0, 0.0], validate_default=True)
+    """Largest rotation about each axis [rad]; pi or more leaves the axis free."""
+
+
+class ToolLimit(Answer):
+    """How fast the origin of a frame may move."""
+
+    frame: str
+    """Any frame of the scene; each is limited once."""
+    acceleration: float | None = None
+    """At most, in any direction [m/s^2]; null for any."""
+    speed: float | None = None
+    """At most [m/s]; null for any."""
+
+
+class ToolRelaxation(Answer):
+    """Changes of a goal of the tool, each of which is sufficient."""
+
+    approach: float | None = None
+    """Length of an approach that is free [m]."""
+    constraints: list[RelaxedConstraint] | None = None
+    """Path constraints each of which would have to give way."""
+    cut_short: bool | None = None
+    """Whether time ran out, so that smaller changes may be sufficient."""
+    obstacles: list[ViolatingPair] | None = None
+    """Pairs that would have to be allowed to collide."""
+    pose_index: int | None = None
+    """Of the goal's pose that these lengths are for, from 0."""
+    position: PartialPose | None = None
+    """Another position at the same rotation."""
+    positions: list[float] | None = None
+    """The group's positions with these pairs [rad or m]."""
+    remove: RemovedBody | None = None
+    """A body to be removed."""
+    retreat: float | None = None
+    """Length of a retreat that is free [m]."""
+    rotation: PartialPose | None = None
+    """Another rotation at the same position."""
+    tolerance: LargerTolerance | None = None
+    """Larger tolerances."""
+
+
+class TrackingEvidence(Answer):
+    """How far the robot is off."""
+
+    bound: float | None
+    """What it may be [rad or m]."""
+    error: float | None
+    """The tracking error [rad or m]; null where a simulation diverged."""
+    time: float
+    """On the motion [s]."""
+
+
+class TrackingLostFailure(Answer):
+    """The robot left the trajectory."""
+
+    code: Literal["tracking_lost"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: TrackingEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class Trajectory(Answer):
+    """A timed motion, sampled; the first and the last instant are included."""
+
+    accelerations: list[list[float]]
+    """One row per instant [rad/s^2 or m/s^2]."""
+    duration: float
+    """Of the whole motion [s]."""
+    joint_names: list[str]
+    """A name per position coordinate, in row order."""
+    positions: list[list[float]]
+    """One row per instant [rad or m]."""
+    times: list[float]
+    """Instants of the samples [s]."""
+    velocities: list[list[float]]
+    """One row per instant [rad/s or m/s]."""
+    velocity_names: list[str]
+    """A name per velocity coordinate; as `joint_names`, but for floating joints."""
+    interpolations: list[Interpolation] = Field(default=[], validate_default=True)
+    """What is proven of the samples, by what receivers make of them; the certificate beside
+    them is that of the exact motion. Empty of plans that are older."""
+    polynomial: Polynomial | None = None
+    """The exact motion, if the request has it added."""
+
+
+class TransitionEvidence(Answer):
+    """What a state does not allow."""
+
+    event: str
+    """What was asked for."""
+    legal: list[str]
+    """What is allowed in that state."""
+    state: str
+    """The present one."""
+
+
+class Translation(Answer):
+    """A way without a turn."""
+
+    vector: list[float]
+    """The way [m]."""
+    frame: str = "world"
+    """In whose axes, as they stand at the start: any frame."""
+
+
+class UnauthorizedProblem(Answer):
+    """The request has no key that is valid."""
+
+    code: Literal["unauthorized"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: NoEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class UncheckedPair(Answer):
+    """Two bodies that no collision check looks at."""
+
+    bodies: tuple[str, str]
+    """Full names, sorted."""
+    evidence: str
+    """What that rests on, in words."""
+    reason: Literal["allowed", "held", "welded", "welded_to_world", "adjacent"] | str
+    """allowed: by the scene or the robot's description; held: one is attached and may touch the
+    other; welded: neither can move relative to the other; welded_to_world: both stand in the
+    world; adjacent: a joint joins them, and their shapes touch about it or can never touch."""
+
+
+class UnknownJobProblem(Answer):
+    """There is no such job."""
+
+    code: Literal["unknown_job"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: JobIdEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class UnknownNameFailure(Answer):
+    """A name does not exist."""
+
+    code: Literal["unknown_name"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: NameEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class UnknownNameProblem(Answer):
+    """A name does not exist."""
+
+    code: Literal["unknown_name"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: NameEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class UnknownResourceEvidence(Answer):
+    """What does not exist; empty where the address leads nowhere."""
+
+    id: str | None = None
+    """As it was given."""
+    kind: str | None = None
+    """What was looked for."""
+    known: list[str] | None = None
+    """Names of models that there are."""
+    name: str | None = None
+    """Of a model, as it was given."""
+    nearest: list[str] | None = None
+    """Of these, those that were perhaps meant, the nearest first."""
+
+
+class UnreadableBodyProblem(Answer):
+    """The body is not what its content type says."""
+
+    code: Literal["unreadable_body"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: UnreadableEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class UnreadableEvidence(Answer):
+    """Why a body cannot be read."""
+
+    line: int | None = None
+    """In which line, from 1."""
+    position: int | None = None
+    """Of the first character that is wrong, from 0."""
+    reason: str | None = None
+    """What is wrong with it."""
+
+
+class UnsupportedMediaTypeProblem(Answer):
+    """The body has a content type that is not read here."""
+
+    code: Literal["unsupported_media_type"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: MediaTypeEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Verdict(Answer):
+    """What was found of one configuration."""
+
+    collisions: list[Pair]
+    """All pairs that touch or are nearer than the margin, deepest first."""
+    distance: float | None
+    """Smallest signed distance [m]; null if there is no pair to look at."""
+    limit_violations: list[LimitViolation]
+    """Joints outside their limits."""
+    nearest: Pair | None
+    """The pair that is nearest; null if there is none."""
+    valid: bool
+    """Within limits, and nothing nearer than the margin."""
+
+
+type Versions = dict[str, str]
+"""Of everything that the numbers depend on, by name."""
+
+
+class ViolatedLimit(Answer):
+    """A position outside its limits."""
+
+    joint: str
+    """Name of the coordinate."""
+    lower: float | None
+    """Its lower bound, null for none [rad or m]."""
+    position: float
+    """Its value [rad or m]."""
+    upper: float | None
+    """Its upper bound, null for none [rad or m]."""
+    violation: float
+    """By how much it is outside [rad or m]."""
+
+
+class ViolatingPair(Answer):
+    """Two bodies that overlap or violate their margin."""
+
+    bodies: tuple[str, str]
+    """Full names."""
+    depth: float
+    """What is missing to the margin [m]."""
+    distance: float
+    """Between them, negative where they overlap [m]."""
+    margin: float
+    """That is demanded between them [m]."""
+    points: list[list[float]]
+    """The nearest points of both in world, or the deepest ones [m]."""
+
+
+class Webhook(Answer):
+    """An address that is told what happens to jobs."""
+
+    created_at: datetime
+    """When it was registered (UTC)."""
+    disabled_at: datetime | None
+    """Since when nothing is sent, because it failed for days or said 410 (UTC); null if it is
+    enabled."""
+    events: list[WebhookEvent]
+    """What is told."""
+    failing_since: datetime | None
+    """Since when it has taken nothing that was sent (UTC); null if it takes them."""
+    id: str
+    """Of the webhook."""
+    reason: str
+    """Of the last failure since a success, or empty."""
+    url: str
+    """Where messages are posted."""
+
+
+type WebhookEvent = (
+    Literal[
+        "plan.started",
+        "plan.requeued",
+        "plan.finished",
+        "regions.started",
+        "regions.requeued",
+        "regions.finished",
+        "execution.started",
+        "execution.finished",
+    ]
+    | str
+)
+"""What a webhook can be told."""
+
+
+class WebhookPage(Answer):
+    """Webhooks, newest first."""
+
+    items: list[Webhook]
+    """On this page."""
+    next: str | None
+    """Cursor of the next page; null on the last one."""
+
+
+class WorkerCrashedEvidence(Answer):
+    """How the worker's process died."""
+
+    attempts: int
+    """How often the job was started."""
+    exit_code: int | None
+    """Negative where a signal ended it, null if unknown."""
+    during: str | None = None
+    """The stage that it told last."""
+    reason: str | None = None
+    """What it said before, or empty."""
+    signal: str | None = None
+    """The name of that signal."""
+
+
+class WorkerCrashedFailure(Answer):
+    """The worker process died under the job, every time."""
+
+    code: Literal["worker_crashed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: WorkerCrashedEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class WorkerCrashedProblem(Answer):
+    """The worker process died under the job, every time."""
+
+    code: Literal["worker_crashed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: WorkerCrashedEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class WorkerSilentEvidence(Answer):
+    """How long the worker's process said nothing."""
+
+    silence: float
+    """Seconds."""
+    attempts: int | None = None
+    """How often the job was started."""
+    during: str | None = None
+    """The stage that it told last."""
+
+
+class WorkerUnresponsiveFailure(Answer):
+    """The worker process said nothing for too long, and was ended."""
+
+    code: Literal["worker_unresponsive"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: WorkerSilentEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class WorkerUnresponsiveProblem(Answer):
+    """The worker process said nothing for too long, and was ended."""
+
+    code: Literal["worker_unresponsive"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: WorkerSilentEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class WrongJointCountProblem(Answer):
+    """A list of joint values that does not fit the group."""
+
+    code: Literal["wrong_joint_count"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: CountEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""

@@ -1,0 +1,710 @@
+"""Operations, to be called. Made by `python -m client.generator`: never edit it."""
+
+from collections.abc import Iterator
+from typing import Literal
+
+from wayproof_client.call import Call
+from wayproof_client import models, requests
+from wayproof_client.caller import Caller
+
+
+class Operations(Caller):
+    """A method for each operation of the document.
+
+    All raise `ApiError` for a problem and `httpx.TransportError` if the server is not reached.
+    """
+
+    def get_health(self) -> models.Health:
+        """Say that the server is there."""
+        return self.ask(Call("GET", "/healthz"), models.Health)
+
+    def get_metrics(self) -> str:
+        """Count jobs, requests, stages, what waits, workers and failures, as Prometheus reads
+        it."""
+        return self.ask_text(Call("GET", "/metrics"))
+
+    def get_readiness(self) -> models.Readiness:
+        """Say whether jobs begin at once: the database answers, and workers have planned a
+        motion."""
+        return self.ask(Call("GET", "/readyz"), models.Readiness)
+
+    def delete_batch(self, batch: str) -> None:
+        """Delete all plans of a batch, once all have ended."""
+        self.ask_nothing(Call("DELETE", "/v1/batches/{batch}", inserted={"batch": batch}))
+
+    def get_batch(self, batch: str) -> models.Batch:
+        """Show a batch: its plans, and how many of them are in which state."""
+        return self.ask(Call("GET", "/v1/batches/{batch}", inserted={"batch": batch}), models.Batch)
+
+    def cancel_batch(self, batch: str) -> models.Batch:
+        """End all plans of a batch that have not ended; asking again changes nothing."""
+        return self.ask(
+            Call("POST", "/v1/batches/{batch}/cancel", inserted={"batch": batch}), models.Batch
+        )
+
+    def stream_batch_events(
+        self, batch: str, *, last_event_id: str | None = None
+    ) -> Iterator[models.JobEvent]:
+        """Stream what happens to all plans of a batch; the data of each event names its `plan`."""
+        return self.ask_events(
+            Call(
+                "GET",
+                "/v1/batches/{batch}/events",
+                inserted={"batch": batch},
+                headers={"Last-Event-ID": last_event_id},
+            ),
+            models.JobEvent,
+        )
+
+    def list_executions(
+        self,
+        *,
+        state: models.ExecutionState | None = None,
+        scene: str | None = None,
+        limit: int | None = None,
+        cursor: str | None = None,
+    ) -> models.ExecutionPage:
+        """List executions, newest first; a page in a state before the last may have fewer of
+        them."""
+        return self.ask(
+            Call(
+                "GET",
+                "/v1/executions",
+                query={"state": state, "scene": scene, "limit": limit, "cursor": cursor},
+            ),
+            models.ExecutionPage,
+        )
+
+    def all_executions(
+        self,
+        *,
+        state: models.ExecutionState | None = None,
+        scene: str | None = None,
+        limit: int | None = None,
+    ) -> Iterator[models.Execution]:
+        """List executions, newest first; a page in a state before the last may have fewer of
+        them: all pages."""
+        cursor: str | None = None
+        while True:
+            page = self.list_executions(state=state, scene=scene, limit=limit, cursor=cursor)
+            for item in page.items:
+                yield item
+            cursor = page.next
+            if cursor is None:
+                return
+
+    def create_execution(
+        self,
+        body: requests.ExecutionRequest,
+        *,
+        wait: float | None = None,
+        prefer: str | None = None,
+        idempotency_key: str | None = None,
+    ) -> models.Execution:
+        """Carry out a plan, if its start is where the robot is."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/executions",
+                query={"wait": wait},
+                headers={"prefer": prefer, "Idempotency-Key": idempotency_key},
+                body=body,
+            ),
+            models.Execution,
+        )
+
+    def delete_execution(self, execution: str) -> None:
+        """Delete an execution that has ended; the scene keeps its robot where it was left."""
+        self.ask_nothing(
+            Call("DELETE", "/v1/executions/{execution}", inserted={"execution": execution})
+        )
+
+    def get_execution(self, execution: str) -> models.Execution:
+        """Show an execution: its state, progress, measured positions, tracking error, contacts."""
+        return self.ask(
+            Call("GET", "/v1/executions/{execution}", inserted={"execution": execution}),
+            models.Execution,
+        )
+
+    def cancel_execution(self, execution: str) -> models.Execution:
+        """Bring the robot to rest on its path and end; asking again changes nothing."""
+        return self.ask(
+            Call("POST", "/v1/executions/{execution}/cancel", inserted={"execution": execution}),
+            models.Execution,
+        )
+
+    def stream_execution_events(
+        self, execution: str, *, last_event_id: str | None = None
+    ) -> Iterator[models.ExecutionEvent]:
+        """Stream what happens to an execution: queued, started, stage, status, finished."""
+        return self.ask_events(
+            Call(
+                "GET",
+                "/v1/executions/{execution}/events",
+                inserted={"execution": execution},
+                headers={"Last-Event-ID": last_event_id},
+            ),
+            models.ExecutionEvent,
+        )
+
+    def pause_execution(self, execution: str) -> models.Execution:
+        """Bring the robot to rest on its path, until it is resumed."""
+        return self.ask(
+            Call("POST", "/v1/executions/{execution}/pause", inserted={"execution": execution}),
+            models.Execution,
+        )
+
+    def resume_execution(self, execution: str) -> models.Execution:
+        """Move on after a pause."""
+        return self.ask(
+            Call("POST", "/v1/executions/{execution}/resume", inserted={"execution": execution}),
+            models.Execution,
+        )
+
+    def set_execution_speed(self, execution: str, body: requests.SpeedRequest) -> models.Execution:
+        """Change how fast the motion is carried out; the robot gets there along its path."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/executions/{execution}/speed",
+                inserted={"execution": execution},
+                body=body,
+            ),
+            models.Execution,
+        )
+
+    def list_models(self) -> models.ModelList:
+        """List the robots that scenes may name."""
+        return self.ask(Call("GET", "/v1/models"), models.ModelList)
+
+    def get_model(self, name: str) -> models.Model:
+        """Show a robot: its groups, joints, limits, tool frames and configurations."""
+        return self.ask(Call("GET", "/v1/models/{name}", inserted={"name": name}), models.Model)
+
+    def list_planners(self) -> models.PlannerList:
+        """List the planners that a plan may name, with their parameters."""
+        return self.ask(Call("GET", "/v1/planners"), models.PlannerList)
+
+    def list_plans(
+        self,
+        *,
+        state: models.JobState | None = None,
+        scene: str | None = None,
+        batch: str | None = None,
+        limit: int | None = None,
+        cursor: str | None = None,
+    ) -> models.PlanPage:
+        """List plans, newest first, without their results."""
+        return self.ask(
+            Call(
+                "GET",
+                "/v1/plans",
+                query={
+                    "state": state,
+                    "scene": scene,
+                    "batch": batch,
+                    "limit": limit,
+                    "cursor": cursor,
+                },
+            ),
+            models.PlanPage,
+        )
+
+    def all_plans(
+        self,
+        *,
+        state: models.JobState | None = None,
+        scene: str | None = None,
+        batch: str | None = None,
+        limit: int | None = None,
+    ) -> Iterator[models.PlanSummary]:
+        """List plans, newest first, without their results: all pages."""
+        cursor: str | None = None
+        while True:
+            page = self.list_plans(
+                state=state, scene=scene, batch=batch, limit=limit, cursor=cursor
+            )
+            for item in page.items:
+                yield item
+            cursor = page.next
+            if cursor is None:
+                return
+
+    def create_plan(
+        self,
+        body: requests.PlanRequest,
+        *,
+        wait: float | None = None,
+        include: str | None = None,
+        prefer: str | None = None,
+        idempotency_key: str | None = None,
+    ) -> models.Plan:
+        """Request a plan: a job that is polled, streamed or waited for."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/plans",
+                query={"wait": wait, "include": include},
+                headers={"prefer": prefer, "Idempotency-Key": idempotency_key},
+                body=body,
+            ),
+            models.Plan,
+        )
+
+    def create_batch(
+        self,
+        body: requests.BatchRequest,
+        *,
+        wait: float | None = None,
+        prefer: str | None = None,
+        idempotency_key: str | None = None,
+    ) -> models.Batch:
+        """Request plans for up to 256 problems: all of them are queued, or none."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/plans/batch",
+                query={"wait": wait},
+                headers={"prefer": prefer, "Idempotency-Key": idempotency_key},
+                body=body,
+            ),
+            models.Batch,
+        )
+
+    def delete_plan(self, plan: str) -> None:
+        """Delete a plan that has ended; its address is unknown then, and its idempotency key
+        free."""
+        self.ask_nothing(Call("DELETE", "/v1/plans/{plan}", inserted={"plan": plan}))
+
+    def get_plan(self, plan: str, *, include: str | None = None) -> models.Plan:
+        """Show a plan: how far it is, and its result once it succeeded."""
+        return self.ask(
+            Call("GET", "/v1/plans/{plan}", inserted={"plan": plan}, query={"include": include}),
+            models.Plan,
+        )
+
+    def cancel_plan(self, plan: str) -> models.Plan:
+        """End a plan, in whatever state it is; asking again changes nothing."""
+        return self.ask(
+            Call("POST", "/v1/plans/{plan}/cancel", inserted={"plan": plan}), models.Plan
+        )
+
+    def stream_plan_events(
+        self, plan: str, *, last_event_id: str | None = None
+    ) -> Iterator[models.JobEvent]:
+        """Stream what happens to a plan: queued, started, stage, progress, best-so-far,
+        finished."""
+        return self.ask_events(
+            Call(
+                "GET",
+                "/v1/plans/{plan}/events",
+                inserted={"plan": plan},
+                headers={"Last-Event-ID": last_event_id},
+            ),
+            models.JobEvent,
+        )
+
+    def get_planner_graph(self, plan: str) -> models.PlannerGraph:
+        """Show what the planner explored, if `search.keep_graph` of the request had it kept."""
+        return self.ask(
+            Call("GET", "/v1/plans/{plan}/graph", inserted={"plan": plan}), models.PlannerGraph
+        )
+
+    def get_plot(
+        self,
+        plan: str,
+        name: Literal[
+            "acceleration",
+            "clearance",
+            "jerk",
+            "position",
+            "tool_speed",
+            "torque",
+            "utilisation",
+            "velocity",
+        ],
+    ) -> str:
+        """Draw the motion of a plan against its limits, or its clearance, over time."""
+        return self.ask_text(
+            Call("GET", "/v1/plans/{plan}/plots/{name}.svg", inserted={"name": name, "plan": plan})
+        )
+
+    def get_replay(self, plan: str) -> str:
+        """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
+        return self.ask_text(Call("GET", "/v1/plans/{plan}/replay.html", inserted={"plan": plan}))
+
+    def reverse_plan(
+        self,
+        plan: str,
+        *,
+        wait: float | None = None,
+        include: str | None = None,
+        prefer: str | None = None,
+        idempotency_key: str | None = None,
+    ) -> models.Plan:
+        """Request the same motion from its end to its start: a plan of its own, proven anew."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/plans/{plan}/reverse",
+                inserted={"plan": plan},
+                query={"wait": wait, "include": include},
+                headers={"prefer": prefer, "Idempotency-Key": idempotency_key},
+            ),
+            models.Plan,
+        )
+
+    def get_trajectory(
+        self,
+        plan: str,
+        *,
+        period: float | None = None,
+        points: int | None = None,
+        even: bool | None = None,
+        scale: float | None = None,
+        polynomial: bool | None = None,
+    ) -> models.Trajectory:
+        """Sample the motion of a plan anew, slower if `scale` says so, and prove the samples."""
+        return self.ask(
+            Call(
+                "GET",
+                "/v1/plans/{plan}/trajectory",
+                inserted={"plan": plan},
+                query={
+                    "period": period,
+                    "points": points,
+                    "even": even,
+                    "scale": scale,
+                    "polynomial": polynomial,
+                },
+            ),
+            models.Trajectory,
+        )
+
+    def get_trajectory_as(
+        self,
+        plan: str,
+        *,
+        format: Literal["json", "csv", "ros2", "npz", "urscript", "mcap"],
+        period: float | None = None,
+        points: int | None = None,
+        even: bool | None = None,
+        scale: float | None = None,
+        polynomial: bool | None = None,
+    ) -> bytes:
+        """Sample the motion of a plan anew, slower if `scale` says so, and prove the samples."""
+        return self.ask_bytes(
+            Call(
+                "GET",
+                "/v1/plans/{plan}/trajectory",
+                inserted={"plan": plan},
+                query={
+                    "format": format,
+                    "period": period,
+                    "points": points,
+                    "even": even,
+                    "scale": scale,
+                    "polynomial": polynomial,
+                },
+            )
+        )
+
+    def delete_regions(self, regions: str) -> None:
+        """Delete regions that have ended; plans that were made in them stay."""
+        self.ask_nothing(Call("DELETE", "/v1/regions/{regions}", inserted={"regions": regions}))
+
+    def get_regions(self, regions: str) -> models.RegionsJob:
+        """Show regions: how far they are, and all of them once they have grown."""
+        return self.ask(
+            Call("GET", "/v1/regions/{regions}", inserted={"regions": regions}), models.RegionsJob
+        )
+
+    def cancel_regions(self, regions: str) -> models.RegionsJob:
+        """End the growth, in whatever state it is; asking again changes nothing."""
+        return self.ask(
+            Call("POST", "/v1/regions/{regions}/cancel", inserted={"regions": regions}),
+            models.RegionsJob,
+        )
+
+    def stream_regions_events(
+        self, regions: str, *, last_event_id: str | None = None
+    ) -> Iterator[models.JobEvent]:
+        """Stream what happens to regions: queued, started, stage, progress, finished."""
+        return self.ask_events(
+            Call(
+                "GET",
+                "/v1/regions/{regions}/events",
+                inserted={"regions": regions},
+                headers={"Last-Event-ID": last_event_id},
+            ),
+            models.JobEvent,
+        )
+
+    def list_scenes(
+        self, *, limit: int | None = None, cursor: str | None = None
+    ) -> models.ScenePage:
+        """List scenes, newest first."""
+        return self.ask(
+            Call("GET", "/v1/scenes", query={"limit": limit, "cursor": cursor}), models.ScenePage
+        )
+
+    def all_scenes(self, *, limit: int | None = None) -> Iterator[models.SceneBrief]:
+        """List scenes, newest first: all pages."""
+        cursor: str | None = None
+        while True:
+            page = self.list_scenes(limit=limit, cursor=cursor)
+            for item in page.items:
+                yield item
+            cursor = page.next
+            if cursor is None:
+                return
+
+    def create_scene(
+        self,
+        body: requests.SceneDocument | str | bytes,
+        *,
+        media_type: Literal["application/json", "application/yaml"] = "application/yaml",
+        idempotency_key: str | None = None,
+    ) -> models.Scene:
+        """Post a scene as JSON or YAML; it is loaded at once, and its faults are named by line."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/scenes",
+                headers={"Idempotency-Key": idempotency_key},
+                body=body,
+                media_type=media_type,
+            ),
+            models.Scene,
+        )
+
+    def delete_scene(self, scene: str, *, if_match: str | None = None) -> None:
+        """Forget a scene; plans that were made in it stay."""
+        self.ask_nothing(
+            Call(
+                "DELETE",
+                "/v1/scenes/{scene}",
+                inserted={"scene": scene},
+                headers={"If-Match": if_match},
+            )
+        )
+
+    def get_scene(
+        self, scene: str, *, revision: int | None = None, if_none_match: str | None = None
+    ) -> models.Scene:
+        """Show a scene, by default its latest revision: document, groups, frames and bodies."""
+        return self.ask(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}",
+                inserted={"scene": scene},
+                query={"revision": revision},
+                headers={"If-None-Match": if_none_match},
+            ),
+            models.Scene,
+        )
+
+    def edit_scene(
+        self, scene: str, body: requests.SceneEdit, *, if_match: str | None = None
+    ) -> models.Scene:
+        """Edit a scene: its next revision, which plans use from now on; older ones stay."""
+        return self.ask(
+            Call(
+                "PATCH",
+                "/v1/scenes/{scene}",
+                inserted={"scene": scene},
+                headers={"If-Match": if_match},
+                body=body,
+            ),
+            models.Scene,
+        )
+
+    def check_configurations(
+        self, scene: str, body: requests.CheckRequest, *, revision: int | None = None
+    ) -> models.CheckResponse:
+        """Check configurations: limits, and every pair of bodies that collides, with its depth."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/scenes/{scene}/check",
+                inserted={"scene": scene},
+                query={"revision": revision},
+                body=body,
+            ),
+            models.CheckResponse,
+        )
+
+    def compute_forward_kinematics(
+        self, scene: str, body: requests.FkRequest, *, revision: int | None = None
+    ) -> models.FkResponse:
+        """Compute where frames are in given configurations."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/scenes/{scene}/fk",
+                inserted={"scene": scene},
+                query={"revision": revision},
+                body=body,
+            ),
+            models.FkResponse,
+        )
+
+    def solve_inverse_kinematics(
+        self, scene: str, body: requests.IkRequest, *, revision: int | None = None
+    ) -> models.IkResponse:
+        """Find all distinct configurations that reach a goal, or say why there is none."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/scenes/{scene}/ik",
+                inserted={"scene": scene},
+                query={"revision": revision},
+                body=body,
+            ),
+            models.IkResponse,
+        )
+
+    def trace_line(
+        self, scene: str, body: requests.LineRequest, *, revision: int | None = None
+    ) -> models.LineResponse:
+        """Move a tool in a straight line as far as it goes, and say exactly why it stops."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/scenes/{scene}/line",
+                inserted={"scene": scene},
+                query={"revision": revision},
+                body=body,
+            ),
+            models.LineResponse,
+        )
+
+    def list_regions(
+        self,
+        scene: str,
+        *,
+        state: models.JobState | None = None,
+        limit: int | None = None,
+        cursor: str | None = None,
+    ) -> models.RegionsPage:
+        """List the regions that were asked for in a scene, newest first, without their faces."""
+        return self.ask(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/regions",
+                inserted={"scene": scene},
+                query={"state": state, "limit": limit, "cursor": cursor},
+            ),
+            models.RegionsPage,
+        )
+
+    def all_regions(
+        self, scene: str, *, state: models.JobState | None = None, limit: int | None = None
+    ) -> Iterator[models.RegionsBrief]:
+        """List the regions that were asked for in a scene, newest first, without their faces:
+        all pages."""
+        cursor: str | None = None
+        while True:
+            page = self.list_regions(scene, state=state, limit=limit, cursor=cursor)
+            for item in page.items:
+                yield item
+            cursor = page.next
+            if cursor is None:
+                return
+
+    def grow_regions(
+        self,
+        scene: str,
+        body: requests.RegionsRequest,
+        *,
+        wait: float | None = None,
+        prefer: str | None = None,
+        idempotency_key: str | None = None,
+    ) -> models.RegionsJob:
+        """Grow convex regions of free configurations, for plans with the planner GCS."""
+        return self.ask(
+            Call(
+                "POST",
+                "/v1/scenes/{scene}/regions",
+                inserted={"scene": scene},
+                query={"wait": wait},
+                headers={"prefer": prefer, "Idempotency-Key": idempotency_key},
+                body=body,
+            ),
+            models.RegionsJob,
+        )
+
+    def get_scene_replay(self, scene: str, *, last: int | None = None) -> str:
+        """Replay in 3-D what executions moved in a scene, one motion after the other."""
+        return self.ask_text(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/replay.html",
+                inserted={"scene": scene},
+                query={"last": last},
+            )
+        )
+
+    def certify_trajectory(
+        self, body: requests.CertifyMotionRequest
+    ) -> models.CertifyMotionResponse:
+        """Hold a trajectory of your own against limits and obstacles, between its samples too."""
+        return self.ask(
+            Call("POST", "/v1/trajectories/certify", body=body), models.CertifyMotionResponse
+        )
+
+    def retime_path(self, body: requests.RetimeRequest) -> models.RetimeResponse:
+        """Time a path of your own as quickly as the limits allow, and prove the motion."""
+        return self.ask(Call("POST", "/v1/trajectories/retime", body=body), models.RetimeResponse)
+
+    def splice_motion(self, body: requests.SpliceMotionRequest) -> models.SpliceMotionResponse:
+        """Go over from a running motion to another one without a rest in between, and prove it."""
+        return self.ask(
+            Call("POST", "/v1/trajectories/splice", body=body), models.SpliceMotionResponse
+        )
+
+    def stop_motion(self, body: requests.StopMotionRequest) -> models.StopMotionResponse:
+        """Stop a running motion from an instant of it, as quickly as the limits allow, and
+        prove it."""
+        return self.ask(Call("POST", "/v1/trajectories/stop", body=body), models.StopMotionResponse)
+
+    def list_webhooks(
+        self, *, limit: int | None = None, cursor: str | None = None
+    ) -> models.WebhookPage:
+        """List webhooks, newest first, without their secrets."""
+        return self.ask(
+            Call("GET", "/v1/webhooks", query={"limit": limit, "cursor": cursor}),
+            models.WebhookPage,
+        )
+
+    def all_webhooks(self, *, limit: int | None = None) -> Iterator[models.Webhook]:
+        """List webhooks, newest first, without their secrets: all pages."""
+        cursor: str | None = None
+        while True:
+            page = self.list_webhooks(limit=limit, cursor=cursor)
+            for item in page.items:
+                yield item
+            cursor = page.next
+            if cursor is None:
+                return
+
+    def create_webhook(self, body: requests.WebhookRequest) -> models.NewWebhook:
+        """Register an address; it is told what happens from now on, signed with the `secret`."""
+        return self.ask(Call("POST", "/v1/webhooks", body=body), models.NewWebhook)
+
+    def delete_webhook(self, webhook: str) -> None:
+        """Forget a webhook: it is told nothing more."""
+        self.ask_nothing(Call("DELETE", "/v1/webhooks/{webhook}", inserted={"webhook": webhook}))
+
+    def get_webhook(self, webhook: str) -> models.Webhook:
+        """Show a webhook: whether it takes what it is told."""
+        return self.ask(
+            Call("GET", "/v1/webhooks/{webhook}", inserted={"webhook": webhook}), models.Webhook
+        )
+
+    def enable_webhook(self, webhook: str) -> models.Webhook:
+        """Send to a webhook again that was disabled; what happened meanwhile it is not told."""
+        return self.ask(
+            Call("POST", "/v1/webhooks/{webhook}/enable", inserted={"webhook": webhook}),
+            models.Webhook,
+        )

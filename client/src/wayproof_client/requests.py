@@ -1,0 +1,1195 @@
+"""What a server is asked. Made by `python -m client.generator`: never edit it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, NotRequired, TypedDict
+
+
+class AddOperation(TypedDict):
+    """Add an object."""
+
+    object: ObjectDocument
+    """As in a scene document, under a name that is free."""
+    op: Literal["add"]
+    """What to do."""
+
+
+class AllowOperation(TypedDict):
+    """Let two bodies touch."""
+
+    op: Literal["allow"]
+    """What to do."""
+    pair: Sequence[str]
+    """Full names of the bodies."""
+
+
+class AttachOperation(TypedDict):
+    """Let a robot hold an object: from now on it follows a frame and counts as the robot's
+    body."""
+
+    frame: str
+    """`robot::link`, or a frame that hangs on one."""
+    keep: NotRequired[bool]
+    """Whether it stays where it is in the world at the scene's positions."""
+    object: str
+    """Its name; it must be `movable`."""
+    op: Literal["attach"]
+    """What to do."""
+    pose: NotRequired[PoseDocument | None]
+    """X_FO, where it is in the frame; only and always if not `keep`."""
+    touch: NotRequired[Sequence[str] | None]
+    """Bodies that it may touch; by default those that move rigidly with the frame and those
+    that they carry outside the robot's default group, such as fingers."""
+
+
+class AttachmentDocument(TypedDict):
+    """Attachment of an object to a robot."""
+
+    frame: str
+    """Frame that the object follows: `robot::link`, or a frame with one as ancestor."""
+    touch: NotRequired[Sequence[str] | None]
+    """Bodies that it may touch; by default those that move rigidly with the frame and those
+    that they carry outside the robot's default group, such as fingers."""
+
+
+class BatchRequest(TypedDict):
+    """Problems to plan, all of which are queued, or none."""
+
+    problems: Sequence[PlanRequest]
+    """Each as `POST /v1/plans` takes it."""
+
+
+class Box(TypedDict):
+    """A box, placed by the pose of its middle."""
+
+    pose: NotRequired[Pose]
+    """Of its middle; in a frame that moves with the group, where the start puts it."""
+    size: Sequence[float]
+    """Full side lengths along the axes of `pose` [m]."""
+
+
+class Car(TypedDict):
+    """A planar base that moves like a car: never sideways, in no tighter turn than it can."""
+
+    reverse: NotRequired[bool]
+    """Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')."""
+    turning_radius: float
+    """Of its tightest turn, at the origin of the base [m]."""
+
+
+class Certify(TypedDict):
+    """What to find out about the motion once it is proven; the report on `certify` has it."""
+
+    max_stopping_time: NotRequired[float | None]
+    """No stop may take longer [s], and `stop_anywhere` is meant; null for no bound."""
+    robustness: NotRequired[bool]
+    """Bound how far off obstacles and joints may be: `robustness` in the report; takes some 0.2
+    s."""
+    stop_anywhere: NotRequired[bool]
+    """Bound the longest stop along the path, from any instant: a check `stop`, and `stop` in
+    the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with `effort` or
+    accelerations in `tool_limits`."""
+
+
+class CertifyMotionRequest(TypedDict):
+    """Prove a trajectory of your own."""
+
+    acceleration_bounds: NotRequired[Mapping[str, Sequence[float]]]
+    """Lowest (below 0) and highest (above 0) acceleration, by name of a joint with one
+    coordinate, or `joint.angular` of a planar one [rad/s^2 or m/s^2]."""
+    acceleration_scale: NotRequired[float]
+    """Factor on every acceleration and jerk limit, 0..1."""
+    allowed_time: NotRequired[float]
+    """Give up after this long [s]."""
+    certify: NotRequired[Certify]
+    """What to compute besides the proof."""
+    effort: NotRequired[bool]
+    """Whether joint torques and forces stay within their limits, gravity and all that is
+    carried included: check `torque` of the certificate."""
+    goal: NotRequired[Sequence[float] | None]
+    """Where it shall end [rad or m]; null for where it does."""
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    limit_jerk: NotRequired[bool]
+    """Hold it against the limits on jerk as well."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    path_constraints: NotRequired[Sequence[Constraint]]
+    """Constraints on the whole motion; those relative to the start are relative to the first
+    configuration of the given path or motion."""
+    payload: NotRequired[Payload | None]
+    """What the group carries that the scene does not show; it counts for torques."""
+    revision: NotRequired[int | None]
+    """Of the scene; null for its latest."""
+    scene: str
+    """Id of a scene."""
+    speed_zones: NotRequired[Sequence[SpeedZone]]
+    """Boxes in which a frame is slower."""
+    start: NotRequired[Sequence[float] | None]
+    """Where it shall begin [rad or m]; null for where it does."""
+    tool_limits: NotRequired[Sequence[ToolLimit]]
+    """Largest speeds and accelerations of frames."""
+    trajectory: TrajectoryInput
+    """The motion. Between samples it is taken to be the polynomial of degree 5 that meets
+    positions, velocities and accelerations; of degree 3 without accelerations; without
+    velocities the cubic spline with continuous acceleration that rests at both ends; or what
+    its `interpolation` says. Straight lines have corners, and are only held to what corners can
+    keep. Positions are numbers, not angles on a circle: from 3 to -3 is a way of 6 rad."""
+    velocity_scale: NotRequired[float]
+    """Factor on every velocity limit, 0..1."""
+
+
+class CheckRequest(TypedDict):
+    """Check configurations of a group against limits and collisions."""
+
+    configurations: Sequence[Sequence[float]]
+    """The group's positions, one row each [rad or m]."""
+    group: str
+    """`robot` or `robot::group`."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+
+
+class ClearanceObjective(TypedDict):
+    """Clearance that is preferred, beyond the margin that is required."""
+
+    distance: float
+    """Between bodies, but for those of one robot [m]."""
+    weight: float
+    """By how much longer the motion may take for a metre less of what its clearance lacks of
+    the distance, on average along the motion [s/m]."""
+
+
+class ConfigurationDocument(TypedDict):
+    """A named configuration of a group."""
+
+    group: str
+    """`robot` or `robot::group`."""
+    positions: Sequence[float]
+    """In the group's order [rad or m]."""
+
+
+class ConfigurationGoal(TypedDict):
+    """Reach a configuration that the scene or the robot names."""
+
+    name: str
+    """Of the configuration, for example `home`."""
+    type: Literal["configuration"]
+    """Says which goal this is."""
+
+
+type Constraint = (
+    DistanceBand | KeepOut | KeepIn | Position | Orientation | LockedJoints | JointLimits
+)
+"""What a motion shall keep on its whole way."""
+
+
+class ConvexDocument(TypedDict):
+    """The convex hull of points."""
+
+    points: Sequence[Sequence[float]]
+    """[m]; not all in one plane."""
+
+
+class DetachOperation(TypedDict):
+    """Leave an object where it is in the world at the scene's positions."""
+
+    object: str
+    """Its name."""
+    op: Literal["detach"]
+    """What to do."""
+
+
+class Deviation(TypedDict):
+    """How far a tool may be from its line, between waypoints and samples too."""
+
+    position: NotRequired[float]
+    """Of its origin, from the line [m]."""
+    rotation: NotRequired[float]
+    """Of its rotation [rad]."""
+
+
+class Displacement(TypedDict):
+    """A displacement: a translation, a rotation, or both."""
+
+    position: NotRequired[Sequence[float] | None]
+    """Translation [m]; null for none."""
+    quaternion: NotRequired[Sequence[float] | None]
+    """Rotation as [w, x, y, z]; normalised when read, never zero."""
+    rpy: NotRequired[Sequence[float] | None]
+    """Rotation as roll, pitch, yaw about fixed x, y, z [rad]."""
+
+
+class DistanceBand(TypedDict):
+    """The smallest distance between two sets of bodies stays within bounds."""
+
+    bodies: NotRequired[Sequence[str] | None]
+    """Full names; null for all bodies that the group moves."""
+    max: NotRequired[float | None]
+    """At least two of them are no farther apart [m]; null for any."""
+    min: NotRequired[float]
+    """No two of them are nearer than this [m]."""
+    to: NotRequired[Sequence[str] | None]
+    """Full names of the others; null for all not in `bodies`."""
+    type: Literal["distance_band"]
+    """Says which constraint this is."""
+
+
+class EmptyDocument(TypedDict):
+    """No parameters."""
+
+
+class ExecutionRequest(TypedDict):
+    """Carry out a plan."""
+
+    driver: NotRequired[Literal["simulated"]]
+    """What moves: Drake's simulation under a joint controller."""
+    plan: str
+    """Id of a plan that succeeded."""
+    speed: NotRequired[float]
+    """Factor on the pace at which the simulation runs; 1 is real time."""
+    title: NotRequired[str | None]
+    """Title of the motion in replays of the scene."""
+
+
+class FkRequest(TypedDict):
+    """Ask where frames are in given configurations."""
+
+    configurations: Sequence[Sequence[float]]
+    """The group's positions, one row each [rad or m]."""
+    frames: NotRequired[Sequence[str] | None]
+    """Any frames of the scene; null for the group's tool frames."""
+    group: str
+    """`robot` or `robot::group`."""
+
+
+class ForbidOperation(TypedDict):
+    """No longer let two bodies touch, which the scene allowed."""
+
+    op: Literal["forbid"]
+    """What to do."""
+    pair: Sequence[str]
+    """Full names of the bodies."""
+
+
+class FrameDocument(TypedDict):
+    """A named pose: a target, a tool point."""
+
+    name: str
+    """Its name."""
+    parent: NotRequired[str]
+    """An object, a frame, `robot::link` or `world`."""
+    pose: NotRequired[PoseDocument]
+    """X_PF."""
+
+
+type Goal = (
+    JointGoal | ConfigurationGoal | PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal
+)
+"""What a motion shall reach."""
+
+
+class Ik(TypedDict):
+    """How hard to look for goal configurations, and which of them are near."""
+
+    allowed_time: NotRequired[float | None]
+    """For finding them, or saying why there is none [s]; null for as long as there is."""
+    joint_weights: NotRequired[Mapping[str, float]]
+    """Factor on each joint's part of the distance from the start, by full name
+    (`robot::joint`); 1 for joints that are not named [1]."""
+    max_configurations: NotRequired[int]
+    """At most so many, the nearest to the start of all that are found; as many are looked for,
+    but 100 at least, and until 40 in a row are known already."""
+    max_trials: NotRequired[int]
+    """Stop after this many seeds of the solver, over all poses."""
+    pose_metric: NotRequired[PoseMetric]
+    """Which pose is the nearest to one that no configuration reaches."""
+
+
+class IkRequest(TypedDict):
+    """Ask for all configurations that reach a pose, a region or a displacement."""
+
+    allowed_time: NotRequired[float]
+    """Stop after this long, with what was found [s]."""
+    goal: PoseGoal | RegionGoal | RelativeGoal
+    """Where the tool frame shall be."""
+    group: str
+    """`robot` or `robot::group`."""
+    ik: NotRequired[Ik]
+    """How hard to look."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    path_constraints: NotRequired[Sequence[Constraint]]
+    """What solutions shall keep; joints are locked where `start` has them."""
+    seed: NotRequired[int]
+    """Of all randomness."""
+    start: NotRequired[Sequence[float] | None]
+    """What `nearest` is measured from [rad or m]; null for the scene's state."""
+
+
+class JointGoal(TypedDict):
+    """Reach a configuration, or any of several."""
+
+    positions: Sequence[float] | Sequence[Sequence[float]]
+    """The group's positions, one list or several [rad or m]."""
+    type: Literal["joint"]
+    """Says which goal this is."""
+
+
+class JointLimits(TypedDict):
+    """Some coordinates of the group stay within bounds, besides those of the robot."""
+
+    limits: Mapping[str, Sequence[float]]
+    """Smallest and largest position by the name of a joint, or of a coordinate of one that has
+    several [rad or m]."""
+    type: Literal["joint_limits"]
+    """Says which constraint this is."""
+
+
+class KeepIn(TypedDict):
+    """The origin of a frame stays in a box."""
+
+    box: Box
+    """Where it must be."""
+    frame: str
+    """Whose origin."""
+    type: Literal["keep_in"]
+    """Says which constraint this is."""
+
+
+class KeepOut(TypedDict):
+    """The origin of a frame stays out of a box."""
+
+    box: Box
+    """Where it must not be."""
+    frame: str
+    """Whose origin."""
+    type: Literal["keep_out"]
+    """Says which constraint this is."""
+
+
+class LineGoal(TypedDict):
+    """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
+
+    deviation: NotRequired[Deviation]
+    """How far from the line the motion may be, between samples too."""
+    displacement: NotRequired[Translation | None]
+    """Or the way from where the tool stands."""
+    frame: NotRequired[str | None]
+    """The tool frame: any that the group moves; null for its default."""
+    pose: NotRequired[Pose | None]
+    """Where the line ends, and the rotation turns along with the translation; this or
+    `displacement`."""
+    type: Literal["line"]
+    """Says which goal this is."""
+
+
+class LineRequest(TypedDict):
+    """Move a tool in a straight line, as far as it goes."""
+
+    allowed_time: NotRequired[float]
+    """Give up after this long [s]."""
+    deviation: NotRequired[Deviation]
+    """How far from the line straight ways between the waypoints may lead."""
+    displacement: NotRequired[Translation | None]
+    """Or the way from where the tool stands."""
+    frame: NotRequired[str | None]
+    """The tool frame: any that the group moves; null for its default."""
+    group: str
+    """`robot` or `robot::group`."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    max_step: NotRequired[float]
+    """Between waypoints the tool moves by this much at most [m]."""
+    pose: NotRequired[Pose | None]
+    """Where the line ends, and the rotation turns along with the translation; this or
+    `displacement`."""
+    poses: NotRequired[bool]
+    """Whether to answer the tool's poses as well."""
+    start: NotRequired[Sequence[float] | None]
+    """Where the group stands at first [rad or m]; null for the scene's state."""
+
+
+class LockedJoints(TypedDict):
+    """Some joints of the group stay where the start has them."""
+
+    joints: Sequence[str]
+    """Full names."""
+    type: Literal["locked_joints"]
+    """Says which constraint this is."""
+
+
+class MarginDocument(TypedDict):
+    """A distance that two bodies keep, other than the scene's margin."""
+
+    bodies: Sequence[str]
+    margin: float
+    """[m]."""
+
+
+class MeshDocument(TypedDict):
+    """A mesh file; its convex hull is what counts."""
+
+    scale: NotRequired[Sequence[float]]
+    """One factor, or one per axis."""
+    uri: str
+    """Path of an .obj, .vtk or .gltf file."""
+
+
+class MoveOperation(TypedDict):
+    """Put an object that is not attached elsewhere; frames that hang on it go along."""
+
+    object: str
+    """Its name."""
+    op: Literal["move"]
+    """What to do."""
+    pose: PoseDocument
+    """X_WO, its new pose in the world."""
+
+
+class ObjectDocument(TypedDict):
+    """An obstacle, or an object to handle."""
+
+    attached: NotRequired[AttachmentDocument | None]
+    """Its attachment to a robot; none if it is fixed to the world."""
+    center_of_mass: NotRequired[Sequence[float] | None]
+    """In its frame [m]; none for that of the shape; only with `mass`."""
+    color: NotRequired[Sequence[float] | None]
+    """RGB or RGBA, each 0 to 1."""
+    mass: NotRequired[float | None]
+    """Its mass while it is attached [kg]; none for no mass. Its inertia is that of the shape at
+    uniform density; a mesh counts as its convex hull."""
+    movable: NotRequired[bool]
+    """Whether it may be attached."""
+    name: str
+    """Of its body and of its frame."""
+    pose: NotRequired[PoseDocument]
+    """X_WO; of an attached object X_FO, in its frame."""
+    shape: ShapeDocument
+    """Its geometry [m]."""
+
+
+class Orientation(TypedDict):
+    """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
+
+    axis: Sequence[float]
+    """In that frame; any length but zero."""
+    direction: Sequence[float]
+    """In `reference`; any length but zero."""
+    frame: str
+    """Whose axis."""
+    reference: NotRequired[str]
+    """Whose axes `direction` counts in; of a frame that moves, as the start has it."""
+    tolerance: float
+    """Largest angle between them [rad]."""
+    type: Literal["orientation"]
+    """Says which constraint this is."""
+
+
+class PathGoal(TypedDict):
+    """Bring a tool frame through poses in straight lines, at rest at each."""
+
+    deviation: NotRequired[Deviation]
+    """How far from the lines the motion may be, between samples too."""
+    frame: NotRequired[str | None]
+    """The tool frame: any that the group moves; null for its default."""
+    poses: Sequence[Pose]
+    """In this order; frames that move count where the start puts them."""
+    type: Literal["path"]
+    """Says which goal this is."""
+
+
+class Payload(TypedDict):
+    """A rigid mass that follows a frame and burdens every joint that carries it."""
+
+    center_of_mass: NotRequired[Sequence[float]]
+    """In the frame [m]."""
+    frame: str
+    """What it follows; the group must move it."""
+    inertia: NotRequired[Sequence[float]]
+    """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass, along the frame's axes [kg m^2];
+    zeros for a point mass."""
+    mass: float
+    """[kg]."""
+
+
+class PlanRequest(TypedDict):
+    """Move a group of a scene from a start to a goal."""
+
+    certify: NotRequired[Certify]
+    """What to find out besides the proof."""
+    goal: Goal
+    """What to reach."""
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    ik: NotRequired[Ik]
+    """Options of the goals stage."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    path_constraints: NotRequired[Sequence[Constraint]]
+    """What the motion shall keep on its whole way, all of it; each has a check of its own in
+    the certificate."""
+    priority: NotRequired[Priority]
+    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    for 30 s goes with the next priority: `low` is delayed by others, never for good."""
+    refine: NotRequired[Refine]
+    """Options of the refinement."""
+    retime: NotRequired[Retime]
+    """Options of the timing."""
+    revision: NotRequired[int | None]
+    """Of the scene; null for its latest."""
+    scene: str
+    """Id of a scene."""
+    search: NotRequired[Search]
+    """Options of the search."""
+    seed: NotRequired[int]
+    """Of all randomness: the same seed gives the same bytes."""
+    start: NotRequired[Sequence[float] | None]
+    """The group's positions [rad or m]; null for the scene's current state."""
+
+
+class PolynomialInput(TypedDict):
+    """The exact motion, as `Trajectory.polynomial` has it."""
+
+    bases: Sequence[Sequence[float]]
+    """Where each piece is anchored, n rows [rad or m]."""
+    breaks: Sequence[float]
+    """Instants between pieces, from 0, n + 1 of them [s]."""
+    coefficients: Sequence[Sequence[Sequence[float]]]
+    """n pieces, powers from 0 up, a column per velocity coordinate."""
+    joint_names: NotRequired[Sequence[str] | None]
+    """The group's joints in order."""
+    joint_types: NotRequired[Sequence[str] | None]
+    """Ignored: the scene has them."""
+
+
+class Pose(TypedDict):
+    """A rigid transform in a frame; `quaternion` or `rpy`, or neither for no rotation."""
+
+    frame: NotRequired[str]
+    """The frame that the pose is given in: any frame of the scene."""
+    position: Sequence[float]
+    """x, y, z in `frame` [m]."""
+    quaternion: NotRequired[Sequence[float] | None]
+    """Rotation as [w, x, y, z]; normalised when read, never zero."""
+    rpy: NotRequired[Sequence[float] | None]
+    """Rotation as roll, pitch, yaw about fixed x, y, z [rad]."""
+
+
+class PoseDistanceTolerance(TypedDict):
+    """All poses within a weighted distance: sqrt(sum (w_i * way_i)^2 + (w_r * angle)^2)."""
+
+    frame: NotRequired[str | None]
+    """By whose axes the way from the target's origin is, as they stand at the start: any frame;
+    null for the target's own."""
+    tolerance: float
+    """The largest distance [1]."""
+    weights: NotRequired[Sequence[float]]
+    """w_x, w_y, w_z [1/m] and w_r [1/rad]; what has no weight is free."""
+
+
+class PoseDocument(TypedDict):
+    """A rigid transform; `quaternion` or `rpy`, or neither for no rotation."""
+
+    position: NotRequired[Sequence[float]]
+    """x, y, z [m]."""
+    quaternion: NotRequired[Sequence[float] | None]
+    """[w, x, y, z], any length > 0."""
+    rpy: NotRequired[Sequence[float] | None]
+    """roll, pitch, yaw about fixed axes [rad]."""
+
+
+class PoseGoal(TypedDict):
+    """Bring a tool frame to a pose, or to any of several."""
+
+    approach: NotRequired[Sequence[float] | None]
+    """The motion ends in a straight line without a turn, which begins where the tool is
+    displaced by this, in the target's axes [m]; null for none."""
+    frame: NotRequired[str | None]
+    """The tool frame: any that the group moves; null for its default."""
+    metric: NotRequired[PoseDistanceTolerance | None]
+    """Instead of `tolerance`: how far off it may be by a weighted metric."""
+    poses: Sequence[Pose]
+    """The candidates; `goal_index` of the result says which one was reached."""
+    retreat: NotRequired[Sequence[float] | None]
+    """After the goal the tool goes on in a straight line by this, in the target's axes [m];
+    null for none."""
+    tolerance: NotRequired[Tolerance]
+    """How far off it may be."""
+    type: Literal["pose"]
+    """Says which goal this is."""
+
+
+class PoseMetric(TypedDict):
+    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * angle)^2)."""
+
+    rotation: NotRequired[float]
+    """Weight of a radian [1/rad]; by default one weighs as much as 0.1 m."""
+    translation: NotRequired[float]
+    """Weight of a metre [1/m]."""
+
+
+class Position(TypedDict):
+    """The origin of a frame stays near a line, a plane or a point."""
+
+    frame: str
+    """Whose origin."""
+    pose: NotRequired[Pose]
+    """Of its middle; in a frame that moves with the group, where the start puts it."""
+    size: Sequence[float | None]
+    """How wide the band is along each axis of `pose` [m]; null for an axis that is free: one
+    number is a plane, two are a line."""
+    type: Literal["position"]
+    """Says which constraint this is."""
+
+
+type Priority = Literal["low", "normal", "high"]
+"""What goes first of what waits."""
+
+
+class Refine(TypedDict):
+    """Whether and how to optimise the path."""
+
+    clearance: NotRequired[ClearanceObjective | None]
+    """What the duration is weighed against; `none` has no use for it."""
+    method: NotRequired[Literal["trajopt", "auto", "none"]]
+    """Optimise the duration; do so only if at least half a second is left; or leave the path as
+    it is."""
+
+
+class RegionGoal(TypedDict):
+    """Bring a tool frame anywhere into a region, or into any of several."""
+
+    approach: NotRequired[Sequence[float] | None]
+    """As of a pose: the last way to wherever in the region the motion ends begins where the
+    tool is displaced by this, in the region's axes [m]; null for none."""
+    frame: NotRequired[str | None]
+    """The tool frame: any that the group moves; null for its default."""
+    free_axes: NotRequired[Sequence[Literal["x", "y", "z", "rx", "ry", "rz"]]]
+    """Axes of the region that it is unbounded along (`x`, `y`, `z`: as far as the group
+    reaches) or free to turn about (`rx`, `ry`, `rz`)."""
+    pose: NotRequired[Pose | None]
+    """The middle of the only region."""
+    poses: NotRequired[Sequence[Pose] | None]
+    """The middles of the regions; or one as `pose`."""
+    retreat: NotRequired[Sequence[float] | None]
+    """As of a pose: the way that the tool goes on, in the region's axes [m]; null for none."""
+    tolerance: NotRequired[Tolerance]
+    """How far from the middle the region goes, by its axes."""
+    type: Literal["region"]
+    """Says which goal this is."""
+
+
+class RegionsRequest(TypedDict):
+    """Grow regions for a group of a scene."""
+
+    allowed_time: NotRequired[float]
+    """After this time what has grown is the result [s]."""
+    along: NotRequired[Literal["paths", "nothing"]]
+    """What comes first: regions along paths from the scene's state to the group's named
+    configurations and the scene's frames; or nothing but the cover."""
+    bounds: NotRequired[Mapping[str, Sequence[float]]]
+    """Lowest and highest value to grow in [rad or m], by position name, within the limits;
+    angles that may turn further are taken from -pi to pi, those on a circle over one turn at
+    most."""
+    coverage: NotRequired[float]
+    """Coverage at which growth ends, as a share of the free configurations in the domain [1]."""
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    iterations: NotRequired[int]
+    """Number of times that a region is grown anew around its largest ellipsoid."""
+    margin: NotRequired[float | None]
+    """Distance that regions keep [m]; null for the scene's."""
+    num_free: NotRequired[int]
+    """Number of consecutive random configurations of a region that must be free."""
+    num_regions: NotRequired[int]
+    """Largest number of regions."""
+    padding: NotRequired[float]
+    """Distance beyond the margin, for proofs to be quick [m]."""
+    priority: NotRequired[Priority]
+    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    for 30 s goes with the next priority: `low` is delayed by others, never for good."""
+    revision: NotRequired[int | None]
+    """Of the scene; null for its latest."""
+    seed: NotRequired[int]
+    """Of all randomness: the same seed gives the same regions."""
+
+
+class RelativeGoal(TypedDict):
+    """Move a tool frame by a displacement from where the start has it."""
+
+    displacement: Displacement
+    """By how much."""
+    frame: NotRequired[str | None]
+    """The tool frame: any that the group moves; null for its default."""
+    reference: NotRequired[str | None]
+    """The frame by whose axes, as they are at the start, the tool is shifted, and turned about
+    its own origin; null for the tool frame itself."""
+    type: Literal["relative"]
+    """Says which goal this is."""
+
+
+class RemoveOperation(TypedDict):
+    """Remove an object, the frames that hang on it, and the pairs and margins that name it."""
+
+    object: str
+    """Its name."""
+    op: Literal["remove"]
+    """What to do."""
+
+
+class Retime(TypedDict):
+    """How to time the path."""
+
+    acceleration_bounds: NotRequired[Mapping[str, Sequence[float]]]
+    """Lowest (below 0) and highest (above 0) acceleration, by name of a joint with one
+    coordinate, or `joint.angular` of a planar one [rad/s^2 or m/s^2]."""
+    acceleration_scale: NotRequired[float]
+    """Factor on every acceleration and jerk limit, 0..1."""
+    deviation: NotRequired[float | None]
+    """How far corners of the path may be rounded at most [rad or m, joint-space length]; 0 to
+    follow the very path, with a rest at every corner; null for at most 0.1. What refinement
+    makes of a path has no corners."""
+    duration: NotRequired[float | None]
+    """How long the motion shall take [s]; null for the least that the limits allow, and less
+    than that is `retiming_failed`."""
+    effort: NotRequired[bool]
+    """Whether joint torques and forces stay within their limits, gravity and all that is
+    carried included: check `torque` of the certificate."""
+    even_samples: NotRequired[bool]
+    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
+    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    explain: NotRequired[bool]
+    """Report which limit binds when, and what relaxing it would save
+    (`stages.retime.explanation`), once the motion is proven and if there is time; takes some 20
+    ms for each part, with ruckig as long as timing it once more for each limit that binds, six
+    at most."""
+    method: NotRequired[Literal["toppra", "ruckig"]]
+    """toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too."""
+    num_points: NotRequired[int | None]
+    """Deliver so many samples, evenly in time, first and last instants included, however far
+    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
+    `sample_period`; not both."""
+    payload: NotRequired[Payload | None]
+    """What the group carries that the scene does not show; it counts for torques."""
+    sample_period: NotRequired[float | None]
+    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
+    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
+    are `problem_invalid`; null where `num_points` says how many."""
+    speed_zones: NotRequired[Sequence[SpeedZone]]
+    """Boxes in which a frame is slower."""
+    tool_limits: NotRequired[Sequence[ToolLimit]]
+    """Largest speeds and accelerations of frames."""
+    velocity_scale: NotRequired[float]
+    """Factor on every velocity limit, 0..1."""
+
+
+class RetimeRequest(TypedDict):
+    """Time a path of your own, and prove the motion."""
+
+    allowed_time: NotRequired[float]
+    """Give up after this long [s]."""
+    certify: NotRequired[Certify]
+    """What to compute besides the proof."""
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    path_constraints: NotRequired[Sequence[Constraint]]
+    """Constraints on the whole motion; those relative to the start are relative to the first
+    configuration of the given path or motion."""
+    polynomial: NotRequired[bool]
+    """Add the exact piecewise polynomial."""
+    retime: NotRequired[Retime]
+    """How to time it."""
+    revision: NotRequired[int | None]
+    """Of the scene; null for its latest."""
+    scene: str
+    """Id of a scene."""
+    waypoints: Sequence[Sequence[float]]
+    """The group's positions from start to goal, joined by straight lines in joint space [rad or
+    m]."""
+
+
+class Roadmap(TypedDict):
+    """A roadmap that many plans share; it is built once for a scene as a group sees it."""
+
+    neighbours: NotRequired[int]
+    """With how many of the nearest others each is joined, where the way is free."""
+    seed: NotRequired[int]
+    """Of its samples; the plan's own seed does not change it."""
+    states: NotRequired[int]
+    """Free configurations that it has."""
+
+
+class RobotDocument(TypedDict):
+    """A robot in the scene."""
+
+    base: NotRequired[PoseDocument]
+    """X_WB, where its base link is welded."""
+    model: str
+    """Name of a robot (GET /v1/models), or a path of a URDF, SDF or MJCF file."""
+    name: str
+    """Prefix of its bodies, frames and joints: `name::link`."""
+    positions: NotRequired[str | Sequence[float] | Mapping[str, float | Sequence[float]] | None]
+    """Name of a configuration, values of its default group, or values by joint."""
+    weld: NotRequired[bool | None]
+    """Whether its base link is welded to the world at `base`, or floats and starts there; by
+    default bases of URDF files are welded, and those of SDF and MJCF files float unless they
+    say otherwise themselves."""
+
+
+class RoundDocument(TypedDict):
+    """Radius and length of a cylinder or capsule [m]; the axis is z."""
+
+    length: float
+    """Of the cylindrical part [m]."""
+    radius: float
+    """[m]."""
+
+
+type SampleInterpolation = Literal["quintic", "cubic", "cubic_spline", "linear"]
+"""What is between two samples."""
+
+
+class SceneDocument(TypedDict):
+    """A scene: robots, obstacles, frames."""
+
+    allowed_collisions: NotRequired[Sequence[Sequence[str]]]
+    """Pairs of bodies that may touch."""
+    configurations: NotRequired[Mapping[str, ConfigurationDocument]]
+    """Named configurations beside those of the robots."""
+    frames: NotRequired[Sequence[FrameDocument]]
+    margin: NotRequired[float]
+    """Distance kept from everything but the robot itself [m]."""
+    margins: NotRequired[Sequence[MarginDocument]]
+    """Exceptions from `margin`, by pair."""
+    name: NotRequired[str]
+    """For people."""
+    objects: NotRequired[Sequence[ObjectDocument]]
+    robots: Sequence[RobotDocument]
+    version: NotRequired[Literal[1]]
+    """Of this format."""
+
+
+class SceneEdit(TypedDict):
+    """Operations, carried out in order; all of them or none."""
+
+    operations: Sequence[SceneOperation]
+    """In order."""
+    revision: NotRequired[int | None]
+    """The revision that they are meant for; by default the latest, whichever it is."""
+
+
+type SceneOperation = (
+    AddOperation
+    | MoveOperation
+    | RemoveOperation
+    | AttachOperation
+    | DetachOperation
+    | SetPositionsOperation
+    | AllowOperation
+    | ForbidOperation
+)
+"""What to do, by `op`."""
+
+
+class Search(TypedDict):
+    """How to search for a path."""
+
+    allowed_planning_time: NotRequired[float]
+    """For the whole plan, all stages, from when the scene is loaded [s]; what it cuts is in
+    `result.cut_short`."""
+    approach_states: NotRequired[int]
+    """Interpolate each straight part to at least this many waypoints; `num_states` is then for
+    the free part."""
+    approximate: NotRequired[bool]
+    """Whether a failure has, as evidence `approximate`, the reached configuration that is
+    nearest to a goal."""
+    attempts: NotRequired[int]
+    """How many solutions to look for; the best by `objective` is kept. Of several planners each
+    has at least one."""
+    bounds: NotRequired[Mapping[str, Sequence[float]]]
+    """Lowest and highest value to search in [rad or m], by position name, within the limits."""
+    interpolate_time: NotRequired[float | None]
+    """For interpolating each solution to `num_states` [s]; one that takes longer stays as it
+    was (`stages.search.interpolated`). null for as long as there is."""
+    keep_graph: NotRequired[bool]
+    """Whether the planner's graph is kept for GET /plans/{id}/graph."""
+    num_states: NotRequired[int | None]
+    """Interpolate the path to at least this many waypoints."""
+    objective: NotRequired[Literal["length", "weighted_length", "clearance", "duration"]]
+    """By what solutions are compared, and improved by planners that improve them."""
+    on_cancel: NotRequired[Literal["discard", "best"]]
+    """What a cancel ends: the plan, or only the search if it has a path by then; that path is
+    delivered if it can be timed and proven in 0.9 s."""
+    parameters: NotRequired[Mapping[str, bool | int | float | str]]
+    """OMPL's names and values of its parameters; of several planners, each takes those that it
+    has."""
+    planner: NotRequired[str | Sequence[str]]
+    """OMPL's name, see GET /v1/planners; or several, which take turns. `GCS` plans inside
+    regions, and where it cannot the others do, by default RRTConnect."""
+    regions: NotRequired[str | None]
+    """Id of the regions that GCS plans in; null for the newest that fit (a plan's `request` has
+    the id of those), and where GCS is not among the planners."""
+    resolution: NotRequired[float]
+    """Largest joint-space distance between two checked states of an edge [rad or m]."""
+    roadmap: NotRequired[Roadmap | None]
+    """Look for a path in this roadmap first, and use the planner only where it has none; under
+    `path_constraints` it is one that keeps them."""
+    setup_time: NotRequired[float | None]
+    """For setting up the space and the planner, in each attempt [s]; an attempt that took
+    longer gives up. null for as long as it takes."""
+    shortcut_time: NotRequired[float | None]
+    """For shortening each solution [s]; 0 for none, null for a share of the rest."""
+    solve_time: NotRequired[float | None]
+    """For the planner, in each attempt [s]; null for as long as there is."""
+    spaces: NotRequired[Mapping[str, Space]]
+    """`position` keeps the rotation of a planar or floating joint, named here, as it is at the
+    start; a turning radius [m] makes a car of a planar joint."""
+    weights: NotRequired[Mapping[str, float]]
+    """Factors of the metric that planners measure by [1], by name of a joint or of one of the
+    group's `blocks`; 1 for what is not named."""
+
+
+class SetPositionsOperation(TypedDict):
+    """Put joints of a robot elsewhere; joints that are not named stay where they are."""
+
+    op: Literal["set_positions"]
+    """What to do."""
+    positions: str | Sequence[float] | Mapping[str, float | Sequence[float]]
+    """Name of a configuration, values of the default group, or values by joint [rad or m]."""
+    robot: str
+    """Its name in the scene."""
+
+
+class ShapeDocument(TypedDict):
+    """Exactly one of the shapes."""
+
+    box: NotRequired[Sequence[float] | None]
+    """Full side lengths x, y, z [m]."""
+    capsule: NotRequired[RoundDocument | None]
+    convex: NotRequired[ConvexDocument | None]
+    cylinder: NotRequired[RoundDocument | None]
+    ellipsoid: NotRequired[Sequence[float] | None]
+    """Semi-axes x, y, z [m]."""
+    half_space: NotRequired[EmptyDocument | None]
+    """All points with z <= 0 in the object's frame."""
+    mesh: NotRequired[MeshDocument | None]
+    sphere: NotRequired[float | None]
+    """Radius [m]."""
+
+
+type Space = Literal["full", "position"] | Car
+"""How much of a joint is searched, or what a car of it can drive."""
+
+
+class SpeedRequest(TypedDict):
+    """Change how fast a motion is carried out."""
+
+    speed: float
+    """Seconds of the motion per second; above 1 only a simulation can do."""
+
+
+class SpeedZone(TypedDict):
+    """How fast the origin of a frame may move while it is in a box."""
+
+    box: Box
+    """Where."""
+    frame: str
+    """Whose origin: any frame of the scene."""
+    name: str
+    """For the certificate's check; no two zones share one."""
+    speed: float
+    """At most, in the box [m/s]."""
+
+
+class SpliceMotionRequest(TypedDict):
+    """Go over to another motion; only the limits and constraints of this request are kept."""
+
+    acceleration_bounds: NotRequired[Mapping[str, Sequence[float]]]
+    """Lowest (below 0) and highest (above 0) acceleration, by name of a joint with one
+    coordinate, or `joint.angular` of a planar one [rad/s^2 or m/s^2]."""
+    acceleration_scale: NotRequired[float]
+    """Factor on every acceleration and jerk limit, 0..1."""
+    allowed_time: NotRequired[float]
+    """Give up after this long [s]."""
+    effort: NotRequired[bool]
+    """Whether joint torques and forces stay within their limits, gravity and all that is
+    carried included: check `torque` of the certificate."""
+    even_samples: NotRequired[bool]
+    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
+    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    num_points: NotRequired[int | None]
+    """Deliver so many samples, evenly in time, first and last instants included, however far
+    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
+    `sample_period`; not both."""
+    onto: TrajectoryInput
+    """The other motion, which is followed to its end."""
+    path_constraints: NotRequired[Sequence[Constraint]]
+    """Constraints on the whole motion; those relative to the start are relative to the first
+    configuration of the given path or motion."""
+    payload: NotRequired[Payload | None]
+    """What the group carries that the scene does not show; it counts for torques."""
+    polynomial: NotRequired[bool]
+    """Add the exact piecewise polynomial."""
+    revision: NotRequired[int | None]
+    """Of the scene; null for its latest."""
+    sample_period: NotRequired[float | None]
+    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
+    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
+    are `problem_invalid`; null where `num_points` says how many."""
+    scene: str
+    """Id of a scene."""
+    speed_zones: NotRequired[Sequence[SpeedZone]]
+    """Boxes in which a frame is slower."""
+    time: float
+    """When it is left, within its duration [s]."""
+    tool_limits: NotRequired[Sequence[ToolLimit]]
+    """Largest speeds and accelerations of frames."""
+    trajectory: TrajectoryInput
+    """The running motion, read as `POST /trajectories/certify` reads one."""
+    velocity_scale: NotRequired[float]
+    """Factor on every velocity limit, 0..1."""
+
+
+class StopMotionRequest(TypedDict):
+    """Stop a running motion; only the limits and constraints of this request are kept."""
+
+    acceleration_bounds: NotRequired[Mapping[str, Sequence[float]]]
+    """Lowest (below 0) and highest (above 0) acceleration, by name of a joint with one
+    coordinate, or `joint.angular` of a planar one [rad/s^2 or m/s^2]."""
+    acceleration_scale: NotRequired[float]
+    """Factor on every acceleration and jerk limit, 0..1."""
+    allowed_time: NotRequired[float]
+    """Give up after this long [s]."""
+    along_path: NotRequired[bool]
+    """Stay on the path of the running motion, which is slowed down; else every joint brakes by
+    itself."""
+    effort: NotRequired[bool]
+    """Whether joint torques and forces stay within their limits, gravity and all that is
+    carried included: check `torque` of the certificate."""
+    even_samples: NotRequired[bool]
+    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
+    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    group: str
+    """`robot` for its default group, or `robot::group`."""
+    limit_jerk: NotRequired[bool]
+    """Keep the limits on jerk, which the running motion must keep too; can only be false along
+    the path, where accelerations then may jump, at the first instant too."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    num_points: NotRequired[int | None]
+    """Deliver so many samples, evenly in time, first and last instants included, however far
+    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
+    `sample_period`; not both."""
+    path_constraints: NotRequired[Sequence[Constraint]]
+    """Constraints on the whole motion; those relative to the start are relative to the first
+    configuration of the given path or motion."""
+    payload: NotRequired[Payload | None]
+    """What the group carries that the scene does not show; it counts for torques."""
+    polynomial: NotRequired[bool]
+    """Add the exact piecewise polynomial."""
+    revision: NotRequired[int | None]
+    """Of the scene; null for its latest."""
+    sample_period: NotRequired[float | None]
+    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
+    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
+    are `problem_invalid`; null where `num_points` says how many."""
+    scene: str
+    """Id of a scene."""
+    speed_zones: NotRequired[Sequence[SpeedZone]]
+    """Boxes in which a frame is slower."""
+    time: float
+    """When it is left, within its duration [s]."""
+    tool_limits: NotRequired[Sequence[ToolLimit]]
+    """Largest speeds and accelerations of frames."""
+    trajectory: TrajectoryInput
+    """The running motion, read as `POST /trajectories/certify` reads one."""
+    velocity_scale: NotRequired[float]
+    """Factor on every velocity limit, 0..1."""
+
+
+class Tolerance(TypedDict):
+    """How far from a target the tool frame may end, in the target's own axes."""
+
+    position: NotRequired[Sequence[float]]
+    """Half-widths of a box about the target [m]."""
+    rotation: NotRequired[Sequence[float]]
+    """Largest rotation about each axis [rad]; pi or more leaves the axis free."""
+
+
+class ToolLimit(TypedDict):
+    """How fast the origin of a frame may move."""
+
+    acceleration: NotRequired[float | None]
+    """At most, in any direction [m/s^2]; null for any."""
+    frame: str
+    """Any frame of the scene; each is limited once."""
+    speed: NotRequired[float | None]
+    """At most [m/s]; null for any."""
+
+
+class TrajectoryInput(TypedDict):
+    """A timed motion as `Trajectory` has it: samples, or the exact `polynomial`."""
+
+    accelerations: NotRequired[Sequence[Sequence[float]] | None]
+    """One row per instant [rad/s^2 or m/s^2]; null if not known."""
+    duration: NotRequired[float | None]
+    """Ignored: it follows from the times [s]."""
+    interpolation: NotRequired[SampleInterpolation | None]
+    """Motion between the samples: the polynomials of degree 5 (`quintic`) or 3 (`cubic`) that
+    meet what is given, the cubic spline with continuous acceleration that rests at both ends
+    (`cubic_spline`), or straight lines (`linear`); null for the first of these that there are
+    rates for."""
+    interpolations: NotRequired[Sequence[Mapping[str, Any]] | None]
+    """Ignored: proofs of the samples, as answers have them."""
+    joint_names: NotRequired[Sequence[str] | None]
+    """Names of the columns, those of the rates too; null for the group's order."""
+    polynomial: NotRequired[PolynomialInput | None]
+    """The exact motion; with it the samples are ignored."""
+    positions: Sequence[Sequence[float]]
+    """One row per instant [rad or m]."""
+    times: Sequence[float]
+    """Instants of the samples, from 0 [s]."""
+    velocities: NotRequired[Sequence[Sequence[float]] | None]
+    """One row per instant [rad/s or m/s]; null if not known."""
+    velocity_names: NotRequired[Sequence[str] | None]
+    """Names of the columns of the rates; null for the names of the positions' columns. An order
+    that is not the group's needs `joint_names` too."""
+
+
+class Translation(TypedDict):
+    """A way without a turn."""
+
+    frame: NotRequired[str]
+    """In whose axes, as they stand at the start: any frame."""
+    vector: Sequence[float]
+    """The way [m]."""
+
+
+type WebhookEvent = Literal[
+    "plan.started",
+    "plan.requeued",
+    "plan.finished",
+    "regions.started",
+    "regions.requeued",
+    "regions.finished",
+    "execution.started",
+    "execution.finished",
+]
+"""What a webhook can be told."""
+
+
+class WebhookRequest(TypedDict):
+    """Register an address that is told what happens to jobs."""
+
+    events: NotRequired[Sequence[WebhookEvent]]
+    """What is told; by default the ends of all jobs."""
+    url: str
+    """Where messages are posted; answer them with a status of 2xx."""

@@ -1,0 +1,1 @@
+"""Delivered samples in the formats of other programs; `formats` names them."""
