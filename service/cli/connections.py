@@ -7,9 +7,10 @@ it.
 
 import asyncio
 import resource
-from typing import Any, cast
+from typing import Any, cast, override
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
+from uvicorn.protocols.websockets.wsproto_impl import WSProtocol
 
 # Files that are no connections: the database, workers' sockets, the log.
 _OTHER_FILES = 128
@@ -84,6 +85,7 @@ class _Bounded:
     cycle: Any
     _timer: asyncio.TimerHandle | None = None
     _in_headers = False
+    _is_handed_on = False
     _num_header_bytes = 0
 
     def connection_made(self, transport: Any) -> None:
@@ -96,6 +98,8 @@ class _Bounded:
 
     def data_received(self, data: bytes) -> None:
         cast("Any", super()).data_received(data)
+        if self._is_handed_on:
+            return
         if self._is_asking:
             self._end()
             self.bounds.mark(self, silent=False)
@@ -118,6 +122,13 @@ class _Bounded:
     def on_response_complete(self) -> None:
         cast("Any", super()).on_response_complete()
         self.bounds.mark(self, silent=True)
+
+    def handle_websocket_upgrade(self) -> None:
+        # From here on the connection is another protocol's, which counts it by itself.
+        self._end()
+        self._is_handed_on = True
+        self.bounds.remove(self)
+        cast("Any", super()).handle_websocket_upgrade()
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._end()
@@ -148,3 +159,25 @@ def bounded_protocol(connections: Connections) -> type[asyncio.Protocol]:
     """Return uvicorn's protocol, for connections that are closed if they take too long."""
     bases = (_Bounded, cast("Any", HttpToolsProtocol))
     return type("BoundedProtocol", bases, {"bounds": connections})
+
+
+class _BoundedSocket(WSProtocol):
+    """Uvicorn's WebSockets, counted among the connections."""
+
+    bounds: Connections
+
+    @override
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self.bounds.add(self)
+        self.bounds.mark(self, silent=False)
+
+    @override
+    def connection_lost(self, exc: Exception | None) -> None:
+        self.bounds.remove(self)
+        super().connection_lost(exc)
+
+
+def bounded_socket(connections: Connections) -> type[asyncio.Protocol]:
+    """Return uvicorn's protocol of WebSockets, each counted as one of the connections."""
+    return type("BoundedSocket", (_BoundedSocket,), {"bounds": connections})

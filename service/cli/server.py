@@ -16,7 +16,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from planning.errors import WayproofError
 from service.app import create_app
-from service.cli.connections import Connections, bounded_protocol, most_connections
+from service.cli.connections import Connections, bounded_protocol, bounded_socket, most_connections
 from service.jobs.service import JobService
 from service.settings import Settings
 from service.telemetry.traces import TracingUnavailable, start_tracing, stop_tracing
@@ -24,6 +24,8 @@ from service.versions import versions
 
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
+# Of a WebSocket's client, which has nothing to say.
+_MAX_MESSAGE_BYTES = 4096
 # Between looks at whether what runs has ended [s].
 _PERIOD = 0.05
 # What the process ends with when another server has its database.
@@ -65,6 +67,7 @@ def run(
             raise CannotStart(str(fault)) from fault
     app = create_app(settings, give_up)
     most = most_connections(settings.max_connections)
+    connections = Connections(most, settings.header_timeout)
     config = uvicorn.Config(
         app,
         log_level=settings.log_level,
@@ -72,7 +75,9 @@ def run(
         access_log=settings.log_level in {"debug", "info"},
         timeout_graceful_shutdown=_GRACE,
         loop="uvloop",
-        http=bounded_protocol(Connections(most, settings.header_timeout)),
+        http=bounded_protocol(connections),
+        ws=bounded_socket(connections),
+        ws_max_size=_MAX_MESSAGE_BYTES,
     )
     server = _Server(config, app, on_listening)
     if leashed:

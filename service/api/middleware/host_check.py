@@ -27,7 +27,8 @@ class HostCheck:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
-        refusal = self._refusal(Headers(scope=scope)) if scope["type"] == "http" else None
+        is_request = scope["type"] in {"http", "websocket"}
+        refusal = self._refusal(Headers(scope=scope)) if is_request else None
         if refusal is None:
             await self._app(scope, receive, send)
         else:
