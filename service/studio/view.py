@@ -1,0 +1,208 @@
+"""SceneView: a scene of the server in one browser's 3-D view: robot, ghost, red pairs, trace."""
+
+import threading
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import viser
+
+from service.studio.api import Array
+from service.studio.shapes import TRUE, Paint, draw_shape
+
+GHOST = Paint(color=(72, 149, 239), opacity=0.35, casts_shadow=False)
+BLOCKED = Paint(color=(230, 57, 70), opacity=0.45, casts_shadow=False)
+_RED = Paint(color=(230, 57, 70), opacity=0.75, grown=0.0015, casts_shadow=False)
+_TRACE_THICKNESS = 0.006
+_FRAME_LENGTH, _FRAME_RADIUS = 0.07, 0.0025
+# Of the camera: three quarters from the front, over the size of what it shows.
+_DIRECTION = np.array([0.72, -0.62, 0.45])
+_DISTANCE_PER_SIZE = 1.05
+# Fixed things further away than so many metres from the robots are not worth a step back.
+_LARGEST_VIEW = 1.4
+
+
+class SceneView:
+    """The bodies of a scene, drawn for one browser."""
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        bodies: Sequence[Mapping[str, Any]],
+        mesh: Callable[[str], bytes],
+    ) -> None:
+        """Draw the bodies; what moves has no place before `show` says where.
+
+        Args:
+            client: The browser.
+            bodies: The API's geometry.
+            mesh: Returns a mesh by its digest.
+        """
+        self._client = client
+        self._bodies = {body["name"]: body for body in bodies}
+        self._mesh = mesh
+        self._lock = threading.RLock()
+        self._layers: dict[str, dict[str, viser.FrameHandle]] = {}
+        self._poses: dict[str, Array] = {}
+        self._ghost_paint = GHOST
+        self._marks: list[viser.SceneNodeHandle] = []
+        client.scene.reset()
+        light(client)
+        with client.atomic():
+            self._layers["robot"] = self._draw("robot", self._bodies, TRUE)
+            for name, body in self._bodies.items():
+                if body["pose"] is not None:
+                    pose = [*body["pose"]["position"], *body["pose"]["quaternion"]]
+                    self._poses[name] = np.array(pose)
+            self._place("robot", self._poses)
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the bodies that move with a robot."""
+        return [name for name, body in self._bodies.items() if body["pose"] is None]
+
+    def show(self, poses: Mapping[str, Array]) -> None:
+        """Put the robots somewhere: X_WB of bodies, shape (7,)."""
+        with self._lock:
+            self._poses |= poses
+            self._place("robot", poses)
+
+    def show_ghost(self, poses: Mapping[str, Array] | None, paint: Paint = GHOST) -> None:
+        """Put the ghost of the robots somewhere, or take it away."""
+        with self._lock:
+            if poses is None or paint is not self._ghost_paint:
+                self._remove("ghost")
+            if poses is None:
+                return
+            self._ghost_paint = paint
+            if "ghost" not in self._layers:
+                moving = {n: self._bodies[n] for n in self.moving if not _is_same(self, n, poses)}
+                self._layers["ghost"] = self._draw("ghost", moving, paint)
+            self._place("ghost", poses)
+
+    def mark_pairs(
+        self, pairs: Iterable[Mapping[str, Any]], poses: Mapping[str, Array]
+    ) -> None:
+        """Draw bodies that collide in red, with the segment between their nearest points.
+
+        Args:
+            pairs: `bodies`, `points` and `depth`, as the API has them; none to clear.
+            poses: Of bodies that are elsewhere than the robot: the ghost's.
+        """
+        with self._lock, self._client.atomic():
+            self._remove("red")
+            for mark in self._marks:
+                mark.remove()
+            self._marks = []
+            chosen = list(pairs)
+            names = {name for pair in chosen for name in pair["bodies"] if name in self._bodies}
+            found = {name: self._bodies[name] for name in sorted(names)}
+            self._layers["red"] = self._draw("red", found, _RED)
+            self._place("red", {**self._poses, **poses})
+            for i, pair in enumerate(chosen):
+                self._mark(i, pair)
+
+    def draw_trace(self, name: str, points: Array, colors: Array) -> viser.SceneNodeHandle:
+        """Draw the path of a tool.
+
+        Args:
+            name: Of the path.
+            points: p_WT [m], shape (n, 3), n >= 2.
+            colors: Of the points, 0 to 255, shape (n, 3).
+        """
+        segments = np.stack([points[:-1], points[1:]], axis=1)
+        shades = np.stack([colors[:-1], colors[1:]], axis=1).astype(np.uint8)
+        return self._client.scene.add_line_segments(
+            f"/trace/{name}", segments, shades, thickness=_TRACE_THICKNESS
+        )
+
+    def draw_frame(self, name: str, pose: Array) -> None:
+        """Draw a named frame as a small triad."""
+        self._client.scene.add_frame(
+            f"/frames/{name}",
+            axes_length=_FRAME_LENGTH,
+            axes_radius=_FRAME_RADIUS,
+            position=tuple(pose[:3]),
+            wxyz=tuple(pose[3:]),
+        )
+        self._client.scene.add_label(f"/frames/{name}/name", name, position=(0.0, 0.0, 0.0))
+
+    def aim(self) -> None:
+        """Look at the robots from the front."""
+        points = np.array([self._poses[n][:3] for n in self.moving if n in self._poses])
+        if not len(points):
+            points = np.array([pose[:3] for pose in self._poses.values()] or [np.zeros(3)])
+        lower, upper = points.min(axis=0) - 0.25, points.max(axis=0) + 0.25
+        fixed = [self._poses[n][:3] for n in self._poses if n not in self.moving]
+        near = [p for p in fixed if np.linalg.norm(p - (lower + upper) / 2) < _LARGEST_VIEW]
+        if near:
+            lower = np.minimum(lower, np.min(near, axis=0))
+            upper = np.maximum(upper, np.max(near, axis=0))
+        middle, size = (lower + upper) / 2, float(np.linalg.norm(upper - lower))
+        away = _DISTANCE_PER_SIZE * size * _DIRECTION / np.linalg.norm(_DIRECTION)
+        with self._client.atomic():
+            self._client.camera.up_direction = (0.0, 0.0, 1.0)
+            self._client.camera.position = tuple(middle + away)
+            self._client.camera.look_at = tuple(middle)
+
+    def _draw(
+        self, layer: str, bodies: Mapping[str, Mapping[str, Any]], paint: Paint
+    ) -> dict[str, viser.FrameHandle]:
+        scene, found = self._client.scene, dict[str, viser.FrameHandle]()
+        for i, (name, body) in enumerate(bodies.items()):
+            path = f"/{layer}/{i}"
+            found[name] = scene.add_frame(path, show_axes=False)
+            for k, shape in enumerate(body["shapes"]):
+                draw_shape(scene, f"{path}/{k}", shape, self._mesh, paint)
+        return found
+
+    def _place(self, layer: str, poses: Mapping[str, Array]) -> None:
+        with self._client.atomic():
+            for name, node in self._layers.get(layer, {}).items():
+                if name in poses:
+                    node.position = tuple(poses[name][:3])
+                    node.wxyz = tuple(poses[name][3:])
+
+    def _remove(self, layer: str) -> None:
+        for node in self._layers.pop(layer, {}).values():
+            node.remove()
+
+    def _mark(self, i: int, pair: Mapping[str, Any]) -> None:
+        points = np.array(pair["points"])
+        depth = 1000 * float(pair["depth"])
+        if len(points) == 2 and depth > 0:
+            text = f"{' × '.join(pair['bodies'])}: {depth:.0f} mm deep"  # noqa: RUF001
+            self._marks.append(
+                self._client.scene.add_label(
+                    f"/marks/{i}", text, position=tuple(points.mean(axis=0))
+                )
+            )
+
+
+def _is_same(view: SceneView, name: str, poses: Mapping[str, Array]) -> bool:
+    """Return whether a body of another robot, which does not move, would be drawn twice."""
+    return name not in poses
+
+
+def light(client: viser.ClientHandle) -> None:
+    """Light a scene from above, with shadows, on a grid."""
+    scene = client.scene
+    scene.set_up_direction("+z")
+    scene.configure_default_lights(enabled=False)
+    scene.add_light_hemisphere(
+        "/light/sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2
+    )
+    scene.add_light_directional(
+        "/light/sun", color=(255, 250, 240), intensity=2.4, cast_shadow=True, position=(2.0, -1.6, 4.0)
+    )
+    scene.add_grid(
+        "/grid",
+        width=20.0,
+        height=20.0,
+        cell_size=0.25,
+        section_size=1.0,
+        cell_color=(215, 220, 228),
+        section_color=(190, 198, 210),
+        position=(0.0, 0.0, -0.06),
+        shadow_opacity=0.15,
+    )
