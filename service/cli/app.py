@@ -1,4 +1,4 @@
-"""wayproof: serve, plan, demo, config, keys, backup, restore."""
+"""wayproof: serve, studio, plan, demo, config, keys, backup, restore."""
 
 import importlib
 from collections.abc import Iterator, Mapping, MutableMapping
@@ -7,7 +7,7 @@ from typing import Any, cast, override
 import typer
 from typer.core import TyperGroup
 
-_NAMES = ("serve", "plan", "demo", "config", "keys", "backup", "restore")
+_NAMES = ("serve", "studio", "plan", "demo", "config", "keys", "backup", "restore")
 _OPTIONS = {"add_completion": False, "pretty_exceptions_enable": False}
 
 

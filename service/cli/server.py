@@ -17,7 +17,13 @@ from sqlalchemy.exc import SQLAlchemyError
 from planning import bundled_folder
 from planning.errors import WayproofError
 from service.app import create_app
-from service.cli.connections import Connections, bounded_protocol, bounded_socket, most_connections
+from service.cli.connections import (
+    MAX_MESSAGE_BYTES,
+    Connections,
+    bounded_protocol,
+    bounded_socket,
+    most_connections,
+)
 from service.jobs.service import JobService
 from service.settings import Settings
 from service.studio import front
@@ -27,8 +33,6 @@ from service.versions import versions
 
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
-# Of a WebSocket's client: a browser of the studio says where a slider is, and uploads nothing.
-_MAX_MESSAGE_BYTES = 2**20
 # Between looks at whether what runs has ended [s].
 _PERIOD = 0.05
 # What the process ends with when another server has its database.
@@ -71,7 +75,7 @@ def run(
     app = create_app(settings, give_up)
     if settings.studio and front.is_available():
         studio = StudioProcess(asked_at(bound), bundled_folder("scenes"))
-        front.install(app, studio.upstream)
+        front.install(app, studio.upstream, is_server=True)
     most = most_connections(settings.max_connections)
     connections = Connections(most, settings.header_timeout)
     config = uvicorn.Config(
@@ -83,7 +87,7 @@ def run(
         loop="uvloop",
         http=bounded_protocol(connections),
         ws=bounded_socket(connections),
-        ws_max_size=_MAX_MESSAGE_BYTES,
+        ws_max_size=MAX_MESSAGE_BYTES,
     )
     server = _Server(config, app, on_listening)
     if leashed:

@@ -10,6 +10,7 @@ import io
 import json
 import os
 import sys
+import warnings
 from contextlib import redirect_stdout
 from pathlib import Path
 
@@ -30,6 +31,8 @@ def main() -> None:
     options = parser.parse_args()
     os.nice(_NICENESS)
     token = os.environ.pop(TOKEN_VARIABLE)
+    # What a browser is told that has just left is lost, and that is all.
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     terms = Terms(options.server, options.scenes, os.environ.pop(KEY_VARIABLE, None))
     with redirect_stdout(io.StringIO()):  # viser says where it is, which only our parent may know
         studio = viser.ViserServer("127.0.0.1", 0, verbose=False)

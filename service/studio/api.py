@@ -93,7 +93,9 @@ class Api(Client):
         }
         results = self._send("POST", f"/v1/scenes/{scene}/fk", json=body).json()["results"]
         return {
-            frame: np.array([[*row[frame]["position"], *row[frame]["quaternion"]] for row in results])
+            frame: np.array([
+                [*row[frame]["position"], *row[frame]["quaternion"]] for row in results
+            ])
             for frame in frames
         }
 

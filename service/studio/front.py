@@ -51,22 +51,24 @@ def is_available() -> bool:
     return find_spec("viser") is not None and find_spec("websockets") is not None
 
 
-def install(app: Starlette, upstream: Upstream) -> None:
+def install(app: Starlette, upstream: Upstream, *, is_server: bool) -> None:
     """Have an application answer `/` with the studio, in place of what it answered before.
 
     Args:
         app: With its middleware.
         upstream: Returns the port of the studio's process, and the token that it wants.
+        is_server: Whether it is the server that the studio asks: then it is asked by the name by
+            which the browser knows it.
     """
-    front = _Front(upstream)
+    front = _Front(upstream, is_server=is_server)
     page = Route("/", front.page, methods=["GET"], include_in_schema=False)
     # Before the route that leads from `/` to the documentation.
     app.router.routes[:0] = [page, WebSocketRoute("/", front.socket)]
 
 
 class _Front:
-    def __init__(self, upstream: Upstream) -> None:
-        self._upstream = upstream
+    def __init__(self, upstream: Upstream, *, is_server: bool) -> None:
+        self._upstream, self._is_server = upstream, is_server
         self._page: str | None = None
         self._num_browsers = 0
 
@@ -78,7 +80,7 @@ class _Front:
         return HTMLResponse(self._page, headers=headers)
 
     async def socket(self, browser: WebSocket) -> None:
-        """Pass messages on between a browser and the studio, as fast as the slower one takes them."""
+        """Pass messages on between a browser and the studio, at the pace of the slower one."""
         if self._num_browsers >= _MAX_BROWSERS:
             await browser.close(_TRY_LATER)
             return
@@ -97,7 +99,8 @@ class _Front:
         await browser.accept(asked[0] if asked else None)
         try:
             port, token = await self._upstream()
-            headers = {TOKEN_HEADER: token, HOST_HEADER: browser.headers.get("host", "")}
+            name = browser.headers.get("host", "") if self._is_server else ""
+            headers = {TOKEN_HEADER: token, HOST_HEADER: name}
             async with connect(
                 f"ws://127.0.0.1:{port}",
                 subprotocols=asked,
@@ -109,7 +112,7 @@ class _Front:
                 await _first_of(_to_studio(browser, studio.send), _to_browser(browser, studio))
         except (WebSocketException, OSError) as fault:
             _log.info("the studio left a browser: %s", fault)
-        with contextlib.suppress(RuntimeError, OSError):  # the browser has closed it already
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):  # the browser left first
             await browser.close(_BROKEN)
 
 

@@ -1,4 +1,4 @@
-"""GoalPanel: where the robot shall go: a frame, a configuration, joint sliders, or a dragged tool."""
+"""GoalPanel: where the robot shall go: a frame, a configuration, sliders, or a dragged tool."""
 
 import math
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from service.studio.newest import Newest
 from service.studio.view import BLOCKED, GHOST
 
 BY_SLIDERS, BY_TOOL = "joint sliders", "drag the tool"
-_FRAME, _CONFIGURATION = "⌖ ", "☰ "
+_FRAME, _CONFIGURATION = "frame ", "configuration "
 # Of a slider of a joint without limits [rad or m].
 _UNLIMITED = 2 * math.pi
 _STEP = 0.001

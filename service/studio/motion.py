@@ -10,7 +10,7 @@ from service.studio.api import Api, Array, ShownGroup
 
 # Keyframes of a motion: between them bodies are interpolated.
 _MAX_KEYFRAMES = 240
-# Colours of the trace: red where the motion passes within this distance [m], green beyond the other.
+# Of the colours of the trace: red where something is as near as this [m], green beyond the other.
 _NEAR, _FAR = 0.0, 0.05
 _RED, _AMBER, _GREEN = np.array([230, 57, 70]), np.array([255, 183, 3]), np.array([42, 157, 143])
 

@@ -1,4 +1,4 @@
-"""MotionPanel: the planned motion: play, a time slider, curves, the tool's trace, the certificate."""
+"""MotionPanel: a planned motion: play, time slider, curves, the tool's trace, certificate."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -12,7 +12,8 @@ from service.studio.api import Array
 from service.studio.cell import Cell
 from service.studio.motion import Motion, clearance_colors
 
-_RATE = 30.0
+# Of pictures [1/s], which a browser without a graphics card still draws.
+_RATE = 24.0
 _PLOT_HEIGHT = 170
 _MAX_CURVES = 8
 _COLORS = ("#1d6fb8", "#e07a1f", "#2a9d8f", "#c2325b", "#7a5cc7", "#8c6d46", "#4b5563", "#b5a21b")
@@ -41,7 +42,7 @@ class MotionPanel:
         self._stop = threading.Event()
         self._stop.set()
         gui.add_html(texts.verdict(motion.certificate, motion.duration))
-        self._play = gui.add_button("Play", icon="player-play")
+        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
         step = max(motion.duration / 1000, 1e-6)
         self._slider = gui.add_slider("Time [s]", 0.0, motion.duration, step, 0.0)
         self._play.on_click(lambda _: self.toggle())
@@ -60,7 +61,7 @@ class MotionPanel:
             self._stop.set()
             return
         self._stop.clear()
-        self._play.label, self._play.icon = "Pause", "player-pause"
+        self._play.label, self._play.icon = "Pause", viser.Icon.PLAYER_PAUSE
         threading.Thread(target=self._run, daemon=True).start()
 
     def close(self) -> None:
@@ -75,7 +76,7 @@ class MotionPanel:
             self._slider.value = time
             self._show(time)
         self._stop.set()
-        self._play.label, self._play.icon = "Play", "player-play"
+        self._play.label, self._play.icon = "Play", viser.Icon.PLAYER_PLAY
 
     def _seek(self) -> None:
         self._stop.set()

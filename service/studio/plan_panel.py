@@ -32,10 +32,10 @@ class PlanPanel:
             gui: Where it is shown, in the container that is open.
             on_plan: Called when it is pressed.
         """
-        self._button = gui.add_button("Plan", icon="route", color="teal")
+        self._button = gui.add_button("Plan", icon=viser.Icon.ROUTE, color="teal")
         self._bar = gui.add_progress_bar(0.0, animated=True, visible=False)
         self._told = gui.add_html(texts.told(""), visible=False)
-        self._cancel = gui.add_button("Cancel", icon="x", color="gray", visible=False)
+        self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
         self._button.on_click(lambda _: on_plan())
         self._running: tuple[Cell, str] | None = None
         self._lock = threading.Lock()

@@ -30,9 +30,11 @@ class RobotPanel:
             on_fault: Is told what goes wrong.
         """
         self._on_fault = on_fault
-        self._button = gui.add_button("Execute", icon="robot", color="orange", disabled=True)
-        self._pause = gui.add_button("Pause", icon="player-pause", visible=False)
-        self._stop = gui.add_button("Stop", icon="player-stop", color="red", visible=False)
+        self._button = gui.add_button(
+            "Execute", icon=viser.Icon.ROBOT, color="orange", disabled=True
+        )
+        self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, visible=False)
+        self._stop = gui.add_button("Stop", icon=viser.Icon.PLAYER_STOP, color="red", visible=False)
         self._speed = gui.add_slider("Speed", _SLOWEST, _FASTEST, _STEP, 1.0, visible=False)
         self._bar = gui.add_progress_bar(0.0, color="orange", visible=False)
         self._told = gui.add_html(texts.told(""), visible=False)
@@ -113,7 +115,7 @@ class RobotPanel:
         if is_paused != self._is_paused:
             self._is_paused = is_paused
             self._pause.label = "Resume" if is_paused else "Pause"
-            self._pause.icon = "player-play" if is_paused else "player-pause"
+            self._pause.icon = viser.Icon.PLAYER_PLAY if is_paused else viser.Icon.PLAYER_PAUSE
 
     def _tell(self, content: str) -> None:
         self._told.content, self._told.visible = content, True

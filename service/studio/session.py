@@ -50,7 +50,7 @@ class Session:
         Args:
             client: The browser.
             terms: Of all sessions.
-            host: By which name the browser knows the server.
+            host: By which name the browser knows the server; empty for its address.
         """
         self._client, self._terms, self._host = client, terms, host
         self._api = self._connect(terms.key)
@@ -64,7 +64,6 @@ class Session:
             show_logo=False, show_share_button=False, brand_color=_BRAND, control_width="medium"
         )
         client.gui.set_panel_label("Wayproof studio")
-        client.gui.add_html(texts.title(httpx.URL(terms.server).netloc.decode()))
         try:
             self._begin()
         except ApiError as fault:
@@ -81,7 +80,8 @@ class Session:
         self._api.__exit__(None, None, None)
 
     def _connect(self, key: str | None) -> Api:
-        return Api(self._terms.server, key=key, transport=ByName(self._host))
+        transport = ByName(self._host) if self._host else None
+        return Api(self._terms.server, key=key, transport=transport)
 
     def _ask_for_key(self) -> None:
         """Ask for an API key: the studio has no rights of its own."""
@@ -105,8 +105,8 @@ class Session:
         self._choices = self._scene_choices()
         gui = self._client.gui
         first = next((name for name in self._choices if name == _FIRST), next(iter(self._choices)))
-        self._scene = gui.add_dropdown("Scene", tuple(self._choices), first)
-        self._group = gui.add_dropdown("Robot", ("",), hint="The group that is planned for")
+        self._scene: Any = gui.add_dropdown("Scene", tuple(self._choices), initial_value=first)
+        self._group: Any = gui.add_dropdown("Robot", ("",), hint="The group that is planned for")
         self._folders["goal"] = gui.add_folder("Goal")
         self._plans = PlanPanel(gui, self._plan)
         self._robot = RobotPanel(gui, self._execute, self._tell)

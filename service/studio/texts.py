@@ -11,17 +11,10 @@ _BOX = "padding:0 0.75em 0.4em;font-size:0.8125em;line-height:1.45;overflow-wrap
 _MAX_TEXT = 600
 
 
-def title(server: str) -> str:
-    """Return the head of the panel."""
-    return (
-        f'<div style="{_BOX};padding-top:0.6em"><b style="font-size:1.25em;letter-spacing:-0.01em">'
-        f'Wayproof studio</b><span style="color:{_GRAY};float:right">{escape(server)}</span></div>'
-    )
-
-
 def told(text: str, kind: str = "plain") -> str:
     """Return a line in the colour of its kind: plain, good, bad or busy."""
-    return f'<div style="{_BOX};color:{_COLORS[kind]}" data-kind="{kind}">{escape(text[:_MAX_TEXT])}</div>'
+    style = f"{_BOX};color:{_COLORS[kind]}"
+    return f'<div style="{style}" data-kind="{kind}">{escape(text[:_MAX_TEXT])}</div>'
 
 
 def failure(code: str, detail: str) -> str:

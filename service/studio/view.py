@@ -13,11 +13,11 @@ from service.studio.shapes import TRUE, Paint, draw_shape
 GHOST = Paint(color=(72, 149, 239), opacity=0.35, casts_shadow=False)
 BLOCKED = Paint(color=(230, 57, 70), opacity=0.45, casts_shadow=False)
 _RED = Paint(color=(230, 57, 70), opacity=0.75, grown=0.0015, casts_shadow=False)
-_TRACE_THICKNESS = 0.006
+_TRACE_THICKNESS = 0.008
 _FRAME_LENGTH, _FRAME_RADIUS = 0.07, 0.0025
 # Of the camera: three quarters from the front, over the size of what it shows.
 _DIRECTION = np.array([0.72, -0.62, 0.45])
-_DISTANCE_PER_SIZE = 1.05
+_DISTANCE_PER_SIZE = 0.8
 # Fixed things further away than so many metres from the robots are not worth a step back.
 _LARGEST_VIEW = 1.4
 
@@ -76,13 +76,11 @@ class SceneView:
                 return
             self._ghost_paint = paint
             if "ghost" not in self._layers:
-                moving = {n: self._bodies[n] for n in self.moving if not _is_same(self, n, poses)}
+                moving = {name: self._bodies[name] for name in self.moving if name in poses}
                 self._layers["ghost"] = self._draw("ghost", moving, paint)
             self._place("ghost", poses)
 
-    def mark_pairs(
-        self, pairs: Iterable[Mapping[str, Any]], poses: Mapping[str, Array]
-    ) -> None:
+    def mark_pairs(self, pairs: Iterable[Mapping[str, Any]], poses: Mapping[str, Array]) -> None:
         """Draw bodies that collide in red, with the segment between their nearest points.
 
         Args:
@@ -179,11 +177,6 @@ class SceneView:
             )
 
 
-def _is_same(view: SceneView, name: str, poses: Mapping[str, Array]) -> bool:
-    """Return whether a body of another robot, which does not move, would be drawn twice."""
-    return name not in poses
-
-
 def light(client: viser.ClientHandle) -> None:
     """Light a scene from above, with shadows, on a grid."""
     scene = client.scene
@@ -193,7 +186,11 @@ def light(client: viser.ClientHandle) -> None:
         "/light/sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2
     )
     scene.add_light_directional(
-        "/light/sun", color=(255, 250, 240), intensity=2.4, cast_shadow=True, position=(2.0, -1.6, 4.0)
+        "/light/sun",
+        color=(255, 250, 240),
+        intensity=2.4,
+        cast_shadow=True,
+        position=(2.0, -1.6, 4.0),
     )
     scene.add_grid(
         "/grid",
@@ -201,8 +198,8 @@ def light(client: viser.ClientHandle) -> None:
         height=20.0,
         cell_size=0.25,
         section_size=1.0,
-        cell_color=(215, 220, 228),
-        section_color=(190, 198, 210),
+        cell_color=(232, 236, 241),
+        section_color=(214, 220, 228),
         position=(0.0, 0.0, -0.06),
         shadow_opacity=0.15,
     )

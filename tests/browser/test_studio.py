@@ -1,0 +1,73 @@
+"""The studio in Chromium: from opening the page to a moving robot, and what can go wrong."""
+
+import httpx
+
+from tests.browser.studio_page import StudioPage
+from tests.service.servers import PLAIN, until
+
+
+def executions(server):
+    return httpx.get(f"{server.url}/v1/executions", **PLAIN).json()["items"]
+
+
+def test_two_clicks_lead_from_the_open_page_to_a_robot_that_has_moved(studio, studio_server):
+    before = {job["id"] for job in executions(studio_server)}
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    studio.click("Execute")
+    studio.wait_for("arrived")
+    (job,) = [job for job in executions(studio_server) if job["id"] not in before]
+    assert job["state"] == "succeeded"
+    assert studio.page.title() == "Wayproof studio"
+
+
+def test_a_motion_is_paused_goes_on_and_is_stopped(studio, studio_server):
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    speed = studio.page.get_by_role("textbox", name="Speed").last
+    speed.fill("0.1")
+    speed.press("Enter")
+    studio.click("Execute")
+    studio.wait_for("executing")
+    studio.click("Pause")
+    studio.click("Resume")
+    studio.wait_for("executing")
+    studio.click("Stop")
+    studio.wait_for("canceled")
+    assert any(job["state"] == "canceled" for job in executions(studio_server))
+
+
+def test_a_goal_in_collision_is_red_with_its_pair_and_the_plan_says_why(studio):
+    # straight up at the second joint, the arm goes through its table
+    studio.page.get_by_text("Joints of the goal").click()
+    joint = studio.page.get_by_role("textbox", name="shoulder_lift_joint").last
+    joint.fill("0.5")
+    joint.press("Enter")
+    studio.wait_for("Collides")
+    assert studio.sees("mm deep")  # the label at the place
+    studio.click("Plan")
+    studio.wait_for("goal_in_collision")
+
+
+def test_another_scene_is_shown_planned_in_and_its_own(studio, browser, studio_server):
+    studio.choose("Scene", "maze_2d")
+    with StudioPage.opened(browser, studio_server.url) as other:
+        other.wait_for_goal()
+        other.click("Plan")
+        other.wait_for("right_finger and can")
+        studio.click("Plan")
+        studio.wait_for("Proven")
+        assert not studio.sees("right_finger")
+        assert not other.sees("nothing to hit")
+
+
+def test_scenes_of_a_browser_that_left_are_forgotten(browser, studio_server):
+    def names():
+        items = httpx.get(f"{studio_server.url}/v1/scenes", **PLAIN).json()["items"]
+        return {item["id"] for item in items}
+
+    before = names()
+    with StudioPage.opened(browser, studio_server.url) as page:
+        page.wait_for_goal()
+        assert len(names() - before) == 1
+    until(lambda: names() == before)
