@@ -5,7 +5,7 @@ from contextlib import contextmanager
 # For what hangs: on a busy machine without a graphics card the page takes its time [ms].
 _PATIENCE = 90_000
 # Small, for every pixel is drawn by the processor.
-_SIZE = {"width": 640, "height": 720}
+_SIZE = {"width": 480, "height": 600}
 
 
 class StudioPage:
@@ -42,9 +42,16 @@ class StudioPage:
 
     def choose(self, label, option):
         """Choose an option of a list."""
-        field = self.page.get_by_role("textbox", name=label, exact=True)
-        field.click()
+        self.page.get_by_role("combobox", name=label, exact=True).last.click()
         self.page.get_by_role("option", name=option, exact=True).click()
+
+    def set(self, slider, value):
+        """Set a slider by the number beside it."""
+        label = self.page.locator("p").get_by_text(slider, exact=True)
+        row = label.locator("xpath=ancestor::*[.//input[not(@type='hidden')]][1]")
+        number = row.locator("input:not([type=hidden])").last
+        number.fill(str(value))
+        number.press("Enter")
 
     def sees(self, text):
         return self.page.get_by_text(text).count() > 0

@@ -24,9 +24,7 @@ def test_two_clicks_lead_from_the_open_page_to_a_robot_that_has_moved(studio, st
 def test_a_motion_is_paused_goes_on_and_is_stopped(studio, studio_server):
     studio.click("Plan")
     studio.wait_for("Proven")
-    speed = studio.page.get_by_role("textbox", name="Speed").last
-    speed.fill("0.1")
-    speed.press("Enter")
+    studio.set("Speed", 0.1)
     studio.click("Execute")
     studio.wait_for("executing")
     studio.click("Pause")
@@ -40,9 +38,7 @@ def test_a_motion_is_paused_goes_on_and_is_stopped(studio, studio_server):
 def test_a_goal_in_collision_is_red_with_its_pair_and_the_plan_says_why(studio):
     # straight up at the second joint, the arm goes through its table
     studio.page.get_by_text("Joints of the goal").click()
-    joint = studio.page.get_by_role("textbox", name="shoulder_lift_joint").last
-    joint.fill("0.5")
-    joint.press("Enter")
+    studio.set("shoulder_lift_joint", 0.5)
     studio.wait_for("Collides")
     assert studio.sees("mm deep")  # the label at the place
     studio.click("Plan")
