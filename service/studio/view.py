@@ -8,18 +8,15 @@ import numpy as np
 import viser
 
 from service.studio.api import Array
+from service.studio.camera import place_camera, seen_boxes
 from service.studio.shapes import TRUE, Paint, draw_shape
 
 GHOST = Paint(color=(72, 149, 239), opacity=0.35, casts_shadow=False)
 BLOCKED = Paint(color=(230, 57, 70), opacity=0.45, casts_shadow=False)
 _RED = Paint(color=(230, 57, 70), opacity=0.75, grown=0.0015, casts_shadow=False)
+_PALE_RED = Paint(color=(230, 57, 70), opacity=0.25, grown=0.0015, casts_shadow=False)
 _TRACE_THICKNESS = 0.008
 _FRAME_LENGTH, _FRAME_RADIUS = 0.07, 0.0025
-# Of the camera: three quarters from the front, over the size of what it shows.
-_DIRECTION = np.array([0.72, -0.62, 0.45])
-_DISTANCE_PER_SIZE = 0.8
-# Fixed things further away than so many metres from the robots are not worth a step back.
-_LARGEST_VIEW = 1.4
 
 
 class SceneView:
@@ -94,8 +91,12 @@ class SceneView:
             self._marks = []
             chosen = list(pairs)
             names = {name for pair in chosen for name in pair["bodies"] if name in self._bodies}
-            found = {name: self._bodies[name] for name in sorted(names)}
-            self._layers["red"] = self._draw("red", found, _RED)
+            moving = {name: self._bodies[name] for name in sorted(names & {*self.moving})}
+            fixed = {name: self._bodies[name] for name in sorted(names - {*self.moving})}
+            self._layers["red"] = {
+                **self._draw("red/moving", moving, _RED),
+                **self._draw("red/fixed", fixed, _PALE_RED),
+            }
             self._place("red", {**self._poses, **poses})
             for i, pair in enumerate(chosen):
                 self._mark(i, pair)
@@ -127,21 +128,14 @@ class SceneView:
 
     def aim(self) -> None:
         """Look at the robots from the front."""
-        points = np.array([self._poses[n][:3] for n in self.moving if n in self._poses])
-        if not len(points):
-            points = np.array([pose[:3] for pose in self._poses.values()] or [np.zeros(3)])
-        lower, upper = points.min(axis=0) - 0.25, points.max(axis=0) + 0.25
-        fixed = [self._poses[n][:3] for n in self._poses if n not in self.moving]
-        near = [p for p in fixed if np.linalg.norm(p - (lower + upper) / 2) < _LARGEST_VIEW]
-        if near:
-            lower = np.minimum(lower, np.min(near, axis=0))
-            upper = np.maximum(upper, np.max(near, axis=0))
-        middle, size = (lower + upper) / 2, float(np.linalg.norm(upper - lower))
-        away = _DISTANCE_PER_SIZE * size * _DIRECTION / np.linalg.norm(_DIRECTION)
+        robots = [self._poses[name][:3] for name in self.moving if name in self._poses]
+        all_of_it = [pose[:3] for pose in self._poses.values()] or [np.zeros(3)]
+        boxes = seen_boxes(list(self._bodies.values()))
+        camera, target = place_camera(np.array(robots or all_of_it), boxes)
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)
-            self._client.camera.position = tuple(middle + away)
-            self._client.camera.look_at = tuple(middle)
+            self._client.camera.position = tuple(camera)
+            self._client.camera.look_at = tuple(target)
 
     def _draw(
         self, layer: str, bodies: Mapping[str, Mapping[str, Any]], paint: Paint
@@ -169,7 +163,8 @@ class SceneView:
         points = np.array(pair["points"])
         depth = 1000 * float(pair["depth"])
         if len(points) == 2 and depth > 0:
-            text = f"{' × '.join(pair['bodies'])}: {depth:.0f} mm deep"  # noqa: RUF001
+            names = " - ".join(name.rpartition("::")[2] for name in pair["bodies"])
+            text = f"{names}: {depth:.0f} mm deep"
             self._marks.append(
                 self._client.scene.add_label(
                     f"/marks/{i}", text, position=tuple(points.mean(axis=0))
