@@ -27,6 +27,7 @@ from service.live.feed import LiveFeeds
 from service.plans import batch_routes as batches
 from service.plans import outputs
 from service.plans import routes as plans
+from service.queries import geometry_routes as geometry
 from service.queries import routes as queries
 from service.regions import routes as regions
 from service.scenes import routes as scenes
@@ -52,6 +53,7 @@ _DESCRIPTION = (
 # What has routes of its own, in the order of the OpenAPI document.
 PARTS = (
     scenes,
+    geometry,
     queries,
     regions,
     catalog,

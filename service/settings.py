@@ -166,6 +166,11 @@ class Settings(BaseSettings):
         default=(),
         description="Web pages of other origins that may ask, such as `https://ui.example.org`",
     )
+    studio: bool = Field(
+        default=True,
+        description="Whether the server has a page to look at scenes and to plan in, at `/`. Needs "
+        "the extra `studio`",
+    )
     header_timeout: float = Field(
         default=10.0, gt=0, description="Within which the headers of a request arrive [s]"
     )

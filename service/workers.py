@@ -19,6 +19,7 @@ PRELOAD = (
     "service.executions.recheck",
     "service.executions.replay_worker",
     "service.queries.worker",
+    "service.queries.geometry_worker",
     "service.regions.worker",
     "service.scenes.worker",
     "service.plans.output_worker",

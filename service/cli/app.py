@@ -11,7 +11,7 @@ from service.cli.exit_codes import EPILOG
 from service.versions import versions
 
 # In the order of `--help`; modules beside this one, or among the commands.
-_BESIDE = ("serve", "demo", "plan")
+_BESIDE = ("serve", "studio", "demo", "plan")
 _NAMES = (
     *_BESIDE,
     *("execute", "check", "ik", "scenes", "models", "bench", "schema", "doctor"),

@@ -16,6 +16,8 @@ from uvicorn.protocols.websockets.wsproto_impl import WSProtocol
 _OTHER_FILES = 128
 # Of headers that have not ended; what comes in one piece with their end is not counted.
 _MAX_HEADER_BYTES = 64 * 2**10
+# Of a WebSocket's client: a browser of the studio says where a slider is, and uploads nothing.
+MAX_MESSAGE_BYTES = 2**20
 _LATE = b"HTTP/1.1 408 Request Timeout\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
 _LARGE = (
     b"HTTP/1.1 431 Request Header Fields Too Large\r\nContent-Length: 0\r\n"

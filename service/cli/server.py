@@ -14,18 +14,25 @@ import uvicorn
 from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
+from planning import bundled_folder
 from planning.errors import WayproofError
 from service.app import create_app
-from service.cli.connections import Connections, bounded_protocol, bounded_socket, most_connections
+from service.cli.connections import (
+    MAX_MESSAGE_BYTES,
+    Connections,
+    bounded_protocol,
+    bounded_socket,
+    most_connections,
+)
 from service.jobs.service import JobService
 from service.settings import Settings
+from service.studio import front
+from service.studio.process import StudioProcess
 from service.telemetry.traces import TracingUnavailable, start_tracing, stop_tracing
 from service.versions import versions
 
 # Streams of events would hold a stopping server without end [s].
 _GRACE = 2
-# Of a WebSocket's client, which has nothing to say.
-_MAX_MESSAGE_BYTES = 4096
 # Between looks at whether what runs has ended [s].
 _PERIOD = 0.05
 # What the process ends with when another server has its database.
@@ -66,6 +73,9 @@ def run(
         except TracingUnavailable as fault:
             raise CannotStart(str(fault)) from fault
     app = create_app(settings, give_up)
+    if settings.studio and front.is_available():
+        studio = StudioProcess(asked_at(bound), bundled_folder("scenes"))
+        front.install(app, studio.upstream, is_server=True)
     most = most_connections(settings.max_connections)
     connections = Connections(most, settings.header_timeout)
     config = uvicorn.Config(
@@ -77,7 +87,7 @@ def run(
         loop="uvloop",
         http=bounded_protocol(connections),
         ws=bounded_socket(connections),
-        ws_max_size=_MAX_MESSAGE_BYTES,
+        ws_max_size=MAX_MESSAGE_BYTES,
     )
     server = _Server(config, app, on_listening)
     if leashed:
@@ -192,3 +202,10 @@ def _stop_with_stdin(server: _Server) -> None:
     while os.read(sys.stdin.fileno(), 4096):
         pass
     server.stop_now()  # what started it does not wait for plans
+
+
+def asked_at(bound: socket.socket) -> str:
+    """Return the URL at which this machine asks a server that is bound to a socket."""
+    host, port = bound.getsockname()[:2]
+    near: str = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)  # noqa: S104  (any address)
+    return f"http://[{near}]:{port}" if ":" in near else f"http://{near}:{port}"

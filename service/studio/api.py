@@ -1,0 +1,132 @@
+"""Api: what the studio asks a server, as numbers that can be drawn."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, override
+
+import httpx
+import numpy as np
+from pydantic import ConfigDict
+
+from service.client.client import Client
+from service.client.events import Event
+from service.client.models import Answer, Execution, Group, Plan, Scene
+
+type Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Frames that one question may name, and configurations.
+_MAX_ROWS = 10_000
+
+
+class Limits(Answer):
+    """Of a group, per position."""
+
+    lower: list[float | None]
+    upper: list[float | None]
+
+
+class ShownGroup(Group):
+    """A group that can be shown and moved."""
+
+    position_names: list[str]
+    tool_frames: list[str]
+    limits: Limits
+    positions: list[float]
+
+
+class ShownScene(Scene):
+    """A scene that can be shown."""
+
+    model_config = ConfigDict(extra="allow")
+
+    groups: list[ShownGroup]  # pyright: ignore[reportIncompatibleVariableOverride, reportGeneralTypeIssues]
+    document: dict[str, Any]
+
+    def group(self, name: str) -> ShownGroup:
+        """Return a group by its name."""
+        return next(group for group in self.groups if group.name == name)
+
+
+class ByName(httpx.HTTPTransport):
+    """Asks a server by another name than its address: the one that the browser knows it by."""
+
+    def __init__(self, host: str) -> None:
+        super().__init__()
+        self._host = host
+
+    @override
+    def handle_request(self, request: httpx.Request) -> httpx.Response:
+        request.headers["Host"] = self._host
+        return super().handle_request(request)
+
+
+class Api(Client):
+    """A client with the questions of the studio."""
+
+    def scenes(self) -> list[dict[str, Any]]:
+        """Return the newest scenes of the server: `id`, `name`, `revision`."""
+        found: list[dict[str, Any]] = self._get("/v1/scenes", limit="50").json()["items"]
+        return found
+
+    def shown(self, scene: str) -> ShownScene:
+        """Return a scene as it is now."""
+        return ShownScene.model_validate_json(self._get(f"/v1/scenes/{scene}").content)
+
+    def geometry(self, scene: str) -> list[dict[str, Any]]:
+        """Return what the bodies of a scene look like."""
+        found: list[dict[str, Any]] = self._get(f"/v1/scenes/{scene}/geometry").json()["bodies"]
+        return found
+
+    def mesh(self, scene: str, sha256: str) -> bytes:
+        """Return a mesh (binary glTF, z up)."""
+        return self._get(f"/v1/scenes/{scene}/geometry/{sha256}.glb").content
+
+    def poses(
+        self, scene: str, group: str, configurations: Array, frames: Sequence[str]
+    ) -> dict[str, Array]:
+        """Return where frames are: X_WF as position and quaternion [w, x, y, z], shape (n, 7)."""
+        if not frames:
+            return {}
+        body = {
+            "group": group,
+            "configurations": np.atleast_2d(configurations)[:_MAX_ROWS].tolist(),
+            "frames": list(frames),
+        }
+        results = self._send("POST", f"/v1/scenes/{scene}/fk", json=body).json()["results"]
+        return {
+            frame: np.array([
+                [*row[frame]["position"], *row[frame]["quaternion"]] for row in results
+            ])
+            for frame in frames
+        }
+
+    def ik(self, scene: str, group: str, goal: dict[str, Any], start: Array) -> dict[str, Any]:
+        """Return a few configurations that reach a goal, nearest first, or why there is none."""
+        body = {
+            "group": group,
+            "goal": goal,
+            "start": start.tolist(),
+            "ik": {"max_configurations": 6, "max_trials": 60},
+            "allowed_time": 1.0,
+        }
+        found: dict[str, Any] = self._send("POST", f"/v1/scenes/{scene}/ik", json=body).json()
+        return found
+
+    def check(self, scene: str, group: str, configurations: Array) -> list[dict[str, Any]]:
+        """Return a verdict per configuration, with all pairs that collide and the nearest one."""
+        body = {"group": group, "configurations": np.atleast_2d(configurations).tolist()}
+        answer = self._send("POST", f"/v1/scenes/{scene}/check", json=body)
+        found: list[dict[str, Any]] = answer.json()["results"]
+        return found
+
+    def finished_plan(self, plan: str) -> dict[str, Any]:
+        """Return a plan with all of its result."""
+        found: dict[str, Any] = self._get(f"/v1/plans/{plan}").json()
+        return found
+
+    def control(self, execution: str, what: str, **body: float) -> None:
+        """Pause, resume, cancel an execution, or set its speed."""
+        content = {"json": body} if body else {}
+        self._send("POST", f"/v1/executions/{execution}/{what}", **content)
+
+
+__all__ = ["Api", "Array", "ByName", "Event", "Execution", "Iterator", "Plan", "ShownScene"]

@@ -1,0 +1,72 @@
+"""Cell: the scene that one browser looks at, and who is asked about it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import viser
+
+from service.studio.api import Api, Array, ShownGroup, ShownScene
+from service.studio.view import SceneView
+
+
+@dataclass
+class Cell:
+    """A scene in one browser.
+
+    Attributes:
+        api: The server.
+        client: The browser.
+        scene: As the server has it.
+        group: That is planned for.
+        view: What is drawn of it.
+        positions: Where the group is, as far as it was told.
+    """
+
+    api: Api
+    client: viser.ClientHandle
+    scene: ShownScene
+    group: ShownGroup
+    view: SceneView
+    positions: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Begin where the scene has the group."""
+        self.positions = np.array(self.group.positions)
+
+    def poses(self, positions: Array) -> dict[str, Array]:
+        """Return X_WB of all moving bodies with the group at some positions, shape (7,)."""
+        found = self.api.poses(self.scene.id, self.group.name, positions, self.view.moving)
+        return {name: rows[0] for name, rows in found.items()}
+
+    def show(self, positions: Array) -> None:
+        """Put the robot somewhere."""
+        self.positions = positions
+        self.view.show(self.poses(positions))
+
+
+def open_cell(api: Api, client: viser.ClientHandle, scene: str, group: str | None = None) -> Cell:
+    """Return a scene, drawn as it is now.
+
+    Args:
+        api: The server.
+        client: The browser.
+        scene: Its id.
+        group: That is planned for; None for the first one.
+    """
+    shown = api.shown(scene)
+    chosen = shown.groups[0] if group is None else shown.group(group)
+    meshes: dict[str, bytes] = {}
+
+    def mesh(sha256: str) -> bytes:
+        if sha256 not in meshes:
+            meshes[sha256] = api.mesh(scene, sha256)
+        return meshes[sha256]
+
+    view = SceneView(client, api.geometry(scene), mesh)
+    cell = Cell(api, client, shown, chosen, view)
+    cell.show(cell.positions)
+    frames = [frame["name"] for frame in shown.document.get("frames", [])]
+    for name, rows in api.poses(scene, chosen.name, cell.positions, frames).items():
+        view.draw_frame(name, rows[0])
+    view.aim()
+    return cell

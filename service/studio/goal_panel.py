@@ -1,0 +1,190 @@
+"""GoalPanel: where the robot shall go: a frame, a configuration, sliders, or a dragged tool."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from service.studio import texts
+from service.studio.api import Array
+from service.studio.cell import Cell
+from service.studio.newest import Newest
+from service.studio.view import BLOCKED, GHOST
+
+BY_SLIDERS, BY_TOOL = "joint sliders", "drag the tool"
+_FRAME, _CONFIGURATION = "frame ", "configuration "
+# Of a slider of a joint without limits [rad or m].
+_UNLIMITED = 2 * math.pi
+_STEP = 0.001
+_GIZMO = "/gizmo"
+_GIZMO_SIZE = 0.22
+
+
+class GoalPanel:
+    """The goal of the next plan, and its ghost."""
+
+    def __init__(
+        self, gui: viser.GuiApi, cell: Cell, on_fault: Callable[[Exception], None]
+    ) -> None:
+        """Show the goals of a cell, and choose the first one.
+
+        Args:
+            gui: Where it is shown, in the container that is open.
+            cell: The scene.
+            on_fault: Is told what goes wrong.
+        """
+        self._cell = cell
+        self._newest = Newest(on_fault)
+        self._positions = cell.positions
+        self._goals = _goals_of(cell)
+        self._choice = gui.add_dropdown("Goal", tuple(self._goals), hint="Where it shall go")
+        self._told = gui.add_html(texts.told("…"))
+        self._sliders: list[viser.GuiSliderHandle[float]] = []
+        self._folder = gui.add_folder("Joints of the goal", expand_by_default=False)
+        with self._folder:
+            self._add_sliders(gui)
+        self._gizmo = self._add_gizmo()
+        self._choice.on_update(lambda event: self._choose() if event.client else None)
+        self._choose()
+
+    def goal(self) -> dict[str, Any]:
+        """Return the goal as the API wants it."""
+        choice = self._choice.value
+        if choice == BY_SLIDERS:
+            return {"type": "joint", "positions": [self._positions.tolist()]}
+        if choice == BY_TOOL and self._gizmo is not None:
+            return _pose_goal(self._gizmo)
+        return self._goals[choice]
+
+    def close(self) -> None:
+        """End what goes on, and take the panel away."""
+        self._newest.close()
+        for part in (self._choice, self._told, self._folder):
+            part.remove()
+
+    def _choose(self) -> None:
+        if self._gizmo is not None:
+            self._gizmo.visible = self._choice.value == BY_TOOL
+        self._newest.ask(self._show)
+
+    def _show(self) -> None:
+        """Show where the goal is, or why it cannot be reached."""
+        choice = self._choice.value
+        if choice == BY_SLIDERS:
+            self._judge(self._positions)
+        elif choice.startswith(_CONFIGURATION):
+            name = choice.removeprefix(_CONFIGURATION)
+            positions = np.array(self._cell.group.configurations[name])
+            self._set_sliders(positions)
+            self._judge(positions)
+        else:
+            self._show_solution(self.goal())
+
+    def _show_solution(self, goal: dict[str, Any]) -> None:
+        cell = self._cell
+        start = self._positions if self._choice.value == BY_TOOL else cell.positions
+        found = cell.api.ik(cell.scene.id, cell.group.name, goal, start)
+        if found["configurations"]:
+            best = found["configurations"][0]
+            self._set_sliders(np.array(best["positions"]))
+            cell.view.mark_pairs([], {})
+            cell.view.show_ghost(cell.poses(self._positions))
+            self._told.content = texts.told(_praise(best, len(found["configurations"])), "good")
+            return
+        failed = found["failure"]
+        self._told.content = texts.failure(failed["code"], failed["detail"])
+        nearest = failed["evidence"].get("nearest") or {}
+        if "positions" in nearest:
+            cell.view.show_ghost(cell.poses(np.array(nearest["positions"])), BLOCKED)
+
+    def _judge(self, positions: Array) -> None:
+        """Show the ghost at some positions, red with its pairs where it collides."""
+        cell = self._cell
+        verdict = cell.api.check(cell.scene.id, cell.group.name, positions)[0]
+        poses = cell.poses(positions)
+        cell.view.show_ghost(poses, GHOST if verdict["valid"] else BLOCKED)
+        cell.view.mark_pairs(verdict["collisions"], poses)
+        if verdict["collisions"]:
+            self._told.content = texts.pairs(verdict["collisions"])
+        elif not verdict["valid"]:
+            self._told.content = texts.told("outside of the joint limits", "bad")
+        else:
+            self._told.content = texts.told(_free(verdict), "good")
+
+    def _add_sliders(self, gui: viser.GuiApi) -> None:
+        limits, group = self._cell.group.limits, self._cell.group
+        for i, name in enumerate(group.position_names):
+            lower, upper = limits.lower[i], limits.upper[i]
+            low = -_UNLIMITED if lower is None else lower
+            high = _UNLIMITED if upper is None else upper
+            value = float(np.clip(self._positions[i], low, high))
+            slider = gui.add_slider(name.rpartition("::")[2], low, high, _STEP, value)
+            slider.on_update(lambda event: self._slide() if event.client else None)
+            self._sliders.append(slider)
+
+    def _slide(self) -> None:
+        self._positions = np.array([slider.value for slider in self._sliders])
+        if self._choice.value != BY_SLIDERS:
+            self._choice.value = BY_SLIDERS
+            if self._gizmo is not None:
+                self._gizmo.visible = False
+        self._newest.ask(self._show)
+
+    def _set_sliders(self, positions: Array) -> None:
+        self._positions = positions
+        for slider, value in zip(self._sliders, positions, strict=True):
+            slider.value = float(np.clip(value, slider.min, slider.max))
+
+    def _add_gizmo(self) -> viser.TransformControlsHandle | None:
+        cell = self._cell
+        if not cell.group.tool_frames:
+            return None
+        tool = cell.group.tool_frames[0]
+        pose = cell.api.poses(cell.scene.id, cell.group.name, cell.positions, [tool])[tool][0]
+        gizmo = cell.client.scene.add_transform_controls(
+            _GIZMO,
+            scale=_GIZMO_SIZE,
+            position=tuple(pose[:3]),
+            wxyz=tuple(pose[3:]),
+            depth_test=False,
+            visible=False,
+        )
+        gizmo.on_update(lambda _: self._newest.ask(self._show))
+        return gizmo
+
+
+def _goals_of(cell: Cell) -> dict[str, dict[str, Any]]:
+    """Return what the goals of a cell are called, and as the API wants them; targets first."""
+    frames = [frame["name"] for frame in cell.scene.document.get("frames", [])]
+    found = {
+        f"{_FRAME}{name}": {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": name}]}
+        for name in (frames if cell.group.tool_frames else [])
+    }
+    away = sorted(
+        cell.group.configurations,
+        key=lambda name: np.allclose(cell.group.configurations[name], cell.positions),
+    )
+    found |= {f"{_CONFIGURATION}{n}": {"type": "configuration", "name": n} for n in away}
+    by_hand = [BY_SLIDERS, BY_TOOL] if cell.group.tool_frames else [BY_SLIDERS]
+    return found | {name: {} for name in by_hand}
+
+
+def _pose_goal(gizmo: viser.TransformControlsHandle) -> dict[str, Any]:
+    pose = {
+        "position": [float(part) for part in gizmo.position],
+        "quaternion": [float(part) for part in gizmo.wxyz],
+    }
+    return {"type": "pose", "poses": [pose]}
+
+
+def _praise(best: dict[str, Any], count: int) -> str:
+    ways = "1 way" if count == 1 else f"{count} ways"
+    gap = best["clearance"]
+    return f"{ways} to reach it" + ("" if gap is None else f" · {1000 * gap:.1f} mm clear there")
+
+
+def _free(verdict: dict[str, Any]) -> str:
+    gap = verdict["distance"]
+    return "free" if gap is None else f"free · {1000 * gap:.1f} mm clear there"

@@ -1,0 +1,114 @@
+"""PlanPanel: ask for a plan, follow its stages, cancel it, and say what came of it."""
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import viser
+
+from service.studio import texts
+from service.studio.cell import Cell
+
+# Words for the stages of the pipeline, as they happen.
+_STAGES = {
+    "load": "loading the scene",
+    "goals": "looking for goal configurations",
+    "search": "searching a path",
+    "refine": "refining the path",
+    "retime": "timing it",
+    "certify": "proving it",
+    "explain": "finding out why it fails",
+}
+_PLANNING_TIME = 10.0
+
+
+class PlanPanel:
+    """The button that plans, and how far it is."""
+
+    def __init__(self, gui: viser.GuiApi, on_plan: Callable[[], None]) -> None:
+        """Show the button.
+
+        Args:
+            gui: Where it is shown, in the container that is open.
+            on_plan: Called when it is pressed.
+        """
+        self._button = gui.add_button("Plan", icon=viser.Icon.ROUTE, color="teal")
+        self._bar = gui.add_progress_bar(0.0, animated=True, visible=False)
+        self._told = gui.add_html(texts.told(""), visible=False)
+        self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
+        self._button.on_click(lambda _: on_plan())
+        self._running: tuple[Cell, str] | None = None
+        self._lock = threading.Lock()
+        self._cancel.on_click(lambda _: self._ask_to_cancel())
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether it plans nothing."""
+        return self._running is None
+
+    def plan(self, cell: Cell, goal: Mapping[str, Any]) -> dict[str, Any] | None:
+        """Plan to a goal, show each stage, and return the plan once it has ended.
+
+        Args:
+            cell: The scene.
+            goal: As the API wants it.
+
+        Returns:
+            The plan; None if another one goes on.
+        """
+        if not self._lock.acquire(blocking=False):
+            return None
+        try:
+            self._show(is_planning=True)
+            self._tell(texts.told("asking for a plan", "busy"))
+            request = {
+                "scene": cell.scene.id,
+                "group": cell.group.name,
+                "goal": goal,
+                "search": {"allowed_planning_time": _PLANNING_TIME},
+            }
+            plan = cell.api.submit_plan(request)
+            self._running = cell, plan.id
+            for event in cell.api.plan_events(plan.id):
+                if event.type == "stage":
+                    self._follow(event.data)
+            return self._ended(cell.api.finished_plan(plan.id))
+        finally:
+            self._running = None
+            self._show(is_planning=False)
+            self._lock.release()
+
+    def clear(self) -> None:
+        """Say nothing, once the scene is another one."""
+        self._told.visible = False
+
+    def _ended(self, job: dict[str, Any]) -> dict[str, Any]:
+        if job["state"] == "succeeded":
+            seconds = job["timings"].get("total", 0.0)
+            stages = [f"{name} {1000 * t:.0f}" for name, t in job["timings"].items() if t > 0.0005]
+            several = ", ".join(text for text in stages if not text.startswith("total"))
+            self._tell(texts.told(f"planned in {1000 * seconds:.0f} ms ({several})"))
+        else:
+            failed = job["failure"] or {"code": job["state"], "detail": ""}
+            self._tell(texts.failure(failed["code"], failed["detail"]))
+        return job
+
+    def _follow(self, data: Mapping[str, Any]) -> None:
+        stage = data["stage"]
+        self._bar.value = 100.0 * float(data.get("progress") or 0.0)
+        detail = data.get("detail") or _STAGES.get(stage, stage)
+        self._tell(texts.told(f"{stage}: {detail}", "busy"))
+
+    def _ask_to_cancel(self) -> None:
+        running = self._running
+        if running is not None:
+            cell, plan = running
+            cell.api.cancel_plan(plan)
+
+    def _tell(self, content: str) -> None:
+        self._told.content, self._told.visible = content, True
+
+    def _show(self, *, is_planning: bool) -> None:
+        self._button.disabled = is_planning
+        self._bar.visible = self._cancel.visible = is_planning
+        self._bar.value = 0.0

@@ -1,0 +1,224 @@
+"""Session: one browser: the scene that it looks at, and the panels beside it."""
+
+import threading
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+import viser
+
+from service.client.errors import ApiError
+from service.studio import texts
+from service.studio.api import Api, ByName
+from service.studio.cell import Cell, open_cell
+from service.studio.failure_view import show_failure
+from service.studio.goal_panel import GoalPanel
+from service.studio.motion import load_motion
+from service.studio.motion_panel import MotionPanel
+from service.studio.plan_panel import PlanPanel
+from service.studio.robot_panel import RobotPanel
+
+_SUFFIX = ".scene.yaml"
+_FIRST = "ur5e_pickup"
+_BRAND = (29, 111, 184)
+_UNAUTHORIZED = 401
+
+
+@dataclass(frozen=True)
+class Terms:
+    """What all sessions have in common.
+
+    Attributes:
+        server: URL of the server.
+        scenes: Folder of the scenes that can be opened at once.
+        key: API key, if the browsers need not give one.
+    """
+
+    server: str
+    scenes: Path
+    key: str | None = None
+
+
+class Session:
+    """The panels of one browser, and what they do together."""
+
+    def __init__(self, client: viser.ClientHandle, terms: Terms, host: str) -> None:
+        """Show the panels and open a scene.
+
+        Args:
+            client: The browser.
+            terms: Of all sessions.
+            host: By which name the browser knows the server; empty for its address.
+        """
+        self._client, self._terms, self._host = client, terms, host
+        self._api = self._connect(terms.key)
+        self._cell: Cell | None = None
+        self._own: str | None = None
+        self._goals: GoalPanel | None = None
+        self._motion: MotionPanel | None = None
+        self._folders: dict[str, viser.GuiFolderHandle] = {}
+        self._lock = threading.Lock()
+        client.gui.configure_theme(
+            show_logo=False, show_share_button=False, brand_color=_BRAND, control_width="medium"
+        )
+        client.gui.set_panel_label("Wayproof studio")
+        try:
+            self._begin()
+        except ApiError as fault:
+            if fault.problem.status != _UNAUTHORIZED:
+                raise
+            self._ask_for_key()
+
+    def close(self) -> None:
+        """Stop what goes on, and forget the scene that was opened for this browser."""
+        self._forget()
+        with suppress(ApiError, httpx.HTTPError):
+            if self._own is not None:
+                self._api.delete_scene(self._own)
+        self._api.__exit__(None, None, None)
+
+    def _connect(self, key: str | None) -> Api:
+        transport = ByName(self._host) if self._host else None
+        return Api(self._terms.server, key=key, transport=transport)
+
+    def _ask_for_key(self) -> None:
+        """Ask for an API key: the studio has no rights of its own."""
+        with self._client.gui.add_folder("This server asks for a key") as folder:
+            told = self._client.gui.add_html(texts.told("a key with the scopes plan and execute"))
+            text = self._client.gui.add_text("API key", "")
+            enter = self._client.gui.add_button("Open")
+
+        @enter.on_click
+        def _(_: Any) -> None:
+            self._api = self._connect(text.value.strip())
+            try:
+                self._api.scenes()
+            except ApiError as fault:
+                told.content = texts.failure(fault.problem.code, fault.problem.detail)
+                return
+            folder.remove()
+            self._begin()
+
+    def _begin(self) -> None:
+        self._choices = self._scene_choices()
+        gui = self._client.gui
+        first = next((name for name in self._choices if name == _FIRST), next(iter(self._choices)))
+        self._scene: Any = gui.add_dropdown("Scene", tuple(self._choices), initial_value=first)
+        self._group: Any = gui.add_dropdown("Robot", ("",), hint="The group that is planned for")
+        self._folders["goal"] = gui.add_folder("Goal")
+        self._plans = PlanPanel(gui, self._plan)
+        self._robot = RobotPanel(gui, self._execute, self._tell)
+        self._scene.on_update(lambda event: self._open_scene() if event.client else None)
+        self._group.on_update(lambda event: self._choose_group() if event.client else None)
+        self._open_scene()
+
+    def _scene_choices(self) -> dict[str, Path | str]:
+        """Return what can be opened: scenes that are copied for this browser, then the server's."""
+        files = sorted(self._terms.scenes.glob(f"*{_SUFFIX}"))
+        found: dict[str, Path | str] = {path.name.removesuffix(_SUFFIX): path for path in files}
+        for brief in self._api.scenes():
+            found[f"{brief['name']} · {brief['id']}"] = brief["id"]
+        return found
+
+    def _open_scene(self) -> None:
+        chosen = self._choices[self._scene.value]
+        with self._lock:
+            self._forget()
+            try:
+                if self._own is not None:
+                    with suppress(ApiError):
+                        self._api.delete_scene(self._own)
+                self._own = None
+                scene = chosen
+                if isinstance(chosen, Path):
+                    self._own = scene = self._api.add_scene(chosen.read_bytes()).id
+                self._cell = open_cell(self._api, self._client, str(scene))
+            except (ApiError, httpx.HTTPError) as fault:
+                self._tell(fault)
+                return
+            names = tuple(group.name for group in self._cell.scene.groups)
+            self._group.options, self._group.value = names, names[0]
+            self._show_goals()
+
+    def _choose_group(self) -> None:
+        cell = self._cell
+        if cell is None or self._group.value == cell.group.name:
+            return
+        with self._lock:
+            self._forget()
+            self._cell = open_cell(self._api, self._client, cell.scene.id, self._group.value)
+            self._show_goals()
+
+    def _show_goals(self) -> None:
+        if self._cell is None:
+            return
+        with self._folders["goal"]:
+            self._goals = GoalPanel(self._client.gui, self._cell, self._tell)
+
+    def _plan(self) -> None:
+        cell, goals = self._cell, self._goals
+        if cell is None or goals is None or not self._plans.is_idle:
+            return
+        self._close_motion()
+        self._robot.clear()
+        try:
+            job = self._plans.plan(cell, goals.goal())
+            if job is None or cell is not self._cell:
+                return
+            if job["state"] == "succeeded":
+                self._show_motion(cell, job)
+            elif job["failure"] is not None:
+                show_failure(cell, job["failure"])
+        except (ApiError, httpx.HTTPError) as fault:
+            self._tell(fault)
+
+    def _show_motion(self, cell: Cell, job: dict[str, Any]) -> None:
+        cell.view.mark_pairs([], {})
+        motion = load_motion(cell.api, cell.scene.id, cell.group, job, cell.view.moving)
+        folder = self._folders["motion"] = self._client.gui.add_folder("Motion")
+        with folder:
+            self._motion = MotionPanel(self._client.gui, cell, motion, self._tell)
+        self._robot.offer(can_execute=True)
+
+    def _execute(self) -> None:
+        cell, motion = self._cell, self._motion
+        if cell is None or motion is None:
+            return
+        motion.close()
+        cell.view.show_ghost(None)
+        try:
+            self._robot.execute(cell, motion.motion.plan)
+        except (ApiError, httpx.HTTPError) as fault:
+            self._tell(fault)
+
+    def _close_motion(self) -> None:
+        if self._motion is not None:
+            self._motion.close()
+        self._motion = None
+        self._remove("motion")
+
+    def _remove(self, name: str) -> None:
+        folder = self._folders.pop(name, None)
+        if folder is not None:
+            folder.remove()
+
+    def _forget(self) -> None:
+        """Take away what belongs to the scene before."""
+        self._close_motion()
+        if self._goals is not None:
+            self._goals.close()
+            self._goals = None
+            self._plans.clear()
+            self._robot.clear()
+
+    def _tell(self, fault: Exception) -> None:
+        """Say what went wrong, in a corner of the page."""
+        title, body = "Something went wrong", str(fault)
+        if isinstance(fault, ApiError):
+            title, body = fault.problem.code, fault.problem.detail
+        elif isinstance(fault, httpx.TransportError):
+            title, body = "The server does not answer", "It is asked again with the next click."
+        with suppress(Exception):
+            self._client.add_notification(title, body[:400], color="red", auto_close_seconds=12.0)

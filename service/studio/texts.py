@@ -1,0 +1,75 @@
+"""What the panels say, as HTML: everything that comes from a server is escaped."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+_GRAY, _GREEN, _RED, _BLUE = "#64748b", "#2a9d8f", "#e63946", "#1d6fb8"
+_COLORS = {"plain": _GRAY, "good": _GREEN, "bad": _RED, "busy": _BLUE}
+_BOX = "padding:0 0.75em 0.4em;font-size:0.8125em;line-height:1.45;overflow-wrap:anywhere"
+# Of what is shown of a text of the server.
+_MAX_TEXT = 600
+
+
+def told(text: str, kind: str = "plain") -> str:
+    """Return a line in the colour of its kind: plain, good, bad or busy."""
+    style = f"{_BOX};color:{_COLORS[kind]}"
+    return f'<div style="{style}" data-kind="{kind}">{escape(text[:_MAX_TEXT])}</div>'
+
+
+def failure(code: str, detail: str) -> str:
+    """Return why something failed: its code and the words."""
+    return (
+        f'<div style="{_BOX};color:{_RED}" data-kind="bad"><b>{escape(code)}</b><br>'
+        f"{escape(detail[:_MAX_TEXT])}</div>"
+    )
+
+
+def verdict(certificate: Mapping[str, Any], duration: float) -> str:
+    """Return what is proven of a motion, in one line and a table of checks."""
+    proven = bool(certificate["proven"])
+    head = "Proven" if proven else "Not proven"
+    gap = certificate["min_clearance"]
+    apart = "nothing to hit" if gap is None else f"{1000 * gap:.1f} mm clear"
+    pair = "" if gap is None else " of " + " and ".join(map(_short, certificate["pair"]))
+    color = _GREEN if proven else _RED
+    rows = "".join(_row(check) for check in certificate["checks"])
+    return (
+        f'<div style="{_BOX}" data-kind="{"good" if proven else "bad"}">'
+        f'<b style="color:{color};font-size:1.1em">{head}</b> · {duration:.2f} s · '
+        f'{escape(apart)}<span style="color:{_GRAY}">{escape(pair)}</span>'
+        f'<details><summary style="cursor:pointer;color:{_GRAY}">'
+        f"{len(certificate['checks'])} checks</summary>"
+        f'<table style="width:100%;border-spacing:0">{rows}</table></details></div>'
+    )
+
+
+def pairs(found: Sequence[Mapping[str, Any]]) -> str:
+    """Return which pairs collide, the deepest first."""
+    deepest = sorted(found, key=lambda pair: -pair["depth"])[:4]
+    rows = "".join(
+        f"<br>{escape(_short(a))} – {escape(_short(b))}: {1000 * pair['depth']:.1f} mm"  # noqa: RUF001
+        for pair in deepest
+        for a, b in [pair["bodies"]]
+    )
+    return f'<div style="{_BOX};color:{_RED}" data-kind="bad"><b>Collides</b>{rows}</div>'
+
+
+def _row(check: Mapping[str, Any]) -> str:
+    mark, color = ("✓", _GREEN) if check["passed"] else ("✗", _RED)
+    value = _number(check.get("value"))
+    bound = _number(check.get("bound"))
+    unit = escape(str(check.get("unit") or ""))
+    return (
+        f'<tr><td style="color:{color};width:1.4em">{mark}</td><td>{escape(check["name"])}</td>'
+        f'<td style="text-align:right">{value}</td>'
+        f'<td style="text-align:right;color:{_GRAY}">{bound} {unit}</td></tr>'
+    )
+
+
+def _number(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, int | float) else ""
+
+
+def _short(name: str) -> str:
+    return name.rpartition("::")[2]

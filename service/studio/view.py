@@ -1,0 +1,200 @@
+"""SceneView: a scene of the server in one browser's 3-D view: robot, ghost, red pairs, trace."""
+
+import threading
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import viser
+
+from service.studio.api import Array
+from service.studio.camera import place_camera, seen_boxes
+from service.studio.shapes import TRUE, Paint, draw_shape
+
+GHOST = Paint(color=(72, 149, 239), opacity=0.35, casts_shadow=False)
+BLOCKED = Paint(color=(230, 57, 70), opacity=0.45, casts_shadow=False)
+_RED = Paint(color=(230, 57, 70), opacity=0.75, grown=0.0015, casts_shadow=False)
+_PALE_RED = Paint(color=(230, 57, 70), opacity=0.25, grown=0.0015, casts_shadow=False)
+_TRACE_THICKNESS = 0.008
+_FRAME_LENGTH, _FRAME_RADIUS = 0.07, 0.0025
+
+
+class SceneView:
+    """The bodies of a scene, drawn for one browser."""
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        bodies: Sequence[Mapping[str, Any]],
+        mesh: Callable[[str], bytes],
+    ) -> None:
+        """Draw the bodies; what moves has no place before `show` says where.
+
+        Args:
+            client: The browser.
+            bodies: The API's geometry.
+            mesh: Returns a mesh by its digest.
+        """
+        self._client = client
+        self._bodies = {body["name"]: body for body in bodies}
+        self._mesh = mesh
+        self._lock = threading.RLock()
+        self._layers: dict[str, dict[str, viser.FrameHandle]] = {}
+        self._poses: dict[str, Array] = {}
+        self._ghost_paint = GHOST
+        self._marks: list[viser.SceneNodeHandle] = []
+        client.scene.reset()
+        light(client)
+        with client.atomic():
+            self._layers["robot"] = self._draw("robot", self._bodies, TRUE)
+            for name, body in self._bodies.items():
+                if body["pose"] is not None:
+                    pose = [*body["pose"]["position"], *body["pose"]["quaternion"]]
+                    self._poses[name] = np.array(pose)
+            self._place("robot", self._poses)
+
+    @property
+    def moving(self) -> list[str]:
+        """Names of the bodies that move with a robot."""
+        return [name for name, body in self._bodies.items() if body["pose"] is None]
+
+    def show(self, poses: Mapping[str, Array]) -> None:
+        """Put the robots somewhere: X_WB of bodies, shape (7,)."""
+        with self._lock:
+            self._poses |= poses
+            self._place("robot", poses)
+
+    def show_ghost(self, poses: Mapping[str, Array] | None, paint: Paint = GHOST) -> None:
+        """Put the ghost of the robots somewhere, or take it away."""
+        with self._lock:
+            if poses is None or paint is not self._ghost_paint:
+                self._remove("ghost")
+            if poses is None:
+                return
+            self._ghost_paint = paint
+            if "ghost" not in self._layers:
+                moving = {name: self._bodies[name] for name in self.moving if name in poses}
+                self._layers["ghost"] = self._draw("ghost", moving, paint)
+            self._place("ghost", poses)
+
+    def mark_pairs(self, pairs: Iterable[Mapping[str, Any]], poses: Mapping[str, Array]) -> None:
+        """Draw bodies that collide in red, with the segment between their nearest points.
+
+        Args:
+            pairs: `bodies`, `points` and `depth`, as the API has them; none to clear.
+            poses: Of bodies that are elsewhere than the robot: the ghost's.
+        """
+        with self._lock, self._client.atomic():
+            self._remove("red")
+            for mark in self._marks:
+                mark.remove()
+            self._marks = []
+            chosen = list(pairs)
+            names = {name for pair in chosen for name in pair["bodies"] if name in self._bodies}
+            moving = {name: self._bodies[name] for name in sorted(names & {*self.moving})}
+            fixed = {name: self._bodies[name] for name in sorted(names - {*self.moving})}
+            self._layers["red"] = {
+                **self._draw("red/moving", moving, _RED),
+                **self._draw("red/fixed", fixed, _PALE_RED),
+            }
+            self._place("red", {**self._poses, **poses})
+            for i, pair in enumerate(chosen):
+                self._mark(i, pair)
+
+    def draw_trace(self, name: str, points: Array, colors: Array) -> viser.SceneNodeHandle:
+        """Draw the path of a tool.
+
+        Args:
+            name: Of the path.
+            points: p_WT [m], shape (n, 3), n >= 2.
+            colors: Of the points, 0 to 255, shape (n, 3).
+        """
+        segments = np.stack([points[:-1], points[1:]], axis=1)
+        shades = np.stack([colors[:-1], colors[1:]], axis=1).astype(np.uint8)
+        return self._client.scene.add_line_segments(
+            f"/trace/{name}", segments, shades, thickness=_TRACE_THICKNESS
+        )
+
+    def draw_frame(self, name: str, pose: Array) -> None:
+        """Draw a named frame as a small triad."""
+        self._client.scene.add_frame(
+            f"/frames/{name}",
+            axes_length=_FRAME_LENGTH,
+            axes_radius=_FRAME_RADIUS,
+            position=tuple(pose[:3]),
+            wxyz=tuple(pose[3:]),
+        )
+        self._client.scene.add_label(f"/frames/{name}/name", name, position=(0.0, 0.0, 0.0))
+
+    def aim(self) -> None:
+        """Look at the robots from the front."""
+        robots = [self._poses[name][:3] for name in self.moving if name in self._poses]
+        all_of_it = [pose[:3] for pose in self._poses.values()] or [np.zeros(3)]
+        boxes = seen_boxes(list(self._bodies.values()))
+        camera, target = place_camera(np.array(robots or all_of_it), boxes)
+        with self._client.atomic():
+            self._client.camera.up_direction = (0.0, 0.0, 1.0)
+            self._client.camera.position = tuple(camera)
+            self._client.camera.look_at = tuple(target)
+
+    def _draw(
+        self, layer: str, bodies: Mapping[str, Mapping[str, Any]], paint: Paint
+    ) -> dict[str, viser.FrameHandle]:
+        scene, found = self._client.scene, dict[str, viser.FrameHandle]()
+        for i, (name, body) in enumerate(bodies.items()):
+            path = f"/{layer}/{i}"
+            found[name] = scene.add_frame(path, show_axes=False)
+            for k, shape in enumerate(body["shapes"]):
+                draw_shape(scene, f"{path}/{k}", shape, self._mesh, paint)
+        return found
+
+    def _place(self, layer: str, poses: Mapping[str, Array]) -> None:
+        with self._client.atomic():
+            for name, node in self._layers.get(layer, {}).items():
+                if name in poses:
+                    node.position = tuple(poses[name][:3])
+                    node.wxyz = tuple(poses[name][3:])
+
+    def _remove(self, layer: str) -> None:
+        for node in self._layers.pop(layer, {}).values():
+            node.remove()
+
+    def _mark(self, i: int, pair: Mapping[str, Any]) -> None:
+        points = np.array(pair["points"])
+        depth = 1000 * float(pair["depth"])
+        if len(points) == 2 and depth > 0:
+            names = " - ".join(name.rpartition("::")[2] for name in pair["bodies"])
+            text = f"{names}: {depth:.0f} mm deep"
+            self._marks.append(
+                self._client.scene.add_label(
+                    f"/marks/{i}", text, position=tuple(points.mean(axis=0))
+                )
+            )
+
+
+def light(client: viser.ClientHandle) -> None:
+    """Light a scene from above, with shadows, on a grid."""
+    scene = client.scene
+    scene.set_up_direction("+z")
+    scene.configure_default_lights(enabled=False)
+    scene.add_light_hemisphere(
+        "/light/sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2
+    )
+    scene.add_light_directional(
+        "/light/sun",
+        color=(255, 250, 240),
+        intensity=2.4,
+        cast_shadow=True,
+        position=(2.0, -1.6, 4.0),
+    )
+    scene.add_grid(
+        "/grid",
+        width=20.0,
+        height=20.0,
+        cell_size=0.25,
+        section_size=1.0,
+        cell_color=(232, 236, 241),
+        section_color=(214, 220, 228),
+        position=(0.0, 0.0, -0.06),
+        shadow_opacity=0.15,
+    )

@@ -1,0 +1,61 @@
+"""The studio as a person sees it: what stands there, and what can be clicked."""
+
+from contextlib import contextmanager
+
+# For what hangs: on a busy machine without a graphics card the page takes its time [ms].
+_PATIENCE = 90_000
+# Small, for every pixel is drawn by the processor.
+_SIZE = {"width": 480, "height": 600}
+
+
+class StudioPage:
+    """A page of the studio."""
+
+    def __init__(self, page):
+        self.page = page
+        self.faults = []
+        page.set_default_timeout(_PATIENCE)
+        page.on("pageerror", lambda fault: self.faults.append(str(fault)))
+        page.on("console", self._note)
+
+    @classmethod
+    @contextmanager
+    def opened(cls, browser, url):
+        context = browser.new_context(locale="en-US", viewport=_SIZE)
+        try:
+            page = cls(context.new_page())
+            page.page.goto(url)
+            yield page
+            assert page.faults == []
+        finally:
+            context.close()
+
+    def wait_for_goal(self):
+        """Wait until the scene is there and its goal was looked at."""
+        self.page.locator("[data-kind=good], [data-kind=bad]").first.wait_for()
+
+    def wait_for(self, text):
+        self.page.get_by_text(text).first.wait_for()
+
+    def click(self, button):
+        self.page.get_by_role("button", name=button, exact=True).last.click()
+
+    def choose(self, label, option):
+        """Choose an option of a list."""
+        self.page.get_by_role("combobox", name=label, exact=True).last.click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+
+    def set(self, slider, value):
+        """Set a slider by the number beside it."""
+        label = self.page.locator("p").get_by_text(slider, exact=True)
+        row = label.locator("xpath=ancestor::*[.//input[not(@type='hidden')]][1]")
+        number = row.locator("input:not([type=hidden])").last
+        number.fill(str(value))
+        number.press("Enter")
+
+    def sees(self, text):
+        return self.page.get_by_text(text).count() > 0
+
+    def _note(self, message):
+        if message.type == "error":
+            self.faults.append(message.text)

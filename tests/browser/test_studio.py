@@ -1,0 +1,78 @@
+"""The studio in Chromium: from opening the page to a moving robot, and what can go wrong."""
+
+import httpx
+import pytest
+
+from tests.browser.studio_page import StudioPage
+from tests.profiles import only_campaign
+from tests.service.servers import PLAIN, until
+
+
+def executions(server):
+    return httpx.get(f"{server.url}/v1/executions", **PLAIN).json()["items"]
+
+
+def test_two_clicks_lead_from_the_open_page_to_a_robot_that_has_moved(studio, studio_server):
+    before = {job["id"] for job in executions(studio_server)}
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    studio.click("Execute")
+    studio.wait_for("arrived")
+    (job,) = [job for job in executions(studio_server) if job["id"] not in before]
+    assert job["state"] == "succeeded"
+    assert studio.page.title() == "Wayproof studio"
+
+
+@only_campaign("half a minute without a graphics card")
+@pytest.mark.campaign
+def test_a_motion_is_paused_goes_on_and_is_stopped(studio, studio_server):
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    studio.set("Speed", 0.1)
+    studio.click("Execute")
+    studio.wait_for("executing")
+    studio.click("Pause")
+    studio.click("Resume")
+    studio.wait_for("executing")
+    studio.click("Stop")
+    studio.wait_for("canceled")
+    assert any(job["state"] == "canceled" for job in executions(studio_server))
+
+
+@only_campaign("half a minute without a graphics card")
+@pytest.mark.campaign
+def test_a_goal_in_collision_is_red_with_its_pair_and_the_plan_says_why(studio):
+    # straight up at the second joint, the arm goes through its table
+    studio.page.get_by_text("Joints of the goal").click()
+    studio.set("shoulder_lift_joint", 0.5)
+    studio.wait_for("Collides")
+    studio.click("Plan")
+    studio.wait_for("goal_in_collision")
+
+
+@only_campaign("half a minute without a graphics card")
+@pytest.mark.campaign
+def test_another_scene_is_shown_planned_in_and_its_own(studio, browser, studio_server):
+    studio.choose("Scene", "maze_2d")
+    with StudioPage.opened(browser, studio_server.url) as other:
+        other.wait_for_goal()
+        other.click("Plan")
+        other.wait_for("right_finger and can")
+        studio.click("Plan")
+        studio.wait_for("Proven")
+        assert not studio.sees("right_finger")
+        assert not other.sees("nothing to hit")
+
+
+@only_campaign("half a minute without a graphics card")
+@pytest.mark.campaign
+def test_scenes_of_a_browser_that_left_are_forgotten(browser, studio_server):
+    def names():
+        items = httpx.get(f"{studio_server.url}/v1/scenes", **PLAIN).json()["items"]
+        return {item["id"] for item in items}
+
+    before = names()
+    with StudioPage.opened(browser, studio_server.url) as page:
+        page.wait_for_goal()
+        (own,) = names() - before
+    until(lambda: own not in names())
