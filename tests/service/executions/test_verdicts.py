@@ -1,4 +1,4 @@
-"""An edit of the scene while a robot moves: what is left of the motion is proven again, or stops."""
+"""An edit of the scene while a robot moves: the rest of the motion is proven again, or stops."""
 
 import time
 
