@@ -3,7 +3,8 @@
 A Panda among 10, 100 and 1,000 boxes, cylinders and spheres that are scattered around it, and
 before the bundled bookshelf. Both answer the same random configurations and edges in the same
 process and in turns, Drake the first few of them only, as it takes the same time for each; the
-kernel's times include what it leaves to Drake.
+kernel's times include what it leaves to Drake. Motions of two UR5es, far from each other and near,
+are proven beside each other by both as well; they are not times per item but per proof.
 """
 
 import argparse
@@ -12,7 +13,8 @@ import os
 import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,8 +22,11 @@ from rich.console import Console
 from rich.table import Table
 
 import planning
+from planning.certify.beside.beside_check import check_beside
+from planning.certify.beside.beside_request import BesideRequest
 from planning.kernel.native import kernel_name
 from planning.world.collision.collision_check import DrakeCollisionOracle
+from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
 
 OBSTACLES = (10, 100, 1000)
@@ -32,6 +37,8 @@ KERNEL_REPEATS = 20
 DRAKE_TAKES = 64
 RESOLUTION = 0.05
 _EDGE_LENGTH = 1.0
+# Number of proofs of motions beside each other.
+BESIDE = 10
 
 
 @dataclass(frozen=True)
@@ -63,7 +70,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    rows = list(measured(options.obstacles, options.seed))
+    rows = [*measured(options.obstacles, options.seed), *beside_rows(options.seed)]
     if options.json:
         print(json.dumps([asdict(row) | {"ratio": row.drake_us / row.kernel_us} for row in rows]))
     else:
@@ -83,6 +90,46 @@ def measured(obstacles: Sequence[int], seed: int, rounds: int = ROUNDS) -> Itera
     yield from _scene_rows("bookshelf", planning.read_scene(shelf), rng, rounds)
     for count in obstacles:
         yield from _scene_rows(f"{count} obstacles", scattered(count, rng), rng, rounds)
+
+
+def beside_rows(seed: int, rounds: int = ROUNDS) -> Iterator[Row]:
+    """Yield the rows of motions of two arms that are proven beside each other, whatever the timing.
+
+    Motions come from the seed, and the first ones that are proven are measured.
+    """
+    for name, apart in (("far", 3.0), ("near", 1.2)):
+        rng = np.random.default_rng(seed)
+        base = {"position": [apart, 0.0, 0.0]}
+        robots = [{"name": "a", "model": "ur5e"}, {"name": "b", "model": "ur5e", "base": base}]
+        world = planning.load_world(planning.parse_scene({"robots": robots, "margin": 0.02}))
+        deadline = planning.Deadline.after(600.0, time.monotonic)
+        with_drake = replace(world.drake, uses_kernel=False)
+        requests: list[BesideRequest] = []
+        while len(requests) < BESIDE:
+            request = _beside_request(world, rng)
+            if check_beside(world.drake, request, deadline).outcome == "PROVEN":
+                requests.append(request)
+        kernel_us, drake_us = _in_turns(
+            partial(_prove_all, world.drake, requests, deadline),
+            partial(_prove_all, with_drake, requests[:1], deadline),
+            counts=(len(requests), 1),
+            rounds=rounds,
+        )
+        yield Row(f"two arms, {name}", "2 s beside 2 s", kernel_us, drake_us, 0.0, 1.0)
+
+
+def _beside_request(world: planning.World, rng: np.random.Generator) -> BesideRequest:
+    first, second = world.group("a"), world.group("b")
+    motions: list[planning.TimedTrajectory] = []
+    for group in (first, second):
+        q = world.positions(group) + rng.uniform(-0.7, 0.7, (4, group.num_positions))
+        motions.append(planning.trajectory_through(group.joints, np.linspace(0.0, 2.0, 4), q))
+    return BesideRequest((first, second), (motions[0], motions[1]), world.state, world.margins())
+
+
+def _prove_all(model: DrakeModel, requests: Sequence[BesideRequest], deadline: Any) -> None:
+    for request in requests:
+        check_beside(model, request, deadline)
 
 
 def scattered(count: int, rng: np.random.Generator) -> planning.Scene:

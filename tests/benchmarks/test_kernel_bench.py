@@ -2,7 +2,7 @@
 
 import math
 
-from benchmarks.kernel import BATCHES, measured
+from benchmarks.kernel import BATCHES, beside_rows, measured
 
 
 def test_every_scene_has_its_rows() -> None:
@@ -18,3 +18,9 @@ def test_every_scene_has_its_rows() -> None:
         assert row.drake_us > 0
         assert 0 <= row.unsure <= 1
         assert 0 < row.free < 1
+
+
+def test_motions_beside_each_other_have_a_row_far_and_near() -> None:
+    rows = list(beside_rows(seed=1, rounds=2))
+    assert [row.scene for row in rows] == ["two arms, far", "two arms, near"]
+    assert all(row.kernel_us > 0 and row.drake_us > 0 for row in rows)

@@ -97,6 +97,12 @@ class DrakeBeside:
         first, second = node.segments
         self._distances.set_positions(np.concatenate([first.center, second.center]))
         shares = [self._share(node, which) for which in (0, 1)]
+        gaps = self._distances.sphere_distances(node.undecided)
+        is_open = gaps - shares[0] - shares[1] - self._required[node.undecided] <= _ROUNDING
+        if not is_open.any():
+            return []
+        node = replace(node, undecided=node.undecided[is_open])
+        shares = [share[is_open] for share in shares]
         approaches = shares[0] + shares[1]
         is_exhausted = all(node.is_short) or self._num_nodes > _MAX_NODES
         if approaches.max() > _MAX_APPROACH and not is_exhausted:

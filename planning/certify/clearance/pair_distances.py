@@ -149,6 +149,11 @@ class PairDistances:
         )
         return (by_a + by_b).sum(axis=1)
 
+    def sphere_distances(self, pairs: Indices) -> Float64[np.ndarray, " n"]:
+        """Return the distances of the bounding spheres of pairs [m], as lower bounds of theirs."""
+        a, b = self.pairs.rows[pairs].T
+        return self._placed_shapes.sphere_distances(a, b)
+
     def measure(self, pairs: Indices, thresholds: Float64[np.ndarray, " n"]) -> MeasuredDistances:
         """Raise lower bounds of distances to the thresholds [m], or as far as possible.
 
