@@ -1,11 +1,11 @@
 """What is left of a motion that is carried out, proven again in its scene as that was edited."""
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
-from planning import Deadline, RetimeOptions, World, certify_trajectory
+from planning import Deadline, RetimeOptions, certify_rest, certify_trajectory
 from planning.domain.curves.curve import TimedTrajectory
-from planning.domain.report.certificate import Certificate
 from service.executions.tasks import RECHECK, Block, Recheck, RecheckWork
 from service.jobs.context import TaskContext
 from service.scenes.world_cache import borrow_world
@@ -25,32 +25,22 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
         InputError: What the motion keeps names something that is not in this scene any more.
     """
     trajectory = work.trajectory.to_domain()
+    since = min(work.since, trajectory.duration)
     deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
     with borrow_world(work) as world:
         group, demands = _demands(work)
+        rest = certify_rest(
+            world, group, trajectory, since, deadline=deadline, margin=demands["margin"]
+        )
+        if not rest.proven:
+            return _blocked(work, trajectory, _CLEARANCE, rest.pair, rest.proven_until)
         certificate, _ = certify_trajectory(world, group, trajectory, deadline=deadline, **demands)
-        if certificate.proven:
-            return Recheck(block=None)
-        failed = [check for check in certificate.failed if check.name != _CLEARANCE]
-        if failed:
-            # An edit that breaks a constraint or a limit of a frame does so wherever the robot is.
-            return _blocked(work, trajectory, failed[0].name, [], max(work.since, failed[0].time))
-        return _on_the_rest(work, world, trajectory, deadline)
-
-
-def _on_the_rest(
-    work: RecheckWork, world: World, trajectory: TimedTrajectory, deadline: Deadline
-) -> Recheck:
-    """Return where the clearance of what is left fails, if it does."""
-    group, demands = _demands(work)
-    if work.since >= trajectory.duration:
-        return Recheck(block=None)
-    rest = trajectory.after(work.since) if work.since > 0 else trajectory
-    certificate, _ = certify_trajectory(world, group, rest, deadline=deadline, **demands)
-    if all(check.passed for check in certificate.checks if check.name == _CLEARANCE):
-        return Recheck(block=None)
-    pair = _pair(certificate)
-    return _blocked(work, trajectory, _CLEARANCE, pair, work.since + certificate.proven_until)
+    # What the robot has passed is behind it. An edit that breaks a constraint, or a limit of a
+    # frame, does so wherever the robot is.
+    failed = [check for check in certificate.failed if check.name != _CLEARANCE]
+    if failed:
+        return _blocked(work, trajectory, failed[0].name, (), max(since, failed[0].time))
+    return Recheck(block=None)
 
 
 def _demands(work: RecheckWork) -> tuple[str, dict[str, Any]]:
@@ -67,14 +57,9 @@ def _demands(work: RecheckWork) -> tuple[str, dict[str, Any]]:
     return problem.group, kept
 
 
-def _pair(certificate: Certificate) -> list[str]:
-    first = certificate.first_unproven
-    return list(certificate.pair if first is None else first.bodies)
-
-
 def _blocked(
-    work: RecheckWork, trajectory: TimedTrajectory, check: str, pair: list[str], at: float
+    work: RecheckWork, trajectory: TimedTrajectory, check: str, pair: Sequence[str], at: float
 ) -> Recheck:
     fraction = trajectory.path_fraction(min(at, trajectory.duration))
-    block = Block(check=check, pair=pair, time=at, fraction=fraction, revision=work.revision)
+    block = Block(check=check, pair=list(pair), time=at, fraction=fraction, revision=work.revision)
     return Recheck(block=block)
