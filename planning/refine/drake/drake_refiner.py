@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planning.domain.arrays import Array
+from planning.domain.curves.curve import JointSpline
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.refine_objective import QUICKEST, RefineObjective
@@ -60,7 +61,7 @@ class _Start:
     problem: RefineProblem
     motion: SplineMotion
     quickest: float
-    curve: Refined
+    curve: JointSpline | None
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ def _start(result: MultiStartResult, num_rest_points: int) -> _Start:
     problem, best = result.problem, result.best
     if best is not None:
         points, b, quickest = best.points, best.path_velocity, best.duration
-        curve: Refined = problem.curve_of(best) if result.num_steps else None
+        curve: JointSpline | None = problem.curve_of(best) if result.num_steps else None
     else:
         points, quickest, curve = result.first_guess, np.inf, None
         _, b, _ = path_velocity_along(points, problem.rate_bounds)
@@ -155,6 +156,7 @@ def _generate(program: DrakeProgram, anchor: SplineMotion) -> tuple[SplineMotion
     problem = program.problem
     instants = _first_instants(problem)
     best: SplineMotion | None = None
+    reason = ""
     for i in range(_MAX_PROGRAMS):
         if problem.deadline.is_over:
             return best, i, OUT_OF_TIME
@@ -217,9 +219,5 @@ def _fall_back(start: _Start, report: RefineReport) -> tuple[Refined, RefineRepo
     if start.curve is None:
         return None, report
     return start.curve, replace(
-        report, improved=True, length_after=_length(start.curve), duration_after=start.quickest
+        report, improved=True, length_after=curve_length(start.curve), duration_after=start.quickest
     )
-
-
-def _length(curve: Refined) -> float:
-    return 0.0 if curve is None else float(curve_length(curve))
