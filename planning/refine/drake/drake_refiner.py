@@ -25,7 +25,7 @@ from planning.refine.drake.spline_motion import (
     NUM_SMOOTH_REST_POINTS,
     SplineMotion,
     fit_motion,
-    rate_stretch,
+    rate_time_scaling,
 )
 from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.multi_start import MultiStartResult, solve_multi_start
@@ -44,9 +44,10 @@ _MAX_PROGRAMS = 6
 # Share of this stage's time for the convex steps.
 _START_SHARE = 0.4
 # Largest time scaling by which a solution is slowed to keep its rate bounds.
-_MAX_STRETCH = 1.02
+_MAX_TIME_SCALING = 1.02
 # Shares of the way to a solution that are tried in turn.
 _SHARES = (1.0, 0.5, 0.2)
+# Relative difference up to which a duration counts as permitted.
 _DURATION_TOLERANCE = 1e-6
 # Factors by which the first motion is slowed where that may cost less.
 _SLOWDOWNS = np.geomspace(1.0, 16.0, 25)
@@ -187,18 +188,18 @@ def _refusal(program: DrakeProgram, motion: SplineMotion) -> tuple[str, Array]:
     if refusal:
         return refusal, violations
     longest = program.cost.objective.max_duration or np.inf
-    stretch = max(1.0, rate_stretch(motion, program.bounds))
-    if stretch > _MAX_STRETCH:
+    time_scaling = max(1.0, rate_time_scaling(motion, program.bounds))
+    if time_scaling > _MAX_TIME_SCALING:
         return "the solution exceeds a limit on a joint's rate", violations
-    if motion.duration * stretch > longest * (1 + _DURATION_TOLERANCE):
+    if motion.duration * time_scaling > longest * (1 + _DURATION_TOLERANCE):
         return f"no motion in {longest:g} s was found", violations
     return "", violations
 
 
 def _accepted(program: DrakeProgram, motion: SplineMotion) -> SplineMotion | None:
     """Return a motion, slowed until it keeps its rate bounds, if it is not refused."""
-    stretch = max(1.0, rate_stretch(motion, program.bounds))
-    slower = SplineMotion(motion.points, motion.duration * stretch)
+    time_scaling = max(1.0, rate_time_scaling(motion, program.bounds))
+    slower = SplineMotion(motion.points, motion.duration * time_scaling)
     return None if _refusal(program, slower)[0] else slower
 
 
