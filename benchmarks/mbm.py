@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="N",
         help="only the first N of a round-robin over the sets",
     )
-    reader.add_argument("--refine", choices=["none", "trajopt", "auto"], default="none")
+    reader.add_argument("--refine", choices=["none", "trajopt", "auto", "drake"], default="none")
     reader.add_argument(
         "--drake",
         type=int,

@@ -12,6 +12,7 @@ from benchmarks.motion_bench_maker.problems import Problem
 from benchmarks.motion_bench_maker.referee import Polynomials, Referee
 from benchmarks.motion_bench_maker.robots import ARM, RobotFiles, scene_of
 from planning.errors import PlanningFailure
+from planning.refine.objectives import MotionObjectives
 
 ALLOWED_SECONDS = 5.0
 # What a plan's timings also tell: all stages, and parts of the search.
@@ -40,6 +41,8 @@ class Run:
         improved: Whether refinement made the delivered motion quicker.
         lower_bound: No motion between its two ends takes less, whatever its way: that of the
             slowest joint at full acceleration and speed [s].
+        smoothness: Integral over time of its squared accelerations [rad^2/s^3].
+        energy: Integral over time of its squared torques [N^2 m^2 s].
     """
 
     problem: Problem
@@ -54,6 +57,8 @@ class Run:
     free: bool = False
     improved: bool = False
     lower_bound: float = 0.0
+    smoothness: float = 0.0
+    energy: float = 0.0
 
     @property
     def solved(self) -> bool:
@@ -91,7 +96,7 @@ class Bench:
 
     files: RobotFiles
     library: planning.ModelLibrary
-    refine: Literal["none", "trajopt", "auto"]
+    refine: Literal["none", "trajopt", "auto", "drake"]
     clock: Callable[[], float] = time.monotonic
 
     def load(self, problem: Problem, *, kernel: bool) -> planning.World:
@@ -140,6 +145,7 @@ class Bench:
         motion = polynomials_of(plan)
         limits = world.limits(plan.group)
         samples = motion.samples()
+        costs = MotionObjectives.of(world, plan.group, plan.trajectory, None, None).values()
         return Run(
             problem,
             goal,
@@ -154,6 +160,8 @@ class Bench:
             lower_bound=least_duration(
                 samples[-1] - samples[0], limits.velocity, limits.acceleration
             ),
+            smoothness=costs.smoothness or 0.0,
+            energy=costs.energy or 0.0,
         )
 
     def _goal(

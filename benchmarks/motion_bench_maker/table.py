@@ -15,7 +15,7 @@ from benchmarks.motion_bench_maker.summary import (
     stage_times,
 )
 
-WIDTH = 170
+WIDTH = 200
 GOALS: tuple[GoalKind, ...] = ("joint", "pose")
 
 
@@ -69,6 +69,8 @@ def _motions(done: Runs, runs: Sequence[Run], title: str) -> Table:
         "length rad",
         "duration s",
         "bound s",
+        "accelerations rad^2/s^3",
+        "torques N^2 m^2 s",
         "improved",
     )
     for column in columns:
@@ -82,8 +84,11 @@ def _motions(done: Runs, runs: Sequence[Run], title: str) -> Table:
         length = spread_cell(Spread.of([run.length for run in solved]), 2)
         duration = spread_cell(Spread.of([run.duration for run in solved]), 2)
         bound = spread_cell(Spread.of([run.lower_bound for run in solved]), 2)
+        smoothness = spread_cell(Spread.of([run.smoothness for run in solved]))
+        energy = spread_cell(Spread.of([run.energy for run in solved]))
         improved = str(sum(run.improved for run in solved))
-        table.add_row(name, *map(str, counts), length, duration, bound, improved)
+        cells = (*map(str, counts), length, duration, bound, smoothness, energy, improved)
+        table.add_row(name, *cells)
     return table
 
 

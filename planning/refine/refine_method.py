@@ -16,10 +16,10 @@ type Refined = JointSpline | TimedTrajectory | None
 class Refiner(Protocol):
     """A method of refinement (interface).
 
-    What every implementation promises (`tests/refine/test_refiner_contract.py`): the ends stay;
+    What every implementation promises, by `tests/refine/test_refiner_contract.py`: the ends stay;
     position limits, margins and path constraints hold at the samples of the audit; no motion is
-    worse by the request's objective than the one that it began with; after the deadline nothing
-    begins; the same request gives the same bytes unless the deadline cut it.
+    worse by the request's objective than the one along the path; after the deadline nothing begins;
+    the same request gives the same bytes unless the deadline cut it.
 
     Not promised: anything between the samples. The caller certifies every motion.
     """

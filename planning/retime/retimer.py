@@ -15,9 +15,9 @@ from planning.retime.compose import compose
 from planning.retime.jerk.ruckig_retimer import ruckig_profile
 from planning.retime.limit_utilization import RATES
 from planning.retime.limits.path_limit import PathLimit
+from planning.retime.limits.timed_piece import TimedPiece, audited, block_names, joined
 from planning.retime.profile import SpeedProfile
 from planning.retime.smooth_pieces import smooth_pieces
-from planning.retime.timed_piece import TimedPiece, audited, block_names, joined
 from planning.retime.toppra.toppra_retimer import toppra_profile
 
 # Duration of a motion without displacement, so that it can be sampled and executed [s].

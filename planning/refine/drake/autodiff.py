@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from pydrake.autodiffutils import ExtractGradient, ExtractValue, InitializeAutoDiff
 
 from planning.domain.arrays import Array
@@ -31,6 +32,6 @@ def cost_evaluator(function: Callable[[Array], tuple[float, Array]]) -> Callable
         if x.dtype != object:
             return function(x)[0]
         value, gradient = function(ExtractValue(x).ravel())
-        return InitializeAutoDiff([value], gradient[None] @ ExtractGradient(x)).ravel()[0]
+        return InitializeAutoDiff(np.array([value]), gradient[None] @ ExtractGradient(x)).ravel()[0]
 
     return evaluate

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planning.domain.arrays import Array
+from planning.domain.curves.curve import JointSpline
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.refine_objective import QUICKEST, RefineObjective
@@ -24,7 +25,7 @@ from planning.refine.drake.spline_motion import (
     NUM_SMOOTH_REST_POINTS,
     SplineMotion,
     fit_motion,
-    rate_stretch,
+    rate_time_scaling,
 )
 from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.multi_start import MultiStartResult, solve_multi_start
@@ -43,9 +44,10 @@ _MAX_PROGRAMS = 6
 # Share of this stage's time for the convex steps.
 _START_SHARE = 0.4
 # Largest time scaling by which a solution is slowed to keep its rate bounds.
-_MAX_STRETCH = 1.02
+_MAX_TIME_SCALING = 1.02
 # Shares of the way to a solution that are tried in turn.
 _SHARES = (1.0, 0.5, 0.2)
+# Relative difference up to which a duration counts as permitted.
 _DURATION_TOLERANCE = 1e-6
 # Factors by which the first motion is slowed where that may cost less.
 _SLOWDOWNS = np.geomspace(1.0, 16.0, 25)
@@ -60,7 +62,7 @@ class _Start:
     problem: RefineProblem
     motion: SplineMotion
     quickest: float
-    curve: Refined
+    curve: JointSpline | None
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ def _start(result: MultiStartResult, num_rest_points: int) -> _Start:
     problem, best = result.problem, result.best
     if best is not None:
         points, b, quickest = best.points, best.path_velocity, best.duration
-        curve: Refined = problem.curve_of(best) if result.num_steps else None
+        curve: JointSpline | None = problem.curve_of(best) if result.num_steps else None
     else:
         points, quickest, curve = result.first_guess, np.inf, None
         _, b, _ = path_velocity_along(points, problem.rate_bounds)
@@ -155,6 +157,7 @@ def _generate(program: DrakeProgram, anchor: SplineMotion) -> tuple[SplineMotion
     problem = program.problem
     instants = _first_instants(problem)
     best: SplineMotion | None = None
+    reason = ""
     for i in range(_MAX_PROGRAMS):
         if problem.deadline.is_over:
             return best, i, OUT_OF_TIME
@@ -185,18 +188,18 @@ def _refusal(program: DrakeProgram, motion: SplineMotion) -> tuple[str, Array]:
     if refusal:
         return refusal, violations
     longest = program.cost.objective.max_duration or np.inf
-    stretch = max(1.0, rate_stretch(motion, program.bounds))
-    if stretch > _MAX_STRETCH:
+    time_scaling = max(1.0, rate_time_scaling(motion, program.bounds))
+    if time_scaling > _MAX_TIME_SCALING:
         return "the solution exceeds a limit on a joint's rate", violations
-    if motion.duration * stretch > longest * (1 + _DURATION_TOLERANCE):
+    if motion.duration * time_scaling > longest * (1 + _DURATION_TOLERANCE):
         return f"no motion in {longest:g} s was found", violations
     return "", violations
 
 
 def _accepted(program: DrakeProgram, motion: SplineMotion) -> SplineMotion | None:
     """Return a motion, slowed until it keeps its rate bounds, if it is not refused."""
-    stretch = max(1.0, rate_stretch(motion, program.bounds))
-    slower = SplineMotion(motion.points, motion.duration * stretch)
+    time_scaling = max(1.0, rate_time_scaling(motion, program.bounds))
+    slower = SplineMotion(motion.points, motion.duration * time_scaling)
     return None if _refusal(program, slower)[0] else slower
 
 
@@ -217,9 +220,5 @@ def _fall_back(start: _Start, report: RefineReport) -> tuple[Refined, RefineRepo
     if start.curve is None:
         return None, report
     return start.curve, replace(
-        report, improved=True, length_after=_length(start.curve), duration_after=start.quickest
+        report, improved=True, length_after=curve_length(start.curve), duration_after=start.quickest
     )
-
-
-def _length(curve: Refined) -> float:
-    return 0.0 if curve is None else float(curve_length(curve))

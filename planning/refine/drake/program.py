@@ -71,7 +71,7 @@ class DrakeProgram:
             guess: The motion to begin with.
             instants: In (0, 1), at which margins and path constraints are kept.
         """
-        trajopt = KinematicTrajectoryOptimization(make_bspline(guess.points, guess.duration))
+        trajopt: Any = KinematicTrajectoryOptimization(make_bspline(guess.points, guess.duration))
         variables = np.append(trajopt.control_points().T.ravel(), trajopt.duration())
         self._add_ends(trajopt)
         self._add_bounds(trajopt)
@@ -86,7 +86,7 @@ class DrakeProgram:
             solution, ending = latest[-1], OUT_OF_TIME
         return solution.with_ends_of(self.problem.waypoints, self.num_rest_points), ending
 
-    def _add_ends(self, trajopt: KinematicTrajectoryOptimization) -> None:
+    def _add_ends(self, trajopt: Any) -> None:
         """Add rest at the path's ends; without acceleration where there are three rest points."""
         zero = np.zeros(self.problem.waypoints.shape[1])
         for s, row in ((0.0, 0), (1.0, -1)):
@@ -96,7 +96,7 @@ class DrakeProgram:
             if self.num_rest_points >= ORDER - 1:
                 trajopt.AddPathAccelerationConstraint(zero, zero, s)
 
-    def _add_bounds(self, trajopt: KinematicTrajectoryOptimization) -> None:
+    def _add_bounds(self, trajopt: Any) -> None:
         """Add bounds on positions, velocities, accelerations, jerks and the duration."""
         limits, ends = self.problem.chart_limits, self.problem.waypoints[[0, -1]]
         trajopt.AddPositionBounds(
@@ -128,9 +128,7 @@ class DrakeProgram:
             lower, upper = np.full(num_rows, -np.inf), np.full(num_rows, 1 - _RATE_RESERVE)
             program.AddConstraint(constraint_evaluator(rows), lb=lower, ub=upper, vars=variables)
 
-    def _add_cost(
-        self, trajopt: KinematicTrajectoryOptimization, guess: SplineMotion
-    ) -> list[SplineMotion]:
+    def _add_cost(self, trajopt: Any, guess: SplineMotion) -> list[SplineMotion]:
         """Add the cost, relative to that of the guess; return a list with the last one evaluated.
 
         The cost is a function of scaled rates of the spline. SNOPT knows no second derivatives, and

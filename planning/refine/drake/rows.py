@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from planning.domain.arrays import Array
+from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.distance_query import DistanceQuery
 from planning.refine.constraints.load import Load
 from planning.refine.curves.bspline_basis import ORDER, BasisWeights, basis_weights
@@ -77,7 +77,7 @@ class MarginRows:
         gradients[targets[:, None], columns] = slopes.reshape(columns.shape)
         return margins, gradients
 
-    def _columns(self, num_coordinates: int) -> Array:
+    def _columns(self, num_coordinates: int) -> Indices:
         first = self.weights.control_points[:, :1] * num_coordinates
         return first + np.arange(ORDER * num_coordinates)
 

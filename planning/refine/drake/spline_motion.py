@@ -91,7 +91,7 @@ def _instants(points: Array, b: Array) -> tuple[float, Array]:
     return float(begins[-1]), np.clip(s, 0.0, 1.0)
 
 
-def rate_stretch(motion: SplineMotion, bounds: RateBounds) -> float:
+def rate_time_scaling(motion: SplineMotion, bounds: RateBounds) -> float:
     """Return the least time scaling with which a motion keeps bounds on its rates.
 
     Accelerations and jerks of a cubic are largest at its knots; velocities are sampled.

@@ -8,10 +8,14 @@ from planning.domain.curves.curve import JointSpline, TimedTrajectory
 from planning.domain.request.motion_limits import MotionLimits
 from planning.domain.request.options import RefineOptions
 from planning.domain.request.refine_objective import RefineObjective
-from planning.refine.drake.program import OUT_OF_TIME
+from planning.refine.constraints.request_bounds import exact_rate_bounds
+from planning.refine.drake.motion_cost import MotionCost
+from planning.refine.drake.program import OUT_OF_TIME, DrakeProgram
+from planning.refine.drake.spline_motion import fit_motion
+from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.world.mechanics.dynamics import GroupDynamics
-from tests.clocks import after_looks
+from tests.clocks import after_looks, no_hurry
 from tests.refine.conftest import Case
 
 
@@ -58,8 +62,9 @@ def test_a_deadline_during_the_program_leaves_what_there_is(thin_wall):
 
 
 def test_torque_limits_are_kept_by_the_program(pillar):
-    """Effort limits of joints bind before their accelerations do."""
-    limits = replace(pillar.request.limits, effort=0.25 * pillar.request.limits.effort)
+    """The motor of the vertical axis, which carries no weight, is weak."""
+    share = np.array([0.04, 1.0, 1.0, 1.0, 1.0, 1.0])
+    limits = replace(pillar.request.limits, effort=share * pillar.request.limits.effort)
     bound = replace(
         pillar.request,
         limits=limits,
@@ -78,5 +83,27 @@ def test_torque_limits_are_kept_by_the_program(pillar):
         )
         return float((np.abs(efforts) / limits.effort).max())
 
-    assert peak(free) > 1.05
-    assert peak(curve) < 1.02
+    assert peak(free) > 1.2
+    assert peak(curve) < 1.01
+    assert curve.duration > free.duration
+
+
+def test_a_solution_keeps_the_margins_at_its_instants(thin_wall):
+    problem = RefineProblem.of(thin_wall.world, thin_wall.request, no_hurry())
+    objective = RefineObjective(smoothness=1.0, max_duration=4.0)
+    program = DrakeProgram(
+        problem,
+        exact_rate_bounds(thin_wall.request, ()),
+        MotionCost(objective, None, 24),
+        2,
+        thin_wall.world.drake.plant,
+    )
+    best = problem.optimize(problem.fit_path(0.15))[0]
+    guess = fit_motion(best.points, best.path_velocity, 24, 2)
+    instants = np.linspace(0.05, 0.95, 150)
+    motion, ending = program.solve(guess, instants)
+    assert ending == ""
+    rows = problem.distance_query.within(
+        problem.chart.curve(motion.points).positions(instants), 0.1
+    )
+    assert -1e-5 < rows.signed_margins.min() < 1e-4

@@ -12,7 +12,7 @@ from planning.refine.curves.chart import FlatChart
 from planning.refine.drake.motion_cost import MotionCost
 from planning.refine.drake.rows import LoadRows, MarginRows
 from planning.refine.drake.spline_matrices import rate_maps, split
-from planning.refine.drake.spline_motion import SplineMotion, fit_motion, rate_stretch
+from planning.refine.drake.spline_motion import SplineMotion, fit_motion, rate_time_scaling
 from planning.refine.objectives import MotionObjectives
 from planning.refine.refine_problem import RefineProblem
 from planning.world.mechanics.dynamics import GroupDynamics
@@ -120,14 +120,14 @@ def test_a_fitted_motion_has_the_duration_of_its_curve(pillar):
     assert distances.max() < 0.05
 
 
-def test_a_motion_beyond_its_rates_is_stretched_until_it_keeps_them(pillar):
+def test_a_motion_beyond_its_rates_is_slowed_until_it_keeps_them(pillar):
     problem = RefineProblem.of(pillar.world, pillar.request, no_hurry())
     bounds = replace(problem.rate_bounds, jerk=np.full(6, 40.0), loads=())
     motion = SplineMotion(problem.fit_path(0.15), 0.5).with_ends_of(problem.waypoints, 3)
-    stretch = rate_stretch(motion, bounds)
-    assert stretch > 1
-    slower = SplineMotion(motion.points, motion.duration * stretch)
-    assert rate_stretch(slower, bounds) == pytest.approx(1.0)
+    time_scaling = rate_time_scaling(motion, bounds)
+    assert time_scaling > 1
+    slower = SplineMotion(motion.points, motion.duration * time_scaling)
+    assert rate_time_scaling(slower, bounds) == pytest.approx(1.0)
     trajectory = slower.trajectory(problem.chart)
     times = np.linspace(0.0, trajectory.duration, 2001)
     for order, bound in enumerate((bounds.velocity, bounds.acceleration, bounds.jerk), start=1):
