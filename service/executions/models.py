@@ -25,6 +25,9 @@ from service.api.models import (
 )
 from service.executions.requests import ExecutionTerms
 
+# Of velocities and torques: twenty statuses a second are kept.
+_DECIMALS = 6
+
 
 class ExecutionState(StrEnum):
     """States of an execution: those of ROS 2 actions, paused, aborting; the last three are final.
@@ -116,8 +119,8 @@ class ExecutionStatus(ResponseModel):
             time=status.time,
             path_velocity=status.path_velocity,
             positions=status.measured.tolist(),
-            velocities=status.velocities.tolist(),
-            torques=None if status.torques is None else status.torques.tolist(),
+            velocities=status.velocities.round(_DECIMALS).tolist(),
+            torques=None if status.torques is None else status.torques.round(_DECIMALS).tolist(),
             tracking_error=status.tracking_error,
             max_tracking_error=max_tracking_error,
             lateness=jitter.max,

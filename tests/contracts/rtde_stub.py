@@ -33,6 +33,7 @@ class RtdeStub:
         targets: Every target that was sent while the program ran.
         taken: Input fields that another client writes.
         burst: How many cycles pass with each package of the client.
+        cycled: Set once they have passed.
     """
 
     def __init__(self, q: list[float], timestamp: float = 1234.5) -> None:
@@ -43,6 +44,7 @@ class RtdeStub:
         self.taken: set[str] = set()
         self.safety_mode, self.runtime_state, self.running = 1, 1, 0
         self.burst = 1
+        self.cycled = threading.Event()
         self.runs_programs = True
         self.version_accepted = 1
         self._lock = threading.Lock()
@@ -160,6 +162,7 @@ class RtdeStub:
                 self.qd = [0.0] * 6
             self.timestamp += PERIOD
             self._send_data()
+        self.cycled.set()
 
     def _send_data(self) -> None:
         values: dict[str, Any] = {

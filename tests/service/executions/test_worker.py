@@ -123,7 +123,7 @@ def test_it_says_how_late_it_was(delay):
 def test_one_that_fails_tells_its_stage_and_the_seconds_of_all(monkeypatch):
     runner = Runner(Execution(quintic(2.0), limits()), EchoDriver())
     monkeypatch.setattr(worker, "borrow_world", lambda work: nullcontext())
-    monkeypatch.setattr(worker, "_runner", lambda world, work: runner)
+    monkeypatch.setattr(worker, "_runner", lambda world, work: (runner, None))
 
     def follow_until_it_is_lost(*_):
         runner.execution = runner.execution.fail(TrackingLost("the robot is elsewhere"))
