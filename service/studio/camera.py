@@ -47,7 +47,7 @@ class SeenBox:
         size = np.ptp(self.corners, axis=0)
         return bool(size[2] < _THIN and size[:2].min() > _WIDE)
 
-    def hides(self, points: Array, camera: Array) -> Array:
+    def hides(self, points: Array, camera: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """Return which points, shape (n, 3), are behind it, by its slabs (Kay and Kajiya, 1986)."""
         start = (points - self.X_WB[:3, 3]) @ self.X_WB[:3, :3]
         step = (camera - points) @ self.X_WB[:3, :3]
