@@ -102,7 +102,9 @@ golden: setup
 # What clients see, recorded anew where a change of it is meant: the OpenAPI document, and answers.
 record: setup
 	@$(PYTHON) -m tests.golden.openapi
+	@$(PYTHON) -m tests.golden.failures
 	@$(PYTHON) -W ignore -m tests.golden.service
+	@$(PYTHON) -W ignore -m tests.golden.service.database --answers
 
 # Thousands of random cases from a fresh seed, which is printed.
 campaign: setup

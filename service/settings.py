@@ -114,7 +114,12 @@ class Settings(BaseSettings):
         ge=GIB // 2,
         description="What one worker may use [bytes]; what needs more fails",
     )
-    max_queued: int = Field(default=1000, ge=1, description="Jobs that may wait, per queue")
+    max_queued: int = Field(
+        default=1000,
+        ge=1,
+        description="Jobs that may wait, per queue; the last tenth is for clients of which none "
+        "waits",
+    )
     retention_days: float = Field(
         default=30.0,
         ge=0,

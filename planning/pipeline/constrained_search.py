@@ -153,8 +153,8 @@ def _alternate_sampling_and_projection(
     while True:
         num_given_up = 0
         for limited_task in (
-            replace(task, max_states=num_sampled_states),
-            replace(task, max_states=num_projected_states, residual=residual),
+            replace(task, max_checked_states=num_sampled_states),
+            replace(task, max_checked_states=num_projected_states, residual=residual),
         ):
             try:
                 return run_search(limited_task)

@@ -20,7 +20,7 @@ from planning.search.statistics import SearchStatistics
 from planning.search.verified_path import CheckResolution
 
 # States that an attempt of several planners may check in the first round; growth factor per round.
-_INITIAL_MAX_STATES = 20_000
+_INITIAL_MAX_CHECKED_STATES = 20_000
 _GROWTH_FACTOR = 4
 
 
@@ -38,13 +38,17 @@ def solve_concurrently(
     report = task.on_best if query.objective.is_length else None
     on_improvement = None if report is None else partial(statistics.report_improvement, report)
     is_alone = len(query.options.planners) == 1
-    is_bounded = math.isfinite(task.max_states)
-    max_states = task.max_states if is_alone or is_bounded else _INITIAL_MAX_STATES
+    is_bounded = math.isfinite(task.max_checked_states)
+    max_checked_states = (
+        task.max_checked_states if is_alone or is_bounded else _INITIAL_MAX_CHECKED_STATES
+    )
     while True:
         statistics.num_given_up = 0
-        limited_query = replace(query, max_states=max_states, on_improvement=on_improvement)
+        limited_query = replace(
+            query, max_checked_states=max_checked_states, on_improvement=on_improvement
+        )
         attempt_seeds = seeds.spawn(query.options.num_attempts)
         AttemptSchedule(limited_query, resolution, attempt_seeds, statistics).run_all(task.pool)
         if statistics.best is not None or not statistics.num_given_up or is_bounded:
             return
-        max_states *= _GROWTH_FACTOR
+        max_checked_states *= _GROWTH_FACTOR

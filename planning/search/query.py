@@ -43,7 +43,7 @@ class Query:
         objective: Cost of a path, to be minimized.
         options: The other options of the request.
         space_seconds: Duration of the construction of the space [s].
-        max_states: Checked states after which a planner without a solution gives up.
+        max_checked_states: Checked states after which a planner without a solution gives up.
         on_improvement: Callback with the planner's name and its best cost, at intervals while it
             improves.
     """
@@ -59,7 +59,7 @@ class Query:
     objective: Objective
     options: SearchOptions
     space_seconds: float = 0.0
-    max_states: float = math.inf
+    max_checked_states: float = math.inf
     on_improvement: Callable[[str, float], None] | None = None
 
     @property

@@ -52,8 +52,9 @@ class SearchTask(Value):
         padding: Distance that the oracle requires beyond the margin [m]; for the report.
         seed: Seed of all random numbers, not negative.
         residual: Constraint residual, on whose zero set samples are projected, or None.
-        max_states: States that an attempt may check until it has a solution. If all attempts have
-            checked as many, the search gives up, and the failure's evidence has `num_given_up`.
+        max_checked_states: States that an attempt may check until it has a solution. If all
+            attempts have checked as many, the search gives up, and the failure's evidence has
+            `num_given_up`.
         clearances: Returns for rows of q the distances to everything but the robot [m]; for the
             objective "clearance".
         on_best: Callback with every path that is the best so far, and at intervals with the ones
@@ -70,7 +71,7 @@ class SearchTask(Value):
     padding: float
     seed: int
     residual: Residual | None = None
-    max_states: float = math.inf
+    max_checked_states: float = math.inf
     clearances: Clearances | None = None
     on_best: Callable[[AttemptReport], None] | None = None
     guide: PathGuide | None = None

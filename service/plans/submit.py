@@ -6,6 +6,7 @@ from typing import Any
 from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
 from planning.errors import UnknownName
+from service.api.fingerprint import fingerprint
 from service.api.submission import Submission
 from service.catalog.models import Planner
 from service.catalog.planners import known_planners
@@ -29,7 +30,7 @@ from service.plans.tasks import (
     ReverseWork,
 )
 from service.regions.eligibility import check_eligible, own_cars
-from service.scenes.job_spec import spec_of, without_usual_priority
+from service.scenes.job_spec import spec_of
 from service.scenes.models.summary import Group
 from service.scenes.store.records import SceneRecord
 from service.scenes.store.scene_store import SceneStore
@@ -58,9 +59,9 @@ async def submit_plan(request: PlanRequest, submission: Submission, scenes: Scen
 
 def _fingerprint(request: PlanRequest) -> dict[str, Any]:
     """Return what a request says, as version 0.1 wrote it: keys are older than names of fields."""
-    fingerprint = request.model_dump(mode="json")
-    fingerprint["ik"]["time_limit"] = fingerprint["ik"].pop("allowed_time")
-    return without_usual_priority(fingerprint)
+    said = fingerprint(request)
+    said["ik"]["time_limit"] = said["ik"].pop("allowed_time")
+    return said
 
 
 async def plan_spec(
@@ -128,8 +129,8 @@ async def submit_reversed(plan: Job, key: str | None, scenes: SceneStore, jobs: 
         ),
     )
     # Two plans with the same ends have the same reversed request, but not the same motion.
-    fingerprint = {"reverse": plan.id}
-    return await jobs.submit(_spec(REVERSE, work, record, IdempotencyKey(key, fingerprint)))
+    idempotency = IdempotencyKey(key, {"reverse": plan.id})
+    return await jobs.submit(_spec(REVERSE, work, record, idempotency))
 
 
 def _spec[W: MotionWork](

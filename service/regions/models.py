@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Field, Strict
 from planning.domain.planner import regions as domain
 from service.api.document.open_enums import AnyStage, OneOf
 from service.api.failures.failure import Failure
+from service.api.fingerprint import ADDED
 from service.api.models import (
     ATTEMPTS,
     CANCEL_REQUESTED_AT,
@@ -86,7 +87,7 @@ class RegionsRequest(RequestModel):
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness: the same seed gives the same regions"
     )
-    priority: Priority = Field(default=Priority.NORMAL, description=PRIORITY)
+    priority: Annotated[Priority, ADDED] = Field(default=Priority.NORMAL, description=PRIORITY)
 
     def to_domain(self) -> domain.RegionOptions:
         """Return the options of the growth."""

@@ -1,12 +1,13 @@
 """Queueing the growth of regions."""
 
 from planning.domain.request.region_request import validate_one_turn
+from service.api.fingerprint import fingerprint
 from service.jobs.job import IdempotencyKey, Job
 from service.jobs.service import JobService
 from service.regions.eligibility import check_eligible, own_cars
 from service.regions.models import RegionsRequest
 from service.regions.tasks import GROW_REGIONS, RegionsWork
-from service.scenes.job_spec import spec_of, without_usual_priority
+from service.scenes.job_spec import spec_of
 from service.scenes.store.scene_store import SceneStore
 from service.scenes.validation import check_request
 
@@ -34,8 +35,7 @@ async def submit_regions(
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
     )
-    fingerprint = without_usual_priority(request.model_dump(mode="json"))
-    idempotency = IdempotencyKey(key, {"scene": record.id, **fingerprint})
+    idempotency = IdempotencyKey(key, {"scene": record.id, **fingerprint(request)})
     time_limit = request.allowed_time + _SLACK
     spec = spec_of(GROW_REGIONS, work, record, idempotency, time_limit, request.priority)
     return await jobs.submit(spec)

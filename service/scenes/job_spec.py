@@ -1,6 +1,5 @@
 """spec_of(): a task about a scene as a job."""
 
-from typing import Any
 
 from pydantic import BaseModel
 
@@ -43,9 +42,3 @@ def spec_of[In: BaseModel, Out: BaseModel](
         key=key.text,
         request_digest=key.digest,
     )
-
-
-def without_usual_priority(request: dict[str, Any]) -> dict[str, Any]:
-    """Return a request as keys have it that are older than priorities, if it has the usual one."""
-    is_usual = request["priority"] == Priority.NORMAL
-    return {name: said for name, said in request.items() if not (is_usual and name == "priority")}

@@ -41,7 +41,7 @@ class Turns:
         self.asked: list[tuple[bool, float]] = []
 
     def __call__(self, task: SearchTask) -> SearchResult:
-        self.asked.append((task.residual is not None, task.max_states))
+        self.asked.append((task.residual is not None, task.max_checked_states))
         raise NoPathFound("none", self.ends.pop(0))
 
 

@@ -85,9 +85,9 @@ def run_planner(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) 
         return _setup_timeout(query, query.options.setup_time, setup_seconds)
     budget = query.deadline.within(query.options.solve_time)
     on_improvement = query.on_improvement and partial(query.on_improvement, query.planner)
-    max_states = query.max_states
+    max_checked_states = query.max_checked_states
     termination = TerminationCondition(
-        planner, query.oracle, budget, query.completion_deadline, max_states, on_improvement
+        planner, query.oracle, budget, query.completion_deadline, max_checked_states, on_improvement
     )
     try:
         with query.watch.measure("solve"), query.oracle.with_deadline(budget):

@@ -42,7 +42,7 @@ class TerminationCondition:
         oracle: WatchedOracle,
         deadline: Deadline,
         completion_deadline: Deadline,
-        max_states: float = math.inf,
+        max_checked_states: float = math.inf,
         on_improvement: Callable[[float], None] | None = None,
     ) -> None:
         """Observe a planner's best cost, if it has one, and the oracle's counter.
@@ -52,13 +52,13 @@ class TerminationCondition:
             oracle: Collision oracle of the planner.
             deadline: End of the planner.
             completion_deadline: Deadline of the oracle for a planner that has a solution.
-            max_states: States that it may check until it has a solution.
+            max_checked_states: States that it may check until it has a solution.
             on_improvement: Callback with the best cost, at intervals, once there is one.
         """
         self.num_evaluations = 0
         self.has_given_up = False
-        self._max_states = oracle.num_states + max_states
-        self._max_evaluations = _EVALUATIONS_PER_STATE * max_states
+        self._max_checked_states = oracle.num_states + max_checked_states
+        self._max_evaluations = _EVALUATIONS_PER_STATE * max_checked_states
         self._best_cost = getattr(planner, "bestCost", None)
         self._oracle = oracle
         self._deadline = deadline
@@ -66,7 +66,7 @@ class TerminationCondition:
         self._on_improvement = on_improvement
         self._reported_cost, self._next_report_time = math.inf, -math.inf
         self._states_before = oracle.num_states
-        self._improvement_max_states = math.inf
+        self._improvement_max_checked_states = math.inf
         self._improvement_max_evaluations = math.inf
 
     def __call__(self) -> bool:
@@ -87,7 +87,7 @@ class TerminationCondition:
         if self._on_improvement is not None:
             self._report_improvement(self._best_cost().value(), self._on_improvement)
         return (
-            self._oracle.num_states >= self._improvement_max_states
+            self._oracle.num_states >= self._improvement_max_checked_states
             or self.num_evaluations >= self._improvement_max_evaluations
         )
 
@@ -102,7 +102,7 @@ class TerminationCondition:
         """
         self._deadline = self._deadline.at_fraction(_IMPROVEMENT_TIME_FRACTION)
         num_states_used = self._oracle.num_states - self._states_before
-        self._improvement_max_states = self._oracle.num_states + max(
+        self._improvement_max_checked_states = self._oracle.num_states + max(
             num_states_used, _MIN_IMPROVEMENT_STATES
         )
         self._improvement_max_evaluations = self.num_evaluations + max(
@@ -122,5 +122,5 @@ class TerminationCondition:
             report(cost)
 
     def _has_reached_limits(self) -> bool:
-        has_checked = self._oracle.num_states >= self._max_states
+        has_checked = self._oracle.num_states >= self._max_checked_states
         return has_checked or self.num_evaluations >= self._max_evaluations

@@ -21,7 +21,7 @@ from planning.search.query import Query
 # Time budget after a cancel, all edges together [s].
 _CANCELED_REPAIR_TIME = 0.3
 # Checked states per edge: counts and not seconds decide, unless the request was canceled.
-_MAX_STATES = 4_000
+_MAX_CHECKED_STATES = 4_000
 
 
 def repair_path(
@@ -77,6 +77,6 @@ def _make_edge_query(query: Query, ends: Array, seconds: float) -> Query:
             keep_graph=False,
             approximate=False,
         ),
-        max_states=_MAX_STATES,
+        max_checked_states=_MAX_CHECKED_STATES,
         on_improvement=None,
     )

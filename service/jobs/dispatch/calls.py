@@ -99,7 +99,7 @@ class Calls:
             WorkerCrashed: Its process died, twice.
             HostLost: Its machine was lost, twice.
         """
-        self._scheduler.check_room(call.queue)
+        self._scheduler.check_room(call.queue, call.client)
         loop = asyncio.get_running_loop()
         waited = 0.0
         attempt = 0

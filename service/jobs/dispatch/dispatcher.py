@@ -260,7 +260,7 @@ class Dispatcher:
         if self.is_draining:
             message = "the server is about to end and takes no more jobs; ask again when it is back"
             raise ServerStopping(message)
-        self._scheduler.check_room(first.queue, len(specs))
+        self._scheduler.check_room(first.queue, first.client, len(specs))
         if self.leads.is_set():
             return await self._submission.submit_all(specs)
         jobs = await self._submission.pass_on_all(specs)

@@ -7,6 +7,7 @@ from pydantic import ConfigDict, Field, Strict, model_validator
 from planning.domain.request import options as domain
 from planning.domain.request.problem import PlanningProblem
 from service.api.arrays import vector
+from service.api.fingerprint import ADDED
 from service.api.models import (
     PRIORITY,
     WHOLE,
@@ -178,7 +179,7 @@ class PlanRequest(RequestModel):
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Of all randomness: the same seed gives the same bytes"
     )
-    priority: Priority = Field(default=Priority.NORMAL, description=PRIORITY)
+    priority: Annotated[Priority, ADDED] = Field(default=Priority.NORMAL, description=PRIORITY)
 
     @model_validator(mode="after")
     def _know_no_lines_in_roadmaps(self) -> Self:

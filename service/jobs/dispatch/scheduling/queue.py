@@ -20,6 +20,8 @@ from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.worker.assignment import Worker
 
 _LONGEST_RETRY = 60
+# One place of so many is for clients of which nothing waits.
+_SHARE_KEPT = 10
 
 
 @dataclass(frozen=True)
@@ -104,9 +106,14 @@ class JobQueue:
         """How many workers it uses."""
         return len(self._running)
 
-    def has_room(self, more: int = 1) -> bool:
-        """Return whether there is room for `more` entries."""
-        return len(self._waiting) + more <= self.max_waiting
+    def has_room(self, more: int = 1, client: str | None = None) -> bool:
+        """Return whether there is room for `more` entries of a client.
+
+        The last tenth of all places is for clients of which nothing waits: no client fills a queue.
+        """
+        is_waiting = client is not None and self._waiting.num_of(client) > 0
+        kept = self.max_waiting // _SHARE_KEPT if is_waiting else 0
+        return len(self._waiting) + more <= self.max_waiting - kept
 
     def retry_after(self, now: float) -> int:
         """Return when half of what waits will have had its turn [s], by the throughput lately."""

@@ -119,14 +119,14 @@ class Scheduler:
             for name, queue in self._queues.items()
         }
 
-    def check_room(self, name: str, more: int = 1) -> None:
-        """Go on only if a queue has room for `more` entries.
+    def check_room(self, name: str, client: str, more: int = 1) -> None:
+        """Go on only if a queue has room for `more` entries of a client.
 
         Raises:
             QueueFull: It may not.
         """
         queue = self._queues[name]
-        if not queue.has_room(more):
+        if not queue.has_room(more, client):
             waiting, retry_after = queue.num_waiting, self.retry_after(name)
             raise QueueFull.of(name, waiting, queue.max_waiting, retry_after, more)
 

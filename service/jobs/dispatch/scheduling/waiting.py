@@ -94,6 +94,10 @@ class WaitingEntries:
         """Return how many wait."""
         return len(self._by_name)
 
+    def num_of(self, client: str) -> int:
+        """Return how many of a client wait."""
+        return self._num_of[client]
+
     def add(self, entry: QueueEntry) -> None:
         """Let an entry wait; one with an earlier place goes before."""
         self._by_name[entry.name] = entry

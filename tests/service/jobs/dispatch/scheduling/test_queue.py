@@ -80,6 +80,19 @@ def test_admission_and_the_advice_when_to_come_again():
     assert queue.has_room()
 
 
+def test_no_client_fills_a_queue():
+    queue = queue_of(2, idle=False)  # ten may wait
+    for i in range(9):
+        assert queue.has_room(1, "one")
+        wait(queue, str(i), client="one")
+    assert not queue.has_room(1, "one")
+    assert queue.has_room(1, "other")
+    wait(queue, "9", client="other")
+    assert not queue.has_room(1, "third")
+    queue.remove("9")
+    assert queue.has_room(1, "other")
+
+
 def test_a_queue_leaves_to_another_one_what_that_may_use():
     plans, questions = queues_of(plan=Share(1), query=Share(2))
     for i in range(3):
