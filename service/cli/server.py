@@ -207,5 +207,6 @@ def _stop_with_stdin(server: _Server) -> None:
 def asked_at(bound: socket.socket) -> str:
     """Return the URL at which this machine asks a server that is bound to a socket."""
     host, port = bound.getsockname()[:2]
-    near: str = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)  # noqa: S104  (any address)
+    any_address = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104
+    near: str = any_address.get(str(host), str(host))
     return f"http://[{near}]:{port}" if ":" in near else f"http://{near}:{port}"

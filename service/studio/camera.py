@@ -15,7 +15,7 @@ _ELEVATION = np.deg2rad(27.0)
 _DISTANCE_PER_SIZE = 0.85
 # The panel covers the right of the page: what is looked at is left of the middle, by this share.
 _SHIFT = 0.1
-# Around the origins of the robots' bodies [m].
+# Around these origins [m].
 _AROUND = 0.2
 # A floor or a table top: wider than so much and thinner than that [m].
 _WIDE, _THIN = 0.5, 0.06
@@ -47,7 +47,7 @@ class SeenBox:
         size = np.ptp(self.corners, axis=0)
         return bool(size[2] < _THIN and size[:2].min() > _WIDE)
 
-    def hides(self, points: Array, camera: Array) -> Array:
+    def hides(self, points: Array, camera: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """Return which points, shape (n, 3), are behind it, by its slabs (Kay and Kajiya, 1986)."""
         start = (points - self.X_WB[:3, 3]) @ self.X_WB[:3, :3]
         step = (camera - points) @ self.X_WB[:3, :3]
@@ -73,7 +73,7 @@ def place_camera(robots: Array, boxes: Sequence[SeenBox]) -> tuple[Array, Array]
     """Return the camera's position and what it looks at, p_WC and p_WT.
 
     Args:
-        robots: Origins of the robots' bodies, in world [m], shape (n, 3), n >= 1.
+        robots: Origins of the robots' bodies and of frames, in world [m], shape (n, 3), n >= 1.
         boxes: That may hide them.
     """
     middle = robots.mean(axis=0)

@@ -43,6 +43,7 @@ class SceneView:
         self._poses: dict[str, Array] = {}
         self._ghost_paint = GHOST
         self._marks: list[viser.SceneNodeHandle] = []
+        self._frames: list[Array] = []
         client.scene.reset()
         light(client)
         with client.atomic():
@@ -117,6 +118,7 @@ class SceneView:
 
     def draw_frame(self, name: str, pose: Array) -> None:
         """Draw a named frame as a small triad."""
+        self._frames.append(pose[:3])
         self._client.scene.add_frame(
             f"/frames/{name}",
             axes_length=_FRAME_LENGTH,
@@ -127,11 +129,11 @@ class SceneView:
         self._client.scene.add_label(f"/frames/{name}/name", name, position=(0.0, 0.0, 0.0))
 
     def aim(self) -> None:
-        """Look at the robots from the front."""
+        """Look at the robots and the frames from the front, past what stands around them."""
         robots = [self._poses[name][:3] for name in self.moving if name in self._poses]
         all_of_it = [pose[:3] for pose in self._poses.values()] or [np.zeros(3)]
         boxes = seen_boxes(list(self._bodies.values()))
-        camera, target = place_camera(np.array(robots or all_of_it), boxes)
+        camera, target = place_camera(np.array([*(robots or all_of_it), *self._frames]), boxes)
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)
             self._client.camera.position = tuple(camera)
