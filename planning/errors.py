@@ -25,7 +25,8 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
     │   ├── DeadlineExceeded      deadline_exceeded      the time allowed, and the stage at its end
     │   ├── Canceled              canceled               the caller canceled the plan
     │   ├── RetimingFailed        retiming_failed        the retimer and why
-    │   └── NotCertified          not_certified          the checks that failed
+    │   ├── NotCertified          not_certified          the checks that failed
+    │   └── ScheduleNotFound      schedule_not_found     the motions that meet, the pair, the times
     └── ExecutionFailure      an execution that was started and failed
         ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
         ├── TrackingLost          tracking_lost          the error and its bound

@@ -1,6 +1,6 @@
 """Request and answer about when the motions of several plans begin."""
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 from pydantic import ConfigDict, Field, Strict
 
@@ -19,7 +19,7 @@ from service.plans.models.reports import CertifyReport
 from service.plans.models.result import Certificate
 from service.plans.models.trajectory import Polynomial
 
-_EXAMPLE = {
+_EXAMPLE: dict[str, Any] = {
     "scene": "scn_3f0c5b1e9a7d4c62",
     "plans": ["job_1f0e8a52c7b94d36", "job_92ab3c44de5f4a10"],
 }
