@@ -46,7 +46,6 @@ from .domain.goals.linear_moves import Displacement as Displacement
 from .domain.planner.regions import RegionOptions as RegionOptions
 from .domain.planner.regions import Regions as Regions
 from .domain.report.motion_plan import MotionPlan as MotionPlan
-from .domain.report.motion_schedule import MotionSchedule as MotionSchedule
 from .domain.request.constraint import (
     DistanceBand as DistanceBand,
 )
@@ -76,7 +75,6 @@ from .domain.request.constraint import (
 )
 from .domain.request.deadline import Deadline as Deadline
 from .domain.request.drake_term import DrakeTerm as DrakeTerm
-from .domain.request.group_motion import CombinedMotion as CombinedMotion
 from .domain.request.group_motion import GroupMotion as GroupMotion
 from .domain.request.motion_limits import SpeedZone as SpeedZone
 from .domain.request.motion_limits import ToolLimit as ToolLimit

@@ -185,20 +185,14 @@ class GoalOutOfLimits(PlanningFailure):
 
 
 class GoalInCollision(PlanningFailure):
-    """Goal configurations exist and bodies overlap in all of them.
-
-    Evidence: `funnel`, `nearest` and `relaxation`; `pairs` for given configurations.
-    """
+    """In all goal configurations bodies overlap; evidence: `funnel`, `nearest`, `relaxation`."""
 
     code = "goal_in_collision"
     stage = "goals"
 
 
 class GoalTooNear(PlanningFailure):
-    """No goal configuration keeps its margins, though in at least one no bodies overlap.
-
-    Evidence: as `GoalInCollision`.
-    """
+    """Some goal configurations are free, none keeps its margins; evidence: as `GoalInCollision`."""
 
     code = "goal_too_near"
     stage = "goals"
@@ -219,30 +213,21 @@ class StartViolatesConstraint(PlanningFailure):
 
 
 class GoalViolatesConstraint(PlanningFailure):
-    """Every goal configuration violates path constraints.
-
-    Evidence: `violations`, counted by constraint; `nearest` and `relaxation`.
-    """
+    """Every goal configuration violates path constraints; evidence: `violations`, `nearest`, ..."""
 
     code = "goal_violates_constraint"
     stage = "goals"
 
 
 class ApproachBlocked(PlanningFailure):
-    """Free goal configurations exist, but none with a free approach and retreat.
-
-    Evidence: `funnel` with `blocked_by`; `nearest` and `relaxation`.
-    """
+    """No free goal configuration has a free approach and retreat; evidence: `funnel`, `nearest`."""
 
     code = "approach_blocked"
     stage = "goals"
 
 
 class LineBlocked(PlanningFailure):
-    """A straight line cannot be followed to its end.
-
-    Evidence: `line` (which one, from 0), `fraction`, `length` [m] and `stopped_by`.
-    """
+    """A straight line stops before its end; evidence: `line` (from 0), `fraction`, `stopped_by`."""
 
     code = "line_blocked"
     stage = "goals"
@@ -323,10 +308,7 @@ class TorqueLimitReached(ExecutionFailure):
 
 
 class PathBlocked(ExecutionFailure):
-    """The scene was edited, and the rest of the motion does not hold any more.
-
-    Evidence: `check`, `pair`, `time`, `fraction` and `revision`.
-    """
+    """An edit of the scene blocks the rest of the motion; evidence: `check`, `pair`, `time`, ..."""
 
     code = "path_blocked"
 

@@ -8,7 +8,7 @@ from planning.certify.clearance.lever_arms import lever_arms_of
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.request.options import RetimeOptions
 from planning.pipeline.certification import certify_request
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.world.world import World
 
 

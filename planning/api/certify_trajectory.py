@@ -20,7 +20,7 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup
 from planning.errors import ProblemInvalid
 from planning.pipeline.certification import certify_request
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.world.constraints.validate_constraints import validate_constraints
 from planning.world.loading.positions import validate_positions
 from planning.world.world import World

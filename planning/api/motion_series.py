@@ -12,7 +12,7 @@ from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.value import Value
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.retime.limits.request_limits import path_limits
 from planning.world.collision.margins import PairMargins
 from planning.world.mechanics.dynamics import GroupDynamics

@@ -19,11 +19,11 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid
 from planning.pipeline.candidate_motions import candidates
-from planning.pipeline.candidate_timing import CandidateMotion
 from planning.pipeline.certification import Refusals, certify_request, first_certified
 from planning.pipeline.motion import Motion
 from planning.pipeline.segments import free_segment
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.candidate_timing import CandidateMotion
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.retime.limits.request_limits import path_limits
 from planning.world.constraints.validate_constraints import validate_constraints
 from planning.world.loading.positions import validate_positions

@@ -20,7 +20,7 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.pipeline.certification import certify_request
 from planning.pipeline.line_sections import line_sections
 from planning.pipeline.segments import empty_search_report
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.search.space_options import resolve_space
 from planning.world.world import World
 

@@ -21,7 +21,7 @@ from planning.domain.request.problem import PlanningProblem
 from planning.domain.value import Value
 from planning.pipeline.certification import certify_request
 from planning.pipeline.line_sections import line_sections
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.search.space_options import resolve_space
 from planning.world.constraints.validate_constraints import validate_constraints
 from planning.world.world import World

@@ -20,7 +20,7 @@ from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.value import Value
 from planning.errors import ProblemInvalid, RetimingFailed
 from planning.pipeline.certification import Refusals, certify_request, first_certified
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.retime.jerk.state_to_state import to_rest, to_state
 from planning.retime.jerk.stop_along_path import stops_along
 from planning.retime.limits.request_limits import path_limits

@@ -8,13 +8,13 @@ from planning.certify.clearance.clearance_reserve import robustness
 from planning.certify.clearance.clearance_result import ClearanceResult
 from planning.certify.clearance.nearest_points import nearest_points
 from planning.certify.constraint_checks import constraint_checks
-from planning.certify.drake_term_checks import drake_term_checks
 from planning.certify.end_checks import continuity_checks, goal_check, rest_check, start_check
 from planning.certify.form_check import form_check
 from planning.certify.frames.line_check import line_checks
 from planning.certify.frames.tool_checks import tool_checks
 from planning.certify.joints.limit_checks import position_check, rate_check
 from planning.certify.request import CertifyRequest
+from planning.certify.sampled.drake_term_checks import drake_term_checks
 from planning.certify.steering_check import steering_checks
 from planning.certify.stopping.stop_check import stop_check
 from planning.certify.torque.torque_check import torque_check

@@ -3,8 +3,8 @@
 from planning.certify.clearance.band_check import band_check
 from planning.certify.frames.frame_checks import box_check, cone_check
 from planning.certify.joints.joint_checks import lock_check, tight_limits_check
-from planning.certify.predicate_check import predicate_check
 from planning.certify.request import CertifyRequest
+from planning.certify.sampled.predicate_check import predicate_check
 from planning.domain.report.certificate import Check
 from planning.domain.request.constraint import (
     DistanceBand,

@@ -13,8 +13,8 @@ from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup
 from planning.errors import DeadlineExceeded
-from planning.pipeline.candidate_timing import CandidateMotion, CandidateTiming
-from planning.pipeline.path_curves import collision_free_curves
+from planning.pipeline.timing.candidate_timing import CandidateMotion, CandidateTiming
+from planning.pipeline.timing.path_curves import collision_free_curves
 from planning.refine.constraints.clearance_objective import ClearanceCost, make_clearance_objective
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest

@@ -29,7 +29,7 @@ from planning.pipeline.context import PlanContext, StageProgress
 from planning.pipeline.plan_inputs import find_goals, resolve, with_roadmap
 from planning.pipeline.search import find_path
 from planning.pipeline.segments import NOT_REFINED, empty_search_report, tool_frame
-from planning.pipeline.timed_motions import refine_and_retime, retime_lines, with_explanation
+from planning.pipeline.timing.timed_motions import refine_and_retime, retime_lines, with_explanation
 from planning.roadmaps.roadmap_cache import RoadmapStore
 from planning.world.world import World
 

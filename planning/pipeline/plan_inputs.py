@@ -24,7 +24,7 @@ from planning.pipeline.constrained_search import compile_constraints, filter_goa
 from planning.pipeline.context import PlanContext
 from planning.pipeline.gcs_planner import validate_regions
 from planning.pipeline.segments import end_of_moves
-from planning.pipeline.timing_options import resolve_retiming
+from planning.pipeline.timing.timing_options import resolve_retiming
 from planning.refine.validate_options import validate_refinement
 from planning.retime.limits.request_limits import path_limits
 from planning.roadmaps.load_or_build import load_or_build, validate_roadmap_options

@@ -23,7 +23,7 @@ from planning.domain.report.stage_reports import RefineReport, RetimeReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.robot.joints import JointGroup
-from planning.pipeline.candidate_timing import CandidateMotion
+from planning.pipeline.timing.candidate_timing import CandidateMotion
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import retime
 from planning.world.world import World

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import planning
-from planning.certify.drake_term_checks import drake_term_checks
 from planning.certify.request import CertifyRequest
+from planning.certify.sampled.drake_term_checks import drake_term_checks
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
 from planning.pipeline.certification import certify_request

@@ -1,0 +1,1 @@
+"""Timing of candidate motions: options, curves along a path, their durations."""
