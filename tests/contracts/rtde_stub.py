@@ -84,6 +84,7 @@ class RtdeStub:
                 text = b""
                 while part := client.recv(65536):
                     text += part
+            self.cycled.wait(60)  # the client sent a target before: it is taken before
             with self._lock:
                 self.program = text.decode("ascii")
                 if self.runs_programs and re.match(
