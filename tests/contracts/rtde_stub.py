@@ -96,6 +96,7 @@ class RtdeStub:
     def _exchange(self) -> None:
         try:
             self._client, _ = self._rtde.accept()
+            self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             with self._client:
                 while head := self._exactly(3):
                     size, kind = struct.unpack(">HB", head)
