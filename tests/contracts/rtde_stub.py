@@ -84,6 +84,7 @@ class RtdeStub:
                 text = b""
                 while part := client.recv(65536):
                     text += part
+            self.cycled.wait(60)  # the client sent a target before: it is taken before
             with self._lock:
                 self.program = text.decode("ascii")
                 if self.runs_programs and re.match(
@@ -95,6 +96,7 @@ class RtdeStub:
     def _exchange(self) -> None:
         try:
             self._client, _ = self._rtde.accept()
+            self._client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             with self._client:
                 while head := self._exactly(3):
                     size, kind = struct.unpack(">HB", head)
