@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from jaxtyping import Float64
 from pydrake import geometry as drake
 
@@ -123,6 +122,8 @@ def _mesh_digest(shape: Any) -> str:
 
 
 def _from_file(path: Path, scale: Float64[np.ndarray, "3"]) -> bytes:
+    import trimesh  # noqa: PLC0415  (takes longer than Drake, and few scenes have meshes)
+
     scene: Any = trimesh.load_scene(path)
     matrix = to_z_up(b"", path.suffix.lower())
     scene.apply_transform(np.diag([*scale, 1.0]) @ matrix)
@@ -131,6 +132,8 @@ def _from_file(path: Path, scale: Float64[np.ndarray, "3"]) -> bytes:
 
 
 def _from_hull(shape: Any) -> bytes:
+    import trimesh  # noqa: PLC0415
+
     hull = shape.GetConvexHull()
     points = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
     scene: Any = trimesh.Scene(trimesh.convex.convex_hull(points))
