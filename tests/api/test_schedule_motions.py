@@ -32,7 +32,7 @@ def _motion(world: World, name: str, *way: Sequence[float], seconds: float = 2.0
     return GroupMotion(name, straight(world, name, *way, seconds=seconds))
 
 
-def _schedule(world: World, *motions: GroupMotion, **more: float) -> planning.MotionSchedule:
+def _schedule(world: World, *motions: GroupMotion, **more: float) -> MotionSchedule:
     return planning.schedule_motions(world, motions, deadline=no_hurry(), **more)
 
 
