@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import planning
 from planning import GroupMotion
+from planning.domain.report.motion_schedule import MotionSchedule
 from planning.errors import DeadlineExceeded, NotCertified, ProblemInvalid, ScheduleNotFound
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
