@@ -56,7 +56,7 @@ $(STAMP): requirements.lock pyproject.toml client/pyproject.toml .python-version
 	[ -x $(PYTHON) ] || "$$UV" venv --quiet --python 3.12 $(VENV); \
 	"$$UV" pip sync --quiet --python $(PYTHON) requirements.lock; took; \
 	echo "building the native kernel (without a C++20 compiler it is left out)"; \
-	"$$UV" pip install --quiet --python $(PYTHON) --no-deps --editable . --editable client; took; \
+	"$$UV" pip install --quiet --python $(PYTHON) --no-deps --editable . --editable ./client; took; \
 	echo "compiling what the server imports"; \
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) -W ignore -m service.compile; took; \
 	touch $(STAMP); \
