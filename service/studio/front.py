@@ -109,7 +109,10 @@ class _Front:
                 max_size=None,
                 proxy=None,
             ) as studio:
-                await _first_of(_to_studio(browser, studio.send), _to_browser(browser, studio))
+                try:
+                    await _first_of(_to_studio(browser, studio.send), _to_browser(browser, studio))
+                finally:
+                    studio.transport.abort()  # one side has left: nothing more is to be said
         except (WebSocketException, OSError) as fault:
             _log.info("the studio left a browser: %s", fault)
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):  # the browser left first

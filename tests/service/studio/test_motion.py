@@ -7,14 +7,13 @@ from hypothesis import strategies as st
 from service.studio import texts
 from service.studio.motion import Motion, clearance_colors
 
-_RNG = np.random.default_rng(5)
-
 
 def motion(num=5):
-    quaternions = _RNG.normal(size=(num, 4))
+    rng = np.random.default_rng(5)
+    quaternions = rng.normal(size=(num, 4))
     quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
-    poses = np.hstack([_RNG.uniform(-1, 1, (num, 3)), quaternions])
-    times = np.cumsum(_RNG.uniform(0.1, 1.0, num))
+    poses = np.hstack([rng.uniform(-1, 1, (num, 3)), quaternions])
+    times = np.cumsum(rng.uniform(0.1, 1.0, num))
     nothing = np.zeros((num, 1))
     return Motion("p", times - times[0], nothing, nothing, {"a": poses}, None, {}, ["j"])
 
