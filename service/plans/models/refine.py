@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from planning.domain.request import options as domain
 from planning.domain.request.refine_objective import RefineObjective as DomainObjective
+from service.api.fingerprint import ADDED
 from service.api.models import Real, RequestModel
 
 Weight = Annotated[Real, Field(ge=0, le=1e9)]
@@ -80,7 +81,7 @@ class Refine(RequestModel):
         default=None,
         description="What the duration is weighed against; `none` and `drake` have no use for it",
     )
-    objective: RefineObjective | None = Field(
+    objective: Annotated[RefineObjective | None, ADDED] = Field(
         default=None,
         description="What to minimise; null for the duration, beside which `trajopt` and `auto` "
         "know nothing. With it, or with `drake`, the report has all objectives, before and after",

@@ -3,7 +3,8 @@
 import pytest
 
 from service.plans.models.ik import Ik
-from service.plans.models.request import Certify, PlanRequest, Refine, Retime
+from service.plans.models.refine import Refine, RefineObjective
+from service.plans.models.request import Certify, PlanRequest, Retime
 from service.plans.models.search import Search
 
 # For each field a value that is not its default; and what the field needs besides, if anything.
@@ -36,7 +37,19 @@ VALUES = {
         "pose_metric": {"rotation": 0.5},
         "allowed_time": 1.0,
     },
-    Refine: {"method": "auto", "clearance": {"distance": 0.05, "weight": 2.0}},
+    Refine: {
+        "method": "auto",
+        "clearance": {"distance": 0.05, "weight": 2.0},
+        "objective": {"duration": 2.0},
+    },
+    RefineObjective: {
+        "duration": 2.0,
+        "smoothness": 2.0,
+        "energy": 2.0,
+        "path_length": 2.0,
+        "derivative": "jerk",
+        "max_duration": 2.0,
+    },
     Retime: {
         "method": "ruckig",
         "velocity_scale": 0.5,
