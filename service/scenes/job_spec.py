@@ -1,5 +1,6 @@
 """spec_of(): a task about a scene as a job."""
 
+
 from pydantic import BaseModel
 
 from service.jobs.job import IdempotencyKey, JobSpec, Priority
