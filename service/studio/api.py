@@ -1,6 +1,6 @@
 """Api: what the studio asks a server, as numbers that can be drawn."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, override
 
 import httpx
@@ -9,7 +9,8 @@ from pydantic import ConfigDict
 
 from service.client.client import Client
 from service.client.events import Event
-from service.client.models import Answer, Execution, Group, Plan, Scene
+from service.client.models import Answer, Execution, Plan
+from wayproof_client.call import Call
 
 type Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -24,21 +25,26 @@ class Limits(Answer):
     upper: list[float | None]
 
 
-class ShownGroup(Group):
+class ShownGroup(Answer):
     """A group that can be shown and moved."""
 
+    name: str
     position_names: list[str]
     tool_frames: list[str]
+    configurations: dict[str, list[float]]
     limits: Limits
     positions: list[float]
 
 
-class ShownScene(Scene):
+class ShownScene(Answer):
     """A scene that can be shown."""
 
     model_config = ConfigDict(extra="allow")
 
-    groups: list[ShownGroup]  # pyright: ignore[reportIncompatibleVariableOverride, reportGeneralTypeIssues]
+    id: str
+    name: str
+    revision: int
+    groups: list[ShownGroup]
     document: dict[str, Any]
 
     def group(self, name: str) -> ShownGroup:
@@ -64,21 +70,21 @@ class Api(Client):
 
     def scenes(self) -> list[dict[str, Any]]:
         """Return the newest scenes of the server: `id`, `name`, `revision`."""
-        found: list[dict[str, Any]] = self._get("/v1/scenes", limit="50").json()["items"]
+        found: list[dict[str, Any]] = self._json("GET", "/v1/scenes", query={"limit": 50})["items"]
         return found
 
     def shown(self, scene: str) -> ShownScene:
         """Return a scene as it is now."""
-        return ShownScene.model_validate_json(self._get(f"/v1/scenes/{scene}").content)
+        return ShownScene.model_validate(self._json("GET", f"/v1/scenes/{scene}"))
 
     def geometry(self, scene: str) -> list[dict[str, Any]]:
         """Return what the bodies of a scene look like."""
-        found: list[dict[str, Any]] = self._get(f"/v1/scenes/{scene}/geometry").json()["bodies"]
+        found: list[dict[str, Any]] = self._json("GET", f"/v1/scenes/{scene}/geometry")["bodies"]
         return found
 
     def mesh(self, scene: str, sha256: str) -> bytes:
         """Return a mesh (binary glTF, z up)."""
-        return self._get(f"/v1/scenes/{scene}/geometry/{sha256}.glb").content
+        return self.send(Call("GET", f"/v1/scenes/{scene}/geometry/{sha256}.glb")).content
 
     def poses(
         self, scene: str, group: str, configurations: Array, frames: Sequence[str]
@@ -91,7 +97,7 @@ class Api(Client):
             "configurations": np.atleast_2d(configurations)[:_MAX_ROWS].tolist(),
             "frames": list(frames),
         }
-        results = self._send("POST", f"/v1/scenes/{scene}/fk", json=body).json()["results"]
+        results = self._json("POST", f"/v1/scenes/{scene}/fk", body)["results"]
         return {
             frame: np.array([
                 [*row[frame]["position"], *row[frame]["quaternion"]] for row in results
@@ -108,25 +114,31 @@ class Api(Client):
             "ik": {"max_configurations": 6, "max_trials": 60},
             "allowed_time": 1.0,
         }
-        found: dict[str, Any] = self._send("POST", f"/v1/scenes/{scene}/ik", json=body).json()
+        found: dict[str, Any] = self._json("POST", f"/v1/scenes/{scene}/ik", body)
         return found
 
     def check(self, scene: str, group: str, configurations: Array) -> list[dict[str, Any]]:
         """Return a verdict per configuration, with all pairs that collide and the nearest one."""
         body = {"group": group, "configurations": np.atleast_2d(configurations).tolist()}
-        answer = self._send("POST", f"/v1/scenes/{scene}/check", json=body)
-        found: list[dict[str, Any]] = answer.json()["results"]
+        found: list[dict[str, Any]] = self._json("POST", f"/v1/scenes/{scene}/check", body)[
+            "results"
+        ]
         return found
 
     def finished_plan(self, plan: str) -> dict[str, Any]:
         """Return a plan with all of its result."""
-        found: dict[str, Any] = self._get(f"/v1/plans/{plan}").json()
+        found: dict[str, Any] = self._json("GET", f"/v1/plans/{plan}")
         return found
 
     def control(self, execution: str, what: str, **body: float) -> None:
         """Pause, resume, cancel an execution, or set its speed."""
-        content = {"json": body} if body else {}
-        self._send("POST", f"/v1/executions/{execution}/{what}", **content)
+        self._json("POST", f"/v1/executions/{execution}/{what}", body or None)
+
+    def _json(
+        self, method: str, path: str, body: Any = None, query: Mapping[str, Any] | None = None
+    ) -> Any:
+        """Return an answer as it is: of long ones the studio reads a little."""
+        return self.send(Call(method, path, query=query or {}, body=body)).json()
 
 
 __all__ = ["Api", "Array", "ByName", "Event", "Execution", "Iterator", "Plan", "ShownScene"]
