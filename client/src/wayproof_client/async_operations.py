@@ -103,7 +103,8 @@ class AsyncOperations(AsyncCaller):
         prefer: str | None = None,
         idempotency_key: str | None = None,
     ) -> models.Execution:
-        """Carry out a plan, if its start is where the robot is."""
+        """Carry out a plan or a motion of your own, if it starts where the robot is and is
+        proven."""
         return await self.ask(
             Call(
                 "POST",
@@ -166,7 +167,7 @@ class AsyncOperations(AsyncCaller):
     async def set_execution_speed(
         self, execution: str, body: requests.SpeedRequest
     ) -> models.Execution:
-        """Change how fast the motion is carried out; the robot gets there along its path."""
+        """Change how fast and which way the motion is carried out; the robot stays on its path."""
         return await self.ask(
             Call(
                 "POST",
@@ -516,7 +517,7 @@ class AsyncOperations(AsyncCaller):
 
     async def edit_scene(
         self, scene: str, body: requests.SceneEdit, *, if_match: str | None = None
-    ) -> models.Scene:
+    ) -> models.EditedScene:
         """Edit a scene: its next revision, which plans use from now on; older ones stay."""
         return await self.ask(
             Call(
@@ -526,7 +527,7 @@ class AsyncOperations(AsyncCaller):
                 headers={"If-Match": if_match},
                 body=body,
             ),
-            models.Scene,
+            models.EditedScene,
         )
 
     async def check_configurations(
@@ -557,6 +558,35 @@ class AsyncOperations(AsyncCaller):
                 body=body,
             ),
             models.FkResponse,
+        )
+
+    async def get_scene_geometry(
+        self, scene: str, *, revision: int | None = None, if_none_match: str | None = None
+    ) -> models.Geometry:
+        """Show what the bodies of a scene look like: shapes, colours, and poses of what is
+        fixed."""
+        return await self.ask(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/geometry",
+                inserted={"scene": scene},
+                query={"revision": revision},
+                headers={"If-None-Match": if_none_match},
+            ),
+            models.Geometry,
+        )
+
+    async def get_scene_mesh(
+        self, scene: str, sha256: str, *, revision: int | None = None
+    ) -> bytes:
+        """Return a mesh that the geometry of a scene names."""
+        return await self.ask_bytes(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/geometry/{sha256}.glb",
+                inserted={"scene": scene, "sha256": sha256},
+                query={"revision": revision},
+            )
         )
 
     async def solve_inverse_kinematics(
@@ -655,6 +685,32 @@ class AsyncOperations(AsyncCaller):
             )
         )
 
+    async def get_scene_state(self, scene: str) -> models.LiveState:
+        """Show where the robots of a scene are now, what says so, and what they hold."""
+        return await self.ask(
+            Call("GET", "/v1/scenes/{scene}/state", inserted={"scene": scene}), models.LiveState
+        )
+
+    def stream_scene_state(
+        self,
+        scene: str,
+        *,
+        rate: float | None = None,
+        most: int | None = None,
+        last_event_id: str | None = None,
+    ) -> AsyncIterator[models.StateEvent]:
+        """Stream the live state: now, unless it was seen, and whenever it changes."""
+        return self.ask_events(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/state/events",
+                inserted={"scene": scene},
+                query={"rate": rate, "most": most},
+                headers={"Last-Event-ID": last_event_id},
+            ),
+            models.StateEvent,
+        )
+
     async def certify_trajectory(
         self, body: requests.CertifyMotionRequest
     ) -> models.CertifyMotionResponse:
@@ -667,6 +723,15 @@ class AsyncOperations(AsyncCaller):
         """Time a path of your own as quickly as the limits allow, and prove the motion."""
         return await self.ask(
             Call("POST", "/v1/trajectories/retime", body=body), models.RetimeResponse
+        )
+
+    async def schedule_motions(
+        self, body: requests.ScheduleMotionsRequest
+    ) -> models.ScheduleMotionsResponse:
+        """Begin the motions of several plans as early as they can, and prove all of them
+        together."""
+        return await self.ask(
+            Call("POST", "/v1/trajectories/schedule", body=body), models.ScheduleMotionsResponse
         )
 
     async def splice_motion(

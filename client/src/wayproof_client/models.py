@@ -80,7 +80,7 @@ type AnyStage = (
 
 
 class ApproachBlockedFailure(Answer):
-    """Free goal configurations exist, but none with a free approach and retreat."""
+    """No free goal configuration has a free approach and retreat."""
 
     code: Literal["approach_blocked"]
     """Stable machine-readable name of the kind."""
@@ -97,7 +97,7 @@ class ApproachBlockedFailure(Answer):
 
 
 class ApproachBlockedProblem(Answer):
-    """Free goal configurations exist, but none with a free approach and retreat."""
+    """No free goal configuration has a free approach and retreat."""
 
     code: Literal["approach_blocked"]
     """Stable machine-readable name of the kind."""
@@ -574,7 +574,7 @@ class ConfigurationDocument(Answer):
     """A named configuration of a group."""
 
     group: str
-    """`robot` or `robot::group`."""
+    """`robot`, `robot::group`, or a group of `groups`."""
     positions: list[float]
     """In the group's order [rad or m]."""
 
@@ -645,9 +645,11 @@ class Contact(Answer):
     bodies: tuple[str, str]
     """Full names."""
     depth: float
-    """Depth of penetration [m]."""
+    """Largest depth of penetration [m]."""
     time: float
-    """Time along the motion [s]."""
+    """Time along the motion of the first touch [s]."""
+    force: float | None = None
+    """Largest force between them [N]; null if it is not known."""
 
 
 class ContactEvidence(Answer):
@@ -659,6 +661,8 @@ class ContactEvidence(Answer):
     """On the motion [s]."""
     depth: float | None = None
     """By which they overlap [m]."""
+    force: float | None = None
+    """Force between them [N]; null where it is not known."""
 
 
 class ContactFailure(Answer):
@@ -688,7 +692,7 @@ class ControlsData(Answer):
     plan: str | None = None
     """To which plan, in the stream of a batch; absent in other streams."""
     speed: float | None = None
-    """Seconds of the motion per second."""
+    """Seconds of the motion per second; negative is backwards."""
 
 
 class ControlsEvent(Answer):
@@ -925,6 +929,48 @@ class DocumentFault(Answer):
     """Kind of the fault, as the library calls it that checks documents."""
 
 
+class DocumentSource(Answer):
+    """The scene's document has the robot there."""
+
+    revision: int
+    """Whose document it is: the latest."""
+    type: Literal["document"]
+    """What says where the robot is."""
+
+
+class DriverLostEvidence(Answer):
+    """Which driver was lost, and what is known of its robot."""
+
+    driver: str
+    """Its name."""
+    reason: str
+    """What happened."""
+    rests: bool
+    """Whether the robot is known to rest where it was last measured."""
+
+
+class DriverLostFailure(Answer):
+    """The robot does not answer, or no longer obeys."""
+
+    code: Literal["driver_lost"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: DriverLostEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+type DriverName = Literal["simulated", "kinematic"] | str
+"""What moves: `simulated`, Drake's simulation under a joint controller; `kinematic`, a robot
+without mass that is always where it should be, and feels nothing."""
+
+
 class DurationExplanation(Answer):
     """Why the motion takes as long as it does."""
 
@@ -936,8 +982,67 @@ class DurationExplanation(Answer):
     """What that saved, the most first; measured for limits that are met."""
 
 
+class EditSource(Answer):
+    """The robot was put there by hand, by `set_positions`."""
+
+    revision: int
+    """That came of it."""
+    type: Literal["edit"]
+    """What says where the robot is."""
+
+
+class EditedScene(Answer):
+    """A scene after an edit, and what that means for the motions that are carried out in it."""
+
+    assumed: list[str]
+    """Joints whose rate limits nobody states, so that ours are assumed."""
+    bodies: list[str]
+    """Everything that can collide."""
+    created_at: datetime
+    """When this revision was made (UTC)."""
+    digest: str
+    """sha256 of the content, the bytes of all files included."""
+    document: SceneDocument
+    """As it was posted or edited, defaults filled in."""
+    executions: list[ExecutionVerdict]
+    """Each execution that waits or moves in the scene, and whether what is left of its motion
+    is proven in this revision."""
+    frames: list[str]
+    """Frames that poses may be given in."""
+    groups: list[Group]
+    """What can be planned for."""
+    id: str
+    """Of the scene."""
+    name: str
+    """For people."""
+    num_pairs: int
+    """Pairs of bodies that are kept apart."""
+    revision: int
+    """Of its content, from 1."""
+    warnings: list[str]
+    """What was found odd, for example concave meshes."""
+    files: dict[str, Files] = Field(default={}, validate_default=True)
+    """What its robots and meshes were made from, by name: they are kept, and no change of a
+    file on the disk changes this scene."""
+    unchecked: list[UncheckedPair] = Field(default=[], validate_default=True)
+    """Pairs of bodies that no collision check looks at, and why."""
+
+
 class EmptyDocument(Answer):
     """No parameters."""
+
+
+class Encounter(Answer):
+    """Two motions that would meet."""
+
+    distance: float
+    """Between them then, negative where they overlap [m]."""
+    pair: list[str]
+    """The two bodies."""
+    times: dict[str, float]
+    """When, by the time of each group's own motion [s]."""
+    waiting: str | None = None
+    """The group that does not avoid it, however long it waits."""
 
 
 class EntityTagEvidence(Answer):
@@ -961,7 +1066,7 @@ class EventData(Answer):
 
 
 class Execution(Answer):
-    """An execution of a plan; poll it until its state is final."""
+    """An execution of a motion; poll it until its state is final."""
 
     attempts: int
     """How often a worker has begun with it, this time included: more than once where a worker
@@ -979,8 +1084,8 @@ class Execution(Answer):
     """Group that moves."""
     id: str
     """Id of the execution."""
-    request: ExecutionRequest
-    """The request, defaults filled in."""
+    request: ExecutionTerms
+    """The request, defaults filled in, without a motion of one's own."""
     scene: str
     """Id of the scene it moves in."""
     started_at: datetime | None
@@ -993,6 +1098,8 @@ class Execution(Answer):
     """What has happened and the database does not hold yet, because it is full, locked or away:
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
+    sampling: SamplingReserve | None = None
+    """Of a controller that samples the motion, once it has ended; null for others."""
     timings: Timings = Field(default={}, validate_default=True)
     """Seconds of the stages `load` and `execute`, once it has ended; of a failure those of
     `failure` [s]."""
@@ -1026,24 +1133,30 @@ class ExecutionPage(Answer):
     """Cursor of the next page; null on the last one."""
 
 
-class ExecutionRequest(Answer):
-    """Carry out a plan."""
+class ExecutionSource(Answer):
+    """An execution has measured the robot there."""
 
-    plan: str
-    """Id of a plan that succeeded."""
-    driver: Literal["simulated"] = "simulated"
-    """What moves: Drake's simulation under a joint controller."""
-    speed: float = 1.0
-    """Factor on the pace at which the simulation runs; 1 is real time."""
-    title: str | None = None
-    """Title of the motion in replays of the scene."""
+    id: str
+    """Of the execution."""
+    type: Literal["execution"]
+    """What says where the robot is."""
 
 
 type ExecutionState = (
-    Literal["accepted", "executing", "paused", "canceling", "succeeded", "canceled", "aborted"]
+    Literal[
+        "accepted",
+        "executing",
+        "paused",
+        "canceling",
+        "aborting",
+        "succeeded",
+        "canceled",
+        "aborted",
+    ]
     | str
 )
-"""States of an execution: those of ROS 2 actions, and paused; the last three are final."""
+"""States of an execution: those of ROS 2 actions, paused, aborting; the last three are final.
+One that is aborting has failed, and its robot comes to rest."""
 
 
 class ExecutionStatus(Answer):
@@ -1056,16 +1169,65 @@ class ExecutionStatus(Answer):
     positions: list[float]
     """Measured positions [rad or m]."""
     progress: float
-    """Time along the motion over its duration, 0 to 1."""
+    """Share of the path's length that is done, 0 to 1, by place, not by the clock: it shrinks
+    on the way back."""
     state: ExecutionState
     """State of the execution."""
     time: float
     """Time along the motion [s]."""
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
+    jitter: Jitter | None = None
+    """How late the ticks were so far; null if not recorded."""
     lateness: float | None = None
     """The longest so far that the controller was late to look at the clock [s]: what else runs
     on the machine makes the motion fall behind; null if not recorded."""
+    path_velocity: float | None = None
+    """Seconds of the motion per second of the robot's clock, now; negative is backwards; null
+    if not recorded."""
+    torques: list[float] | None = None
+    """Measured torques or forces of the motors [N m or N]; null if not known."""
+    velocities: list[float] | None = None
+    """Measured velocities [rad/s or m/s]; null if not recorded."""
+
+
+class ExecutionTerms(Answer):
+    """How a motion is carried out, and of which plan it is."""
+
+    driver: DriverName | UrRtdeDriver = "simulated"
+    """What moves."""
+    on_conflict: Literal["stop", "ignore"] | str = "stop"
+    """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
+    on the path and ends (`path_blocked`); `ignore` only tells."""
+    plan: str | None = None
+    """Id of a plan that succeeded; null for a motion of one's own."""
+    speed: float = 1.0
+    """Seconds of the motion per second; above 1 the simulation's clock runs faster than real
+    time, and the motion stays as it is."""
+    title: str | None = None
+    """Title of the motion in replays of the scene."""
+
+
+class ExecutionVerdict(Answer):
+    """What an edit of the scene means for an execution that waits or moves."""
+
+    id: str
+    """Id of the execution."""
+    verdict: Literal["unaffected", "conflict"] | str
+    """Whether what is left of its motion is proven in this revision."""
+    action: Literal["stop", "ignore"] | str | None = None
+    """What is done, as the execution's `on_conflict` says."""
+    check: str | None = None
+    """Check of the certificate that fails, mostly `clearance`; `undecided` if there was no
+    verdict in time, `request` if what the motion shall keep names what is gone."""
+    fraction: float | None = None
+    """Share of the path's length that is done there, 0 to 1."""
+    pair: tuple[str, str] | None = None
+    """Full names of the bodies that come too near, if it is about two."""
+    seconds: float | None = None
+    """From where the robot was, at the pace of the motion [s]."""
+    time: float | None = None
+    """Where, along the motion [s]."""
 
 
 class FailedCheck(Answer):
@@ -1108,10 +1270,14 @@ type Failure = Annotated[
         | DeadlineExceededFailure
         | CanceledFailure
         | RetimingFailedFailure
+        | ScheduleNotFoundFailure
         | NotCertifiedFailure
         | IllegalTransitionFailure
         | TrackingLostFailure
         | ContactFailure
+        | TorqueLimitReachedFailure
+        | PathBlockedFailure
+        | DriverLostFailure
         | WorkerCrashedFailure
         | WorkerUnresponsiveFailure
         | HostLostFailure
@@ -1227,6 +1393,13 @@ class FunnelEvidence(Answer):
     """Goal configurations dropped for path constraints, whole turns included."""
 
 
+class Geometry(Answer):
+    """What the bodies of a scene look like; of a revision it never changes."""
+
+    bodies: list[VisibleBody]
+    """By name."""
+
+
 class OtherGoal(Answer):
     """One that a newer server has."""
 
@@ -1269,7 +1442,7 @@ class GoalEvidence(Answer):
 
 
 class GoalInCollisionFailure(Answer):
-    """Goal configurations exist and bodies overlap in all of them."""
+    """In all goal configurations bodies overlap."""
 
     code: Literal["goal_in_collision"]
     """Stable machine-readable name of the kind."""
@@ -1286,7 +1459,7 @@ class GoalInCollisionFailure(Answer):
 
 
 class GoalInCollisionProblem(Answer):
-    """Goal configurations exist and bodies overlap in all of them."""
+    """In all goal configurations bodies overlap."""
 
     code: Literal["goal_in_collision"]
     """Stable machine-readable name of the kind."""
@@ -1352,7 +1525,7 @@ class GoalOutOfLimitsProblem(Answer):
 
 
 class GoalTooNearFailure(Answer):
-    """No goal configuration keeps its margins, though in at least one no bodies overlap."""
+    """Some goal configurations are free, none keeps its margins."""
 
     code: Literal["goal_too_near"]
     """Stable machine-readable name of the kind."""
@@ -1369,7 +1542,7 @@ class GoalTooNearFailure(Answer):
 
 
 class GoalTooNearProblem(Answer):
-    """No goal configuration keeps its margins, though in at least one no bodies overlap."""
+    """Some goal configurations are free, none keeps its margins."""
 
     code: Literal["goal_too_near"]
     """Stable machine-readable name of the kind."""
@@ -1480,7 +1653,7 @@ class Group(Answer):
     limits: Limits
     """What its joints may do."""
     name: str
-    """`robot` or `robot::group`."""
+    """`robot`, `robot::group`, or its own in the scene."""
     position_names: list[str]
     """A name per position coordinate, in order."""
     positions: list[float]
@@ -1489,6 +1662,8 @@ class Group(Answer):
     """Frames that it moves; the first is the default."""
     velocity_names: list[str]
     """A name per velocity coordinate, in order."""
+    members: list[str] = Field(default=[], validate_default=True)
+    """Groups of robots that it spans, in order; left out of one of these."""
 
 
 class Health(Answer):
@@ -1501,6 +1676,15 @@ class Health(Answer):
     """Always `ok`: no answer is the other answer."""
     version: str
     """Of Wayproof."""
+
+
+class HeldObject(Answer):
+    """An object that a robot holds."""
+
+    frame: str
+    """That it is attached to, of a robot."""
+    object: str
+    """Its name."""
 
 
 class HostEvidence(Answer):
@@ -1829,6 +2013,19 @@ class Interpolation(Answer):
     is however long; of samples that are evenly apart only that of theirs; null if none is known."""
 
 
+class Jitter(Answer):
+    """How much later than they were due the ticks of the controller came."""
+
+    max: float
+    """Largest delay [s]."""
+    median: float
+    """Median delay, at most 5 % too large [s]."""
+    p99: float
+    """99th percentile, at most 5 % too large [s]."""
+    ticks: int
+    """How many there were."""
+
+
 class OtherJobEvent(Answer):
     """One that a newer server has."""
 
@@ -1895,6 +2092,9 @@ class JointLimits(Answer):
     type: Literal["joint_limits"]
     """Says which constraint this is."""
 
+
+type JointPositions = dict[str, float | list[float]]
+"""By joint of the robot: a number, or one for each of its coordinates."""
 
 type JointType = Literal["revolute", "continuous", "prismatic", "planar", "floating"] | str
 """Types of joints; positions and velocities are in Drake's order."""
@@ -1985,7 +2185,7 @@ class Limits(Answer):
 
 
 class LineBlockedFailure(Answer):
-    """A straight line cannot be followed to its end."""
+    """A straight line stops before its end."""
 
     code: Literal["line_blocked"]
     """Stable machine-readable name of the kind."""
@@ -2002,7 +2202,7 @@ class LineBlockedFailure(Answer):
 
 
 class LineBlockedProblem(Answer):
-    """A straight line cannot be followed to its end."""
+    """A straight line stops before its end."""
 
     code: Literal["line_blocked"]
     """Stable machine-readable name of the kind."""
@@ -2117,6 +2317,19 @@ type LineStopReason = Literal["limit", "singularity", "collision", "unreachable"
 """Why a straight line stops."""
 
 
+class LiveState(Answer):
+    """Where the robots of a scene are now, and what they hold."""
+
+    attached: list[HeldObject]
+    """What robots hold."""
+    revision: int
+    """The latest; executions do not change it."""
+    robots: list[RobotState]
+    """Those that have joints."""
+    scene: str
+    """Id of the scene."""
+
+
 class LockedJoints(Answer):
     """Some joints of the group stay where the start has them."""
 
@@ -2199,6 +2412,14 @@ class MeshDocument(Answer):
     """Path of an .obj, .vtk or .gltf file."""
     scale: list[float] = Field(default=[1.0, 1.0, 1.0], validate_default=True)
     """One factor, or one per axis."""
+
+
+class MeshName(Answer):
+    """A mesh, in a file of its own."""
+
+    sha256: str
+    """Of the bytes of `GET /v1/scenes/{scene}/geometry/{sha256}.glb`: glTF 2.0, binary; as an
+    exception to glTF its z axis points up."""
 
 
 class MethodNotAllowedProblem(Answer):
@@ -2307,6 +2528,28 @@ class ModelList(Answer):
 
 type MotionInterpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"] | str
 """What a motion is between its instants."""
+
+
+class MotionSchedule(Answer):
+    """When each motion begins, and the proof of all together."""
+
+    certificate: Certificate
+    """The proof of all motions as one."""
+    delays: list[float]
+    """When each begins, in the order of the plans: the first is as small as it can be, then the
+    second, and so on [s]."""
+    duration: float
+    """From the beginning of the first motion to the end of the last [s]."""
+    group: str
+    """Group that spans all the plans' groups."""
+    groups: list[str]
+    """Group of each plan, in their order."""
+    stage: CertifyReport
+    """Report of the proof."""
+    waits: list[Wait]
+    """Each motion that waits, in the order of the plans."""
+    polynomial: Polynomial | None = None
+    """All motions as one, if the request wants it."""
 
 
 class NameEvidence(Answer):
@@ -2604,6 +2847,21 @@ class ObjectDocument(Answer):
     """X_WO; of an attached object X_FO, in its frame."""
 
 
+class ObjectiveValues(Answer):
+    """What one motion costs by each objective."""
+
+    duration: float
+    """[s]."""
+    energy: float | None
+    """Integral over time of squared torques and forces [N^2 m^2 s]; null for groups with a
+    floating joint."""
+    path_length: float
+    """Joint-space length [rad or m]."""
+    smoothness: float | None
+    """Integral over time of squared accelerations [rad^2/s^3], or of jerks if the objective
+    says so [rad^2/s^5]; null where accelerations jump, so that jerks are infinite."""
+
+
 class Orientation(Answer):
     """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
 
@@ -2746,6 +3004,38 @@ class PartialPose(Answer):
     """The group's positions [rad or m]."""
 
 
+class PathBlockedEvidence(Answer):
+    """What of a motion does not hold in the scene as it was edited."""
+
+    check: str
+    """Of the certificate."""
+    fraction: float
+    """Share of the path's length that is done there."""
+    pair: list[str]
+    """Full names of both bodies, if it is about two."""
+    revision: int
+    """Of the scene."""
+    time: float
+    """On the motion [s]."""
+
+
+class PathBlockedFailure(Answer):
+    """An edit of the scene blocks the rest of the motion."""
+
+    code: Literal["path_blocked"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: PathBlockedEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
 class PathGoal(Answer):
     """Bring a tool frame through poses in straight lines, at rest at each."""
 
@@ -2847,8 +3137,9 @@ class PlanRequest(Answer):
 
     goal: Goal
     """What to reach."""
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | list[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     scene: str
     """Id of a scene."""
     certify: Certify | None = None
@@ -3131,6 +3422,7 @@ type Problem = Annotated[
         | DeadlineExceededProblem
         | CanceledProblem
         | RetimingFailedProblem
+        | ScheduleNotFoundProblem
         | NotCertifiedProblem
         | IllegalTransitionProblem
         | WorkerCrashedProblem
@@ -3160,6 +3452,7 @@ type Problem = Annotated[
         | NoRegionsProblem
         | StartMismatchProblem
         | RobotBusyProblem
+        | RobotStateUnknownProblem
         | RevisionConflictProblem
         | RevisionMismatchProblem
         | SceneNotKeptProblem
@@ -3388,10 +3681,34 @@ class Refine(Answer):
     """Whether and how to optimise the path."""
 
     clearance: ClearanceObjective | None = None
-    """What the duration is weighed against; `none` has no use for it."""
-    method: Literal["trajopt", "auto", "none"] | str = "trajopt"
-    """Optimise the duration; do so only if at least half a second is left; or leave the path as
-    it is."""
+    """What the duration is weighed against; `none` and `drake` have no use for it."""
+    method: Literal["trajopt", "drake", "auto", "none"] | str = "trajopt"
+    """Optimise the duration by convex steps; optimise any objective by Drake's
+    KinematicTrajectoryOptimization; as trajopt, but only if at least half a second is left; or
+    leave the path as it is."""
+    objective: RefineObjective | None = None
+    """What to minimise; null for the duration, beside which `trajopt` and `auto` know nothing.
+    With it, or with `drake`, the report has all objectives, before and after."""
+
+
+class RefineObjective(Answer):
+    """What to minimise: a weighted sum; one weight at least is positive."""
+
+    derivative: Literal["acceleration", "jerk"] | str = "acceleration"
+    """What smoothness integrates."""
+    duration: float = 0.0
+    """Weight of the duration [1/s]."""
+    energy: float = 0.0
+    """Weight of the integral over time of the squared norm of the joints' torques and forces,
+    gravity, damping and payload included [1/(N^2 m^2 s)]; not for groups with a floating joint."""
+    max_duration: float | None = None
+    """How long the motion may take [s], approach and retreat not counted; less than the limits
+    allow is `retiming_failed`. Smoothness and energy need it unless the duration has a weight."""
+    path_length: float = 0.0
+    """Weight of the joint-space length [1/rad or 1/m]."""
+    smoothness: float = 0.0
+    """Weight of the integral over time of the squared norm of what `derivative` names
+    [s^3/rad^2, for jerk s^5/rad^2]."""
 
 
 class RefineReport(Answer):
@@ -3409,14 +3726,19 @@ class RefineReport(Answer):
     """Of the path [rad or m]."""
     lower_bound: float
     """What the slowest joint alone takes from start to goal [s]; nothing is quicker."""
-    method: Literal["trajopt", "auto", "none"] | str
+    method: Literal["trajopt", "drake", "auto", "none"] | str
     """As it was asked for."""
     reason: str
     """Why not, or empty."""
     rounds: int
-    """Steps tried, each a convex program."""
+    """Steps tried, each a convex program; of `drake` nonlinear programs."""
     solver: str
     """Name of the solver, or empty."""
+    after: ObjectiveValues | None = None
+    """Of the motion that is delivered, likewise."""
+    before: ObjectiveValues | None = None
+    """Of the motion along the path as the search left it, as quick as the limits allow; null
+    unless the request states an objective or the method is `drake`."""
     shortfall: float | None = None
     """By how much the clearance falls short of the preferred one, on average over the motion
     [m]; null if none was preferred or nothing was refined."""
@@ -3578,8 +3900,9 @@ class RegionsReport(Answer):
 class RegionsRequest(Answer):
     """Grow regions for a group of a scene."""
 
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | list[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     allowed_time: float = 600.0
     """After this time what has grown is the result [s]."""
     along: Literal["paths", "nothing"] | str = "paths"
@@ -4144,6 +4467,56 @@ class RobotDocument(Answer):
     say otherwise themselves."""
 
 
+class RobotState(Answer):
+    """Where a robot is."""
+
+    execution: str | None
+    """Execution that moves it, or waits to; null for none."""
+    positions: JointPositions
+    """Of the joints of its groups [rad or m]; `set_positions` takes them as they are."""
+    robot: str
+    """Its name in the scene."""
+    source: StateSource
+    """What says where it is."""
+    status: RobotStatus
+    """`at_rest`; `moving`, by an execution; or `unknown`: an execution has ended without its
+    driver, and nothing in the scene moves until `set_positions` says where it is."""
+    updated_at: datetime
+    """When that was said last (UTC)."""
+    velocities: JointPositions | None
+    """Measured [rad/s or m/s]; null where its driver does not tell."""
+
+
+class RobotStateEvidence(Answer):
+    """Which robots have to be looked at."""
+
+    robots: list[str]
+    """Their names."""
+
+
+class RobotStateUnknownProblem(Answer):
+    """It is not known where a robot of this scene is."""
+
+    code: Literal["robot_state_unknown"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: RobotStateEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+type RobotStatus = Literal["at_rest", "moving", "unknown"] | str
+"""Whether a robot moves."""
+
+
 class Robustness(Answer):
     """What the proof of clearance survives: guaranteed lower bounds, each by itself."""
 
@@ -4177,6 +4550,17 @@ type SampleRejection = (
     | str
 )
 """Which test an IK sample fails."""
+
+
+class SamplingReserve(Answer):
+    """What is left of the proven clearance by a controller that samples and smooths the motion."""
+
+    approach: float
+    """How much nearer two bodies may be for it, at most [m]."""
+    clearance: float | None
+    """Proven lower bound on all distances along the path [m]; null without any pair."""
+    deviation: float
+    """Largest distance of a joint from the path [rad]."""
 
 
 class Saving(Answer):
@@ -4248,6 +4632,8 @@ class SceneDocument(Answer):
     configurations: dict[str, ConfigurationDocument] = Field(default={}, validate_default=True)
     """Named configurations beside those of the robots."""
     frames: list[FrameDocument] = Field(default=[], validate_default=True)
+    groups: dict[str, list[str]] = Field(default={}, validate_default=True)
+    """Groups that span groups of robots, `robot` or `robot::group` each, in order."""
     margin: float = 0.0
     """Distance kept from everything but the robot itself [m]."""
     margins: list[MarginDocument] = Field(default=[], validate_default=True)
@@ -4395,6 +4781,65 @@ class ScenePage(Answer):
     """On this page."""
     next: str | None
     """Cursor of the next page; null on the last one."""
+
+
+class ScheduleEvidence(Answer):
+    """Why no delays keep several motions apart."""
+
+    encounters: list[Encounter]
+    """Of two motions what either meets that waits; of more, what each two must avoid."""
+    groups: list[str]
+    """Groups of the motions that meet."""
+    pair: list[str]
+    """The two bodies that meet first."""
+    time: float
+    """When, by the time of the motion that is then under way [s]."""
+
+
+class ScheduleMotionsResponse(Answer):
+    """A proven schedule, or why there is none."""
+
+    failure: Failure | None
+    """Why there is none: `schedule_not_found` with the pair that meets, `not_certified` with
+    the failed checks, `deadline_exceeded`; null if there is one."""
+    schedule: MotionSchedule | None
+    """The schedule; null if there is none."""
+
+
+class ScheduleNotFoundFailure(Answer):
+    """No delays keep several motions apart."""
+
+    code: Literal["schedule_not_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: ScheduleEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class ScheduleNotFoundProblem(Answer):
+    """No delays keep several motions apart."""
+
+    code: Literal["schedule_not_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: ScheduleEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
 class ScopeEvidence(Answer):
@@ -4939,6 +5384,31 @@ class StartedEvent(Answer):
     """For `Last-Event-ID`."""
 
 
+class StateEvent(Answer):
+    """The live state as it is now; what was between two events is not told."""
+
+    data: Json[LiveState]
+    """The live state, whole."""
+    event: Literal["state"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
+class OtherStateSource(Answer):
+    """One that a newer server has."""
+
+    type: str
+
+
+type StateSource = Annotated[
+    Annotated[DocumentSource | EditSource | ExecutionSource, Field(discriminator="type")]
+    | OtherStateSource,
+    Field(union_mode="left_to_right"),
+]
+"""What says where the robot is."""
+
+
 class StatusData(Answer):
     """How far an execution is, and when it was there."""
 
@@ -4951,18 +5421,28 @@ class StatusData(Answer):
     positions: list[float]
     """Measured positions [rad or m]."""
     progress: float
-    """Time along the motion over its duration, 0 to 1."""
+    """Share of the path's length that is done, 0 to 1, by place, not by the clock: it shrinks
+    on the way back."""
     state: ExecutionState
     """State of the execution."""
     time: float
     """Time along the motion [s]."""
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
+    jitter: Jitter | None = None
+    """How late the ticks were so far; null if not recorded."""
     lateness: float | None = None
     """The longest so far that the controller was late to look at the clock [s]: what else runs
     on the machine makes the motion fall behind; null if not recorded."""
+    path_velocity: float | None = None
+    """Seconds of the motion per second of the robot's clock, now; negative is backwards; null
+    if not recorded."""
     plan: str | None = None
     """To which plan, in the stream of a batch; absent in other streams."""
+    torques: list[float] | None = None
+    """Measured torques or forces of the motors [N m or N]; null if not known."""
+    velocities: list[float] | None = None
+    """Measured velocities [rad/s or m/s]; null if not recorded."""
 
 
 class StatusEvent(Answer):
@@ -5089,6 +5569,38 @@ class ToolRelaxation(Answer):
     """Another rotation at the same position."""
     tolerance: LargerTolerance | None = None
     """Larger tolerances."""
+
+
+class TorqueEvidence(Answer):
+    """Which joint's torque was at its limit, and for how long."""
+
+    bound: float
+    """What it may be [N m or N]."""
+    joint: str
+    """Full name."""
+    seconds: float
+    """How long some joint was at its limit [s]."""
+    time: float
+    """On the motion [s]."""
+    torque: float
+    """Of the motor [N m or N]."""
+
+
+class TorqueLimitReachedFailure(Answer):
+    """A joint was at its torque limit for too long."""
+
+    code: Literal["torque_limit_reached"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: TorqueEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
 
 
 class TrackingEvidence(Answer):
@@ -5314,6 +5826,15 @@ class UnsupportedMediaTypeProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
+class UrRtdeDriver(Answer):
+    """An arm of Universal Robots, by RTDE."""
+
+    host: str
+    """Name of a controller in the server's settings (`WAYPROOF_UR_HOSTS`)."""
+    type: Literal["ur_rtde"]
+    """Protocol of its controller."""
+
+
 class Verdict(Answer):
     """What was found of one configuration."""
 
@@ -5361,6 +5882,55 @@ class ViolatingPair(Answer):
     """That is demanded between them [m]."""
     points: list[list[float]]
     """The nearest points of both in world, or the deepest ones [m]."""
+
+
+class VisibleBody(Answer):
+    """A body that is drawn."""
+
+    name: str
+    """Full name, which is also that of its frame."""
+    shapes: list[VisibleShape]
+    """Its visual shapes; its collision shapes if it has none."""
+    pose: Pose | None = None
+    """In world; null for what moves with a robot: `POST …/fk` tells where its frame is."""
+
+
+class VisibleShape(Answer):
+    """A shape that is drawn: exactly one of the first seven members is not null."""
+
+    color: list[float]
+    """Red, green, blue, opacity, 0 to 1; a mesh with materials has its own colours."""
+    pose: Pose
+    """On its body."""
+    box: list[float] | None = None
+    """Full side lengths x, y, z [m]."""
+    capsule: RoundDocument | None = None
+    """Along z."""
+    cylinder: RoundDocument | None = None
+    """Along z."""
+    ellipsoid: list[float] | None = None
+    """Semi-axes x, y, z [m]."""
+    half_space: EmptyDocument | None = None
+    """All points with z <= 0."""
+    mesh: MeshName | None = None
+    """Triangles."""
+    sphere: float | None = None
+    """Radius [m]."""
+
+
+class Wait(Answer):
+    """Who waits for whom, and why."""
+
+    delay: float
+    """How long it waits, from the beginning of the schedule [s]."""
+    for_group: str
+    """Group of the motion that it waits for: begun earlier, it would meet this one."""
+    group: str
+    """Group of the motion that waits."""
+    pair: list[str]
+    """The two bodies that would be nearer than their margin."""
+    time: float
+    """When they would, if it began a little earlier, by the schedule's time [s]."""
 
 
 class Webhook(Answer):

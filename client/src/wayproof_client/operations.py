@@ -101,7 +101,8 @@ class Operations(Caller):
         prefer: str | None = None,
         idempotency_key: str | None = None,
     ) -> models.Execution:
-        """Carry out a plan, if its start is where the robot is."""
+        """Carry out a plan or a motion of your own, if it starts where the robot is and is
+        proven."""
         return self.ask(
             Call(
                 "POST",
@@ -162,7 +163,7 @@ class Operations(Caller):
         )
 
     def set_execution_speed(self, execution: str, body: requests.SpeedRequest) -> models.Execution:
-        """Change how fast the motion is carried out; the robot gets there along its path."""
+        """Change how fast and which way the motion is carried out; the robot stays on its path."""
         return self.ask(
             Call(
                 "POST",
@@ -506,7 +507,7 @@ class Operations(Caller):
 
     def edit_scene(
         self, scene: str, body: requests.SceneEdit, *, if_match: str | None = None
-    ) -> models.Scene:
+    ) -> models.EditedScene:
         """Edit a scene: its next revision, which plans use from now on; older ones stay."""
         return self.ask(
             Call(
@@ -516,7 +517,7 @@ class Operations(Caller):
                 headers={"If-Match": if_match},
                 body=body,
             ),
-            models.Scene,
+            models.EditedScene,
         )
 
     def check_configurations(
@@ -547,6 +548,33 @@ class Operations(Caller):
                 body=body,
             ),
             models.FkResponse,
+        )
+
+    def get_scene_geometry(
+        self, scene: str, *, revision: int | None = None, if_none_match: str | None = None
+    ) -> models.Geometry:
+        """Show what the bodies of a scene look like: shapes, colours, and poses of what is
+        fixed."""
+        return self.ask(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/geometry",
+                inserted={"scene": scene},
+                query={"revision": revision},
+                headers={"If-None-Match": if_none_match},
+            ),
+            models.Geometry,
+        )
+
+    def get_scene_mesh(self, scene: str, sha256: str, *, revision: int | None = None) -> bytes:
+        """Return a mesh that the geometry of a scene names."""
+        return self.ask_bytes(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/geometry/{sha256}.glb",
+                inserted={"scene": scene, "sha256": sha256},
+                query={"revision": revision},
+            )
         )
 
     def solve_inverse_kinematics(
@@ -645,6 +673,32 @@ class Operations(Caller):
             )
         )
 
+    def get_scene_state(self, scene: str) -> models.LiveState:
+        """Show where the robots of a scene are now, what says so, and what they hold."""
+        return self.ask(
+            Call("GET", "/v1/scenes/{scene}/state", inserted={"scene": scene}), models.LiveState
+        )
+
+    def stream_scene_state(
+        self,
+        scene: str,
+        *,
+        rate: float | None = None,
+        most: int | None = None,
+        last_event_id: str | None = None,
+    ) -> Iterator[models.StateEvent]:
+        """Stream the live state: now, unless it was seen, and whenever it changes."""
+        return self.ask_events(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/state/events",
+                inserted={"scene": scene},
+                query={"rate": rate, "most": most},
+                headers={"Last-Event-ID": last_event_id},
+            ),
+            models.StateEvent,
+        )
+
     def certify_trajectory(
         self, body: requests.CertifyMotionRequest
     ) -> models.CertifyMotionResponse:
@@ -656,6 +710,15 @@ class Operations(Caller):
     def retime_path(self, body: requests.RetimeRequest) -> models.RetimeResponse:
         """Time a path of your own as quickly as the limits allow, and prove the motion."""
         return self.ask(Call("POST", "/v1/trajectories/retime", body=body), models.RetimeResponse)
+
+    def schedule_motions(
+        self, body: requests.ScheduleMotionsRequest
+    ) -> models.ScheduleMotionsResponse:
+        """Begin the motions of several plans as early as they can, and prove all of them
+        together."""
+        return self.ask(
+            Call("POST", "/v1/trajectories/schedule", body=body), models.ScheduleMotionsResponse
+        )
 
     def splice_motion(self, body: requests.SpliceMotionRequest) -> models.SpliceMotionResponse:
         """Go over from a running motion to another one without a rest in between, and prove it."""

@@ -109,8 +109,9 @@ class CertifyMotionRequest(TypedDict):
     carried included: check `torque` of the certificate."""
     goal: NotRequired[Sequence[float] | None]
     """Where it shall end [rad or m]; null for where it does."""
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     limit_jerk: NotRequired[bool]
     """Hold it against the limits on jerk as well."""
     margin: NotRequired[float | None]
@@ -145,8 +146,9 @@ class CheckRequest(TypedDict):
 
     configurations: Sequence[Sequence[float]]
     """The group's positions, one row each [rad or m]."""
-    group: str
-    """`robot` or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
 
@@ -165,7 +167,7 @@ class ConfigurationDocument(TypedDict):
     """A named configuration of a group."""
 
     group: str
-    """`robot` or `robot::group`."""
+    """`robot`, `robot::group`, or a group of `groups`."""
     positions: Sequence[float]
     """In the group's order [rad or m]."""
 
@@ -236,21 +238,33 @@ class DistanceBand(TypedDict):
     """Says which constraint this is."""
 
 
+type DriverName = Literal["simulated", "kinematic"]
+"""What moves: `simulated`, Drake's simulation under a joint controller; `kinematic`, a robot
+without mass that is always where it should be, and feels nothing."""
+
+
 class EmptyDocument(TypedDict):
     """No parameters."""
 
 
 class ExecutionRequest(TypedDict):
-    """Carry out a plan."""
+    """Carry out a plan, or a motion of your own."""
 
-    driver: NotRequired[Literal["simulated"]]
-    """What moves: Drake's simulation under a joint controller."""
-    plan: str
-    """Id of a plan that succeeded."""
+    driver: NotRequired[DriverName | UrRtdeDriver]
+    """What moves."""
+    on_conflict: NotRequired[Literal["stop", "ignore"]]
+    """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
+    on the path and ends (`path_blocked`); `ignore` only tells."""
+    plan: NotRequired[str | None]
+    """Id of a plan that succeeded; null for a motion of one's own."""
     speed: NotRequired[float]
-    """Factor on the pace at which the simulation runs; 1 is real time."""
+    """Seconds of the motion per second; above 1 the simulation's clock runs faster than real
+    time, and the motion stays as it is."""
     title: NotRequired[str | None]
     """Title of the motion in replays of the scene."""
+    trajectory: NotRequired[CertifyMotionRequest | None]
+    """A motion of your own, as `POST /trajectories/certify` takes it, without `revision`: it is
+    proven in the latest one, and refused (`not_certified`) if it is not."""
 
 
 class FkRequest(TypedDict):
@@ -260,8 +274,9 @@ class FkRequest(TypedDict):
     """The group's positions, one row each [rad or m]."""
     frames: NotRequired[Sequence[str] | None]
     """Any frames of the scene; null for the group's tool frames."""
-    group: str
-    """`robot` or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
 
 
 class ForbidOperation(TypedDict):
@@ -314,8 +329,9 @@ class IkRequest(TypedDict):
     """Stop after this long, with what was found [s]."""
     goal: PoseGoal | RegionGoal | RelativeGoal
     """Where the tool frame shall be."""
-    group: str
-    """`robot` or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     ik: NotRequired[Ik]
     """How hard to look."""
     margin: NotRequired[float | None]
@@ -396,8 +412,9 @@ class LineRequest(TypedDict):
     """Or the way from where the tool stands."""
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
-    group: str
-    """`robot` or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     max_step: NotRequired[float]
@@ -521,8 +538,9 @@ class PlanRequest(TypedDict):
     """What to find out besides the proof."""
     goal: Goal
     """What to reach."""
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     ik: NotRequired[Ik]
     """Options of the goals stage."""
     margin: NotRequired[float | None]
@@ -652,10 +670,34 @@ class Refine(TypedDict):
     """Whether and how to optimise the path."""
 
     clearance: NotRequired[ClearanceObjective | None]
-    """What the duration is weighed against; `none` has no use for it."""
-    method: NotRequired[Literal["trajopt", "auto", "none"]]
-    """Optimise the duration; do so only if at least half a second is left; or leave the path as
-    it is."""
+    """What the duration is weighed against; `none` and `drake` have no use for it."""
+    method: NotRequired[Literal["trajopt", "drake", "auto", "none"]]
+    """Optimise the duration by convex steps; optimise any objective by Drake's
+    KinematicTrajectoryOptimization; as trajopt, but only if at least half a second is left; or
+    leave the path as it is."""
+    objective: NotRequired[RefineObjective | None]
+    """What to minimise; null for the duration, beside which `trajopt` and `auto` know nothing.
+    With it, or with `drake`, the report has all objectives, before and after."""
+
+
+class RefineObjective(TypedDict):
+    """What to minimise: a weighted sum; one weight at least is positive."""
+
+    derivative: NotRequired[Literal["acceleration", "jerk"]]
+    """What smoothness integrates."""
+    duration: NotRequired[float]
+    """Weight of the duration [1/s]."""
+    energy: NotRequired[float]
+    """Weight of the integral over time of the squared norm of the joints' torques and forces,
+    gravity, damping and payload included [1/(N^2 m^2 s)]; not for groups with a floating joint."""
+    max_duration: NotRequired[float | None]
+    """How long the motion may take [s], approach and retreat not counted; less than the limits
+    allow is `retiming_failed`. Smoothness and energy need it unless the duration has a weight."""
+    path_length: NotRequired[float]
+    """Weight of the joint-space length [1/rad or 1/m]."""
+    smoothness: NotRequired[float]
+    """Weight of the integral over time of the squared norm of what `derivative` names
+    [s^3/rad^2, for jerk s^5/rad^2]."""
 
 
 class RegionGoal(TypedDict):
@@ -695,8 +737,9 @@ class RegionsRequest(TypedDict):
     most."""
     coverage: NotRequired[float]
     """Coverage at which growth ends, as a share of the free configurations in the domain [1]."""
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     iterations: NotRequired[int]
     """Number of times that a region is grown anew around its largest ellipsoid."""
     margin: NotRequired[float | None]
@@ -792,8 +835,9 @@ class RetimeRequest(TypedDict):
     """Give up after this long [s]."""
     certify: NotRequired[Certify]
     """What to compute besides the proof."""
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     path_constraints: NotRequired[Sequence[Constraint]]
@@ -861,6 +905,8 @@ class SceneDocument(TypedDict):
     configurations: NotRequired[Mapping[str, ConfigurationDocument]]
     """Named configurations beside those of the robots."""
     frames: NotRequired[Sequence[FrameDocument]]
+    groups: NotRequired[Mapping[str, Sequence[str]]]
+    """Groups that span groups of robots, `robot` or `robot::group` each, in order."""
     margin: NotRequired[float]
     """Distance kept from everything but the robot itself [m]."""
     margins: NotRequired[Sequence[MarginDocument]]
@@ -893,6 +939,26 @@ type SceneOperation = (
     | ForbidOperation
 )
 """What to do, by `op`."""
+
+
+class ScheduleMotionsRequest(TypedDict):
+    """When to begin the motions of several plans, so that all of them together are proven."""
+
+    allowed_time: NotRequired[float]
+    """Give up after this long [s]."""
+    limit_jerk: NotRequired[bool]
+    """Hold the whole against the limits on jerk as well."""
+    margin: NotRequired[float | None]
+    """Distance that everything keeps [m]; null for the scene's."""
+    plans: Sequence[str]
+    """Ids of plans of groups without a common joint, the most urgent first: the first one waits
+    least."""
+    polynomial: NotRequired[bool]
+    """Add all motions as one, as an exact piecewise polynomial."""
+    revision: NotRequired[int | None]
+    """Of the scene; null for its latest."""
+    scene: str
+    """Id of the scene that all the plans are of."""
 
 
 class Search(TypedDict):
@@ -986,10 +1052,11 @@ type Space = Literal["full", "position"] | Car
 
 
 class SpeedRequest(TypedDict):
-    """Change how fast a motion is carried out."""
+    """Change how fast a motion is carried out, and which way."""
 
     speed: float
-    """Seconds of the motion per second; above 1 only a simulation can do."""
+    """Seconds of the motion per second: 0 rests on the path, negative goes back along it;
+    beyond 1 and -1 only what has a clock of its own can do."""
 
 
 class SpeedZone(TypedDict):
@@ -1021,8 +1088,9 @@ class SpliceMotionRequest(TypedDict):
     even_samples: NotRequired[bool]
     """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
     the motion meet; `trajectory.interpolations` says what is proven of them."""
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     num_points: NotRequired[int | None]
@@ -1077,8 +1145,9 @@ class StopMotionRequest(TypedDict):
     even_samples: NotRequired[bool]
     """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
     the motion meet; `trajectory.interpolations` says what is proven of them."""
-    group: str
-    """`robot` for its default group, or `robot::group`."""
+    group: str | Sequence[str]
+    """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
+    several, or their names joined by `+`, for one group of all their joints, in this order."""
     limit_jerk: NotRequired[bool]
     """Keep the limits on jerk, which the running motion must keep too; can only be false along
     the path, where accelerations then may jump, at the first instant too."""
@@ -1171,6 +1240,15 @@ class Translation(TypedDict):
     """In whose axes, as they stand at the start: any frame."""
     vector: Sequence[float]
     """The way [m]."""
+
+
+class UrRtdeDriver(TypedDict):
+    """An arm of Universal Robots, by RTDE."""
+
+    host: str
+    """Name of a controller in the server's settings (`WAYPROOF_UR_HOSTS`)."""
+    type: Literal["ur_rtde"]
+    """Protocol of its controller."""
 
 
 type WebhookEvent = Literal[
