@@ -82,10 +82,12 @@ def located_in_scene(fault: SceneInvalid, document: Any) -> SceneInvalid:
     if "nearest" not in evidence or "errors" in evidence:
         return fault
     steps = tuple(int(s) if s.isdigit() else s for s in str(evidence.get("path", "")).split("."))
+    part: Any = document
     for step in steps:
-        if not (isinstance(document, list | dict) and step in _steps(document)):
+        if not (isinstance(part, list | dict) and step in _steps(part)):
             return fault
-        document = document[step]
+        inner: Any = part
+        part = inner[step]
     error = Mention(steps, evidence["kind"], evidence["name"]).error(evidence["nearest"])
     return SceneInvalid(fault.detail, {**evidence, "errors": [error]})
 
