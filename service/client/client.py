@@ -7,7 +7,7 @@ import wayproof_client
 from wayproof_client import requests
 from wayproof_client.call import Call
 from wayproof_client.events import Event
-from wayproof_client.models import Execution, Model, Plan, Scene
+from wayproof_client.models import EditedScene, Execution, Model, Plan, Scene
 
 
 class Client(wayproof_client.Client):
@@ -56,7 +56,7 @@ class Client(wayproof_client.Client):
         body: requests.SceneEdit | list[dict[str, Any]],
         *,
         if_match: str | None = None,
-    ) -> Scene:
+    ) -> EditedScene:
         """Carry out operations on a scene, all or none, and return its next revision."""
         edit: Any = {"operations": body} if isinstance(body, list) else body
         return super().edit_scene(scene, edit, if_match=if_match)
