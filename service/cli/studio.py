@@ -50,6 +50,7 @@ def studio(
         timeout_graceful_shutdown=1,
     )
     with bind(settings.host, port) as bound:
+        bound.listen()  # who opens the page now waits for the server to take it
         url = url_of(bound)
         typer.echo(f"the studio of {server} is at {url}", err=True)
         if open_page:

@@ -16,7 +16,7 @@ from planning.errors import DeadlineExceeded, NotCertified, ProblemInvalid, Sche
 from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
 from tests.discs import disc_distance, discs, straight
-from tests.profiles import rng_of
+from tests.profiles import only_campaign, rng_of
 
 # Delays are this much larger than they need be, at most [s]; where discs all but touch [m].
 EXCESS, NEAR = 0.06, 0.02
@@ -44,6 +44,7 @@ def _smallest_distance(motions: Sequence[GroupMotion], delays: Sequence[float]) 
     )
 
 
+@only_campaign("many schedules: half a minute")
 def test_of_two_crossing_discs_the_second_waits_as_long_as_it_must(world: World) -> None:
     motions = [_motion(world, "a", (-1, 0), (1, 0)), _motion(world, "b", (0, -1), (0, 1))]
     found = _schedule(world, *motions)
@@ -103,6 +104,7 @@ def test_margins_are_kept_and_a_margin_of_the_request_too(world: World) -> None:
     assert delays == sorted(set(delays))
 
 
+@only_campaign("many schedules: half a minute")
 @given(seed=st.integers(0, 2**32 - 1))
 def test_no_delays_of_a_grid_are_smaller(world: World, seed: int) -> None:
     """Brute force over delays in lexicographic order, for two and for three discs."""

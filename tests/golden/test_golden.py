@@ -12,7 +12,9 @@ SCENES = Path(__file__).parents[2] / "scenes"
 def test_every_bundled_scene_and_type_of_goal_is_planned_under_a_name_of_its_own():
     names, scenes, requests = zip(*plans(), strict=True)
     assert len(set(names)) == len(names)
-    assert set(scenes) == {file.name.removesuffix(".scene.yaml") for file in SCENES.iterdir()}
+    assert set(scenes) == {
+        file.name.removesuffix(".scene.yaml") for file in SCENES.glob("*.scene.yaml")
+    }
     types = {"joint", "configuration", "pose", "region", "relative", "line", "path"}
     assert {request["goal"]["type"] for request in requests} == types
 

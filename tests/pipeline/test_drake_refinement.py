@@ -15,6 +15,7 @@ from planning.errors import NotCertified, ProblemInvalid, RetimingFailed
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import only_campaign
 from tests.refine.conftest import puck_world
 
 WALL = ([0.2, 0.6, 0.2], [0.0, -0.1, 0.0])
@@ -88,6 +89,7 @@ def test_a_requested_duration_is_kept(puck):
     assert motion.certificate.proven
 
 
+@only_campaign("energy by difference quotients: 14 s")
 def test_an_arm_with_effort_limits_and_payload_saves_energy():
     world = bundled_world("ur5e_pickup")
     carried = planning.Payload.from_parts("arm::tcp", 1.0, (0.0, 0.0, 0.05))

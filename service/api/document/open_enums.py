@@ -39,6 +39,7 @@ STAGES = (
     "search",
     "refine",
     "retime",
+    "schedule",
     "certify",
     "explain",
     "samples",

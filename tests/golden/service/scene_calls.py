@@ -75,6 +75,8 @@ FIRST_CALLS = (
     post("cell", "/v1/scenes", CELL),
     post("edited", "/v1/scenes", {**SQUARE, "name": "edited"}),
     get("scene", "/v1/scenes/{square}"),
+    get("geometry", "/v1/scenes/{square}/geometry"),
+    get("no_mesh", f"/v1/scenes/{{square}}/geometry/{'0' * 64}.glb"),
     _edit("add", {"op": "add", "object": _PEBBLE}),
     _edit("move", {"op": "move", "object": "pebble", "pose": {"position": [0.4, 0.4, 0.02]}}),
     _edit("remove", {"op": "remove", "object": "pebble"}, revision=3),

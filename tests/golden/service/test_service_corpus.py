@@ -29,6 +29,10 @@ def test_the_service_answers_as_is_recorded():
     assert found == [], f"meant? `{REWRITE}` records the answers anew"
 
 
+# No scene of the corpus has a mesh: `queries/test_geometry_routes.py` has.
+_MESHES = "/v1/scenes/{scene}/geometry/{sha256}.glb"
+
+
 def test_every_route_is_asked_and_answers_well():
     told = recorded()
     answered = {
@@ -37,6 +41,8 @@ def test_every_route_is_asked_and_answers_well():
         if told[call.name]["status"] < 300
     }
     for route in api_routes():
+        if route.path == _MESHES:
+            continue
         form = re.compile(re.sub(r"\{\w+\}", "[^/]+", route.path))
         (method,) = route.methods
         assert any(method == asked and form.fullmatch(path) for asked, path in answered), route.path

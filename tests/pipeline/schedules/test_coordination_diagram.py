@@ -13,7 +13,7 @@ from planning.pipeline.schedules.shared_bodies import SharedPairs
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.discs import disc_distance, discs, straight
-from tests.profiles import rng_of
+from tests.profiles import only_campaign, rng_of
 
 # Blocked intervals end some hundredths of a second beyond the truth.
 EXCESS = 0.05
@@ -32,6 +32,7 @@ def _blocked(world: World, a: TimedTrajectory, b: TimedTrajectory) -> BlockedDel
     return blocked_delays(world, pair, shared, no_hurry())
 
 
+@only_campaign("7 s")
 @given(seed=st.integers(0, 2**32 - 1))
 def test_no_delay_is_free_at_which_the_discs_touch(world: World, seed: int) -> None:
     rng = rng_of(seed)

@@ -16,6 +16,7 @@ from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.world.mechanics.dynamics import GroupDynamics
 from tests.clocks import after_looks, no_hurry
+from tests.profiles import only_campaign
 from tests.refine.conftest import Case
 
 
@@ -61,6 +62,7 @@ def test_a_deadline_during_the_program_leaves_what_there_is(thin_wall):
     assert curve is not None or report.reason == OUT_OF_TIME
 
 
+@only_campaign("5 s")
 def test_torque_limits_are_kept_by_the_program(pillar):
     """The motor of the vertical axis, which carries no weight, is weak."""
     share = np.array([0.04, 1.0, 1.0, 1.0, 1.0, 1.0])

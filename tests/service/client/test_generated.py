@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from client.generator.__main__ import DOCUMENT, differing
 from client.generator.annotations import snake
 from client.generator.document import Document
+from tests.profiles import only_campaign
 from wayproof_client import AsyncClient, Client, models
 
 SAID = Document.of(DOCUMENT)
@@ -133,6 +134,7 @@ def test_a_new_operation_makes_a_difference():
     assert found == ["operations.py", "async_operations.py"]
 
 
+@only_campaign("builds some hundred schemas: 5 s")
 def test_every_kind_of_answer_has_a_schema_that_can_be_built():
     kinds = [
         one for one in vars(models).values() if inspect.isclass(one) and issubclass(one, BaseModel)

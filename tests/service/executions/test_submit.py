@@ -55,7 +55,8 @@ class Scene:
         known = {"name": "arm", "aliases": [], "joints": [JOINT], "position_names": ["arm::j"]}
         group = Group.model_construct(**known, positions=self.positions)
         summary = SceneSummary.model_construct(groups=[group])
-        return SimpleNamespace(id=identifier, digest="d", summary=summary, live={})
+        known = {"digest": "d", "summary": summary, "live": {}, "revision": 1}
+        return SimpleNamespace(id=identifier, document={"robots": []}, **known)
 
     async def job(self, queue, identifier):
         goal = {"type": "joint", "positions": [1.0]}

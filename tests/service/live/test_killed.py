@@ -11,6 +11,7 @@ import pytest
 from wsproto import ConnectionType, WSConnection
 from wsproto.events import AcceptConnection, CloseConnection, RejectConnection, Request, TextMessage
 
+from tests.profiles import only_campaign
 from tests.service.live.test_state import CELL, NEAR
 from tests.service.servers import PLAIN, living, server, until
 from tests.service.successor import successor
@@ -73,6 +74,7 @@ def workers_of(pid):
     return [child for child, parent in living().items() if parent == pid]
 
 
+@only_campaign("a server starts twice: 12 s")
 def test_a_server_that_is_killed_leaves_the_robot_where_it_was_measured_last(tmp_path):
     with server(tmp_path) as killed:
         scene = killed.ask("POST", "/v1/scenes", CELL)["id"]

@@ -15,6 +15,7 @@ CHANGES = {
     "createPlan": "plan", "reversePlan": "plan", "cancelPlan": "plan", "deletePlan": "plan",
     "createBatch": "plan", "cancelBatch": "plan", "deleteBatch": "plan",
     "retimePath": "plan", "certifyTrajectory": "plan", "stopMotion": "plan",
+    "scheduleMotions": "plan",
     "spliceMotion": "plan",
     "createExecution": "execute", "cancelExecution": "execute", "pauseExecution": "execute",
     "resumeExecution": "execute", "setExecutionSpeed": "execute", "deleteExecution": "execute",

@@ -11,6 +11,7 @@ from websockets.asyncio.client import connect
 from planning import bundled_folder
 from service.studio.front import HOST_HEADER, TOKEN_HEADER
 from service.studio.process import StudioProcess
+from tests.profiles import only_campaign
 
 _VISER = "viser-v1.1.1"
 # What a page says first; viser waits for it.
@@ -59,6 +60,7 @@ async def process_of(real_server):
     return StudioProcess(real_server.url, bundled_folder("scenes"))
 
 
+@only_campaign("starts the process twice: 12 s")
 @pytest.mark.slow
 def test_it_shows_scenes_to_who_has_the_token_and_comes_back_when_it_died(real_server):
     async def story():
