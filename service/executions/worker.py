@@ -82,7 +82,7 @@ def follow(
     runner: Runner,
     context: TaskContext,
     speed: float,
-    clock: Callable[[], float] = time.monotonic,
+    clock: Callable[[], float] | None = None,
     wait: Callable[[float], object] | None = None,
 ) -> ExecutionStatus:
     """Tick until the execution has ended and return its last status.
@@ -94,9 +94,11 @@ def follow(
         runner: That has not begun.
         context: Has the commands, and is sent every status.
         speed: That the runner has.
-        clock: Shows the time [s].
+        clock: Shows the time [s]; None for that of the process.
         wait: Waits for a number of seconds.
     """
+    # Not a default of the parameter: that would be whatever clock was there at the import.
+    clock = clock or time.monotonic
     wait = wait or threading.Event().wait
     log, sent_at, sent_state = _StatusLog(), 0.0, ExecutionState.ACCEPTED
     applied = Commands(speed=speed)
