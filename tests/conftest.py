@@ -24,7 +24,7 @@ from planning.domain.robot.joints import Joint, JointGroup, JointLimits, JointTy
 from planning.kernel.native import native
 from planning.world.world import World
 from tests.clocks import no_hurry
-from tests.profiles import PROFILE, load_hypothesis_profile
+from tests.profiles import ONLY_CAMPAIGN, PROFILE, load_hypothesis_profile
 
 load_hypothesis_profile()
 
@@ -60,7 +60,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
-        if is_hypothesis_test(getattr(item, "function", None)):
+        reasons = [str(mark.kwargs.get("reason", "")) for mark in item.iter_markers("skipif")]
+        left = any(reason.startswith(ONLY_CAMPAIGN) for reason in reasons)
+        if left or is_hypothesis_test(getattr(item, "function", None)):
             item.add_marker(pytest.mark.campaign)
 
 

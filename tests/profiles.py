@@ -80,9 +80,13 @@ def rng_of(seed: int) -> np.random.Generator:
     return np.random.default_rng([seed, PROFILE.seed] if PROFILE.is_campaign else seed)
 
 
+# What the reasons of tests begin with that `make test` leaves out.
+ONLY_CAMPAIGN = "only in the campaign"
+
+
 def only_campaign(why: str) -> pytest.MarkDecorator:
     """Return the mark of a test that `make test` leaves to `make campaign`, and why."""
-    return pytest.mark.skipif(not PROFILE.is_campaign, reason=f"only in the campaign: {why}")
+    return pytest.mark.skipif(not PROFILE.is_campaign, reason=f"{ONLY_CAMPAIGN}: {why}")
 
 
 def load_hypothesis_profile() -> None:

@@ -8,7 +8,7 @@ import pytest
 import planning
 from benchmarks import loading
 from tests.clocks import FakeClock
-from tests.profiles import PROFILE
+from tests.profiles import PROFILE, only_campaign
 
 # A row takes a process of its own, and a second; scenes of all kinds are measured below.
 SIZES = {"boxes": [3, 60], "robots": [2], "frames": [5]}
@@ -16,6 +16,7 @@ if not PROFILE.is_campaign:
     SIZES = {"boxes": [3], "robots": [2], "frames": []}
 
 
+@only_campaign("5 s")
 @pytest.mark.campaign
 def test_every_scene_has_its_row(capsys: pytest.CaptureFixture[str]) -> None:
     asked = [[f"--{kind}", *map(str, counts)] for kind, counts in SIZES.items()]

@@ -16,6 +16,7 @@ from tests.profiles import only_campaign
 ROOT = Path(__file__).parents[2]
 
 
+@only_campaign("8 s")
 def test_json_is_one_object_with_every_key(
     models: Path, problem_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

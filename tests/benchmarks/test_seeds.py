@@ -11,7 +11,7 @@ from benchmarks.seed_scenes.cycle import pick_and_place
 from benchmarks.seed_scenes.seeds import SEEDS
 from tests.clocks import FakeClock, no_hurry
 from tests.conftest import bundled_world
-from tests.profiles import PROFILE
+from tests.profiles import PROFILE, only_campaign
 
 # The others take a second or two each; the picking cycle is judged below.
 NAMES = [seed.name for seed in SEEDS] if PROFILE.is_campaign else ["window_3d", "ur5e_pickup_joint"]
@@ -43,6 +43,7 @@ def test_a_failure_is_counted_told_and_ends_with_1(capsys: pytest.CaptureFixture
     assert told.err.count("goal_in_collision") == 2
 
 
+@only_campaign("6 s")
 def test_the_part_gets_into_the_tray_and_nothing_touches_on_the_way() -> None:
     start = bundled_world("irb120_cell")
     deadline = no_hurry(60.0)

@@ -20,7 +20,7 @@ from planning.world.kernel.kernel_oracle import KernelCollisionOracle
 from planning.world.kernel.kernel_scene import kernel_scene_of
 from planning.world.world import World
 from tests.conftest import bundled_world
-from tests.profiles import num_cases, rng_of
+from tests.profiles import num_cases, only_campaign, rng_of
 
 pytestmark = [pytest.mark.drake_only, pytest.mark.campaign]
 
@@ -126,6 +126,7 @@ def test_the_kernel_gives_drakes_answers(scene: str, margin: float) -> None:
     _compare(world, world.groups[0], margin, PER_SCENE, scene)
 
 
+@only_campaign("9 s for each robot")
 @pytest.mark.parametrize("robot", ["panda", "ur5"])
 def test_the_kernel_gives_drakes_answers_on_public_problems(robot: str) -> None:
     problems = list(_public_worlds(robot))

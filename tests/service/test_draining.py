@@ -10,7 +10,7 @@ import pytest
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from tests.profiles import num_cases
+from tests.profiles import num_cases, only_campaign
 from tests.service.servers import ARM, PLAIN, endless, request_of, server, until
 from tests.service.test_stopping import Motion, held, workers_of
 
@@ -87,6 +87,7 @@ def check_log(file):
     }
 
 
+@only_campaign("6 s each")
 @pytest.mark.campaign
 @pytest.mark.parametrize("hurry", [signal.SIGTERM, signal.SIGINT][: num_cases(1, 2)])
 def test_a_second_signal_waits_for_no_plan_and_the_plan_is_queued_again(tmp_path, hurry):
@@ -101,6 +102,7 @@ def test_a_second_signal_waits_for_no_plan_and_the_plan_is_queued_again(tmp_path
         assert (queued.state, queued.attempts) == (JobState.QUEUED, 0)
 
 
+@only_campaign("7 s")
 def test_a_robot_waits_for_no_drain(tmp_path):
     with server(tmp_path, WAYPROOF_DRAIN_SECONDS=LONG) as running:
         motion = Motion(running)

@@ -8,7 +8,7 @@ import pytest
 from service.app import create_app
 from service.client.events import decode_events
 from service.settings import Settings
-from tests.profiles import PROFILE
+from tests.profiles import PROFILE, only_campaign
 from tests.service.conftest import TestClient
 from tests.service.jobs.postgres import cluster
 from tests.service.servers import ARM, endless, request_of, server, until
@@ -199,6 +199,7 @@ def test_a_key_at_both_servers_is_one_plan(servers, scene):
     assert {answer["state"] for answer in answers} == {"succeeded"}
 
 
+@only_campaign("37 s: plans run twice; `jobs/test_several_servers.py` has a quick one")
 @pytest.mark.campaign
 def test_when_the_leader_is_killed_the_other_runs_what_it_ran(database, tmp_path):
     """And what it could not begin; both are processes, as users start them."""

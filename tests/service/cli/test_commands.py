@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service.cli.app import app
+from tests.profiles import only_campaign
 from tests.world.meshcat_messages import overlay, tracks
 
 
@@ -28,6 +29,7 @@ def test_plan_works_with_no_server_running(tmp_path):
     assert len(rows) > 10
 
 
+@only_campaign("16 s")
 def test_the_demo_shows_what_was_executed(real_server, tmp_path):
     run = wayproof("demo", "--out", tmp_path, "--speed", 10, "--server", real_server.url)
     assert run.returncode == 0, run.stderr

@@ -157,6 +157,7 @@ def test_as_many_wait_as_may_wherever_they_came_from(url, tmp_path):
     asyncio.run(story())
 
 
+@only_campaign("27 s")
 def test_a_thousand_jobs_from_both_end_once_each(url):
     async def story():
         async with two(url, inline=True, workers=4) as dispatchers:
@@ -205,6 +206,7 @@ import asyncio, sys
 from pathlib import Path
 from tests.service.jobs.conftest import spec
 from tests.service.jobs.several import serving
+from tests.profiles import only_campaign
 
 async def main(url, folder):
     async with serving(url) as (dispatcher, store):

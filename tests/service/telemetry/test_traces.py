@@ -135,6 +135,7 @@ def test_nothing_is_imported_without_the_setting():
 import sys
 from service.app import create_app
 import service.cli.server, service.jobs.worker.main, service.jobs.dispatch.attempt
+from tests.profiles import only_campaign
 create_app()
 print([name for name in ("opentelemetry.sdk", "opentelemetry.exporter") if name in sys.modules])
 """
@@ -187,6 +188,7 @@ def collector():
             thread.join()
 
 
+@only_campaign("8 s")
 def test_a_collector_gets_what_workers_in_processes_do(tmp_path):
     with collector() as (url, spans):
         with server(tmp_path, WAYPROOF_OTLP_ENDPOINT=url) as running:

@@ -9,6 +9,7 @@ from standardwebhooks import Webhook
 
 from service.app import create_app
 from service.settings import Settings
+from tests.profiles import only_campaign
 from tests.service.pages import walk
 from tests.service.servers import until
 from tests.service.webhooks.receiver import receiver
@@ -79,6 +80,7 @@ def test_types_of_messages_are_known(client, events):
     assert told.status_code == 422
 
 
+@only_campaign("7 s")
 def test_the_end_of_a_batch_of_plans_is_told_plan_by_plan(open_client):
     robots = [{"name": "arm", "model": "ur5e", "positions": "home"}]
     scene = open_client.post("/v1/scenes", json={"robots": robots}).json()["id"]

@@ -6,6 +6,7 @@ import pytest
 
 from service.jobs.errors import DatabaseUnavailable, QueueFull
 from service.jobs.states import JobState
+from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, running, spec
 
 
@@ -63,6 +64,7 @@ def test_of_two_at_once_with_one_key_one_is_made(tmp_path):
     asyncio.run(story())
 
 
+@only_campaign("5 s")
 def test_a_full_disk_takes_none(tmp_path):
     async def story():
         disks = []

@@ -13,6 +13,7 @@ from service.jobs.hosts.remote_host import RemoteHost
 from service.jobs.json_text import Encoded
 from service.jobs.outcome import Lost, Returned
 from service.jobs.worker.main import Terms
+from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP
 from tests.service.jobs.remote.machines import Machines
 from tests.service.jobs.worker.test_process_worker import Sink, is_alive, run_of
@@ -31,6 +32,7 @@ async def said(host, kind):
                     return message
 
 
+@only_campaign("7 s")
 def test_a_host_that_nothing_asks_ends_what_it_runs():
     """A dispatcher that is gone prolongs nothing."""
 

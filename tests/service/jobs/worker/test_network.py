@@ -107,6 +107,7 @@ from pathlib import Path
 from service.jobs.worker.main import Terms
 from tests.service.jobs.worker.one_worker import open_worker
 from tests.service.jobs.worker.test_process_worker import run_of
+from tests.profiles import only_campaign
 
 async def story():
     for _ in range(2):
@@ -124,6 +125,7 @@ asyncio.run(story())
 """
 
 
+@only_campaign("11 s")
 @needs_namespaces
 def test_a_worker_starts_all_the_same_and_the_log_says_it_once(listeners):
     command = [sys.executable, "-c", REFUSED, json.dumps(listeners["plain"])]
