@@ -15,6 +15,7 @@ from service.jobs.dispatch.leadership.leader import DispatcherLock, Vacancy
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine
+from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.dispatch.test_recovery import ROOT
 from tests.service.jobs.several import quick, serving, two
@@ -206,7 +207,6 @@ import asyncio, sys
 from pathlib import Path
 from tests.service.jobs.conftest import spec
 from tests.service.jobs.several import serving
-from tests.profiles import only_campaign
 
 async def main(url, folder):
     async with serving(url) as (dispatcher, store):

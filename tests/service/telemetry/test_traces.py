@@ -29,6 +29,7 @@ from service.settings import Settings
 from service.telemetry import traces
 from service.telemetry.ids import with_ids
 from service.telemetry.logs import LineFormatter
+from tests.profiles import only_campaign
 from tests.service.conftest import BLOCK_SCENE, TestClient
 from tests.service.servers import ARM, PLAIN, request_of, server, until
 
@@ -135,7 +136,6 @@ def test_nothing_is_imported_without_the_setting():
 import sys
 from service.app import create_app
 import service.cli.server, service.jobs.worker.main, service.jobs.dispatch.attempt
-from tests.profiles import only_campaign
 create_app()
 print([name for name in ("opentelemetry.sdk", "opentelemetry.exporter") if name in sys.modules])
 """

@@ -14,6 +14,7 @@ import pytest
 from service.jobs.worker import network
 from service.jobs.worker.main import Terms
 from service.jobs.worker.network import leave_network
+from tests.profiles import only_campaign
 from tests.service.jobs.worker.one_worker import open_worker
 from tests.service.jobs.worker.test_process_worker import run_of
 
@@ -107,7 +108,6 @@ from pathlib import Path
 from service.jobs.worker.main import Terms
 from tests.service.jobs.worker.one_worker import open_worker
 from tests.service.jobs.worker.test_process_worker import run_of
-from tests.profiles import only_campaign
 
 async def story():
     for _ in range(2):
