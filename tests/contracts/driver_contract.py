@@ -17,6 +17,7 @@ from planning.errors import DriverLost
 from planning.execute.driver import Driver, Measurement, Setpoint
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
+from tests.profiles import only_campaign
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,7 @@ class DriverContract:
         assert runner.status.tracking_error <= rig.tracking
         runner.stop()
 
+    @only_campaign("20 s for all drivers and robots")
     def test_one_that_goes_back_is_where_it_began(self, rig: DriverRig) -> None:
         runner = Runner(Execution(rig.motion, rig.limits), rig.driver)
         self._run(rig, runner, until=0.5, then=lambda: runner.set_speed(-1.0), limit=400)

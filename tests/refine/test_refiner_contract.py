@@ -18,6 +18,7 @@ from planning.retime.blend import blend_corners
 from planning.retime.retimer import keep_timing, retime
 from planning.world.constraints.path_constraints import PathConstraints
 from tests.clocks import after_looks
+from tests.profiles import only_campaign
 from tests.refine.conftest import Case, case_of
 
 FINE = np.linspace(0.0, 1.0, 1001)
@@ -103,6 +104,7 @@ def test_no_motion_is_worse_than_along_the_path_by_its_own_objective(way):
     assert timed(way, curve).duration <= (longest or np.inf) * (1 + 1e-6)
 
 
+@only_campaign("10 s for all")
 def test_the_same_request_gives_the_same_bytes(way):
     assert digest(way.refined()) == digest(way.outcome)
 

@@ -19,6 +19,7 @@ from planning.errors import DeadlineExceeded, ProblemInvalid
 from planning.roadmaps.roadmap_cache import RoadmapCache
 from tests.clocks import after_looks, no_hurry
 from tests.conftest import bundled_world
+from tests.profiles import only_campaign
 
 SMALL = RoadmapOptions(states=600, neighbours=8)
 
@@ -60,6 +61,7 @@ for folder in sys.argv[1:]:
 """
 
 
+@only_campaign("6 s")
 def test_cold_warm_and_disk_give_the_same_bytes_in_any_process(maze, tmp_path):
     problem, shelf = problem_of(4), RoadmapCache(folder=tmp_path)
     cold, warm = solve(maze, problem, shelf), solve(maze, problem, shelf)

@@ -37,6 +37,7 @@ def told_to_end(running):
     return until(lambda: (answer := get(running, "/readyz")).status_code == 503 and answer)
 
 
+@only_campaign("5 s")
 def test_what_runs_ends_and_nothing_begins_while_a_server_drains(tmp_path):
     log = (tmp_path / "log").open("wb")
     more = {

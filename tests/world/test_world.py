@@ -13,7 +13,7 @@ from planning.errors import AssetNotFound, ModelInvalid, SceneInvalid, UnknownNa
 from planning.world.models.model_library import ModelLibrary
 from planning.world.world import World
 from tests.conftest import bundled_world
-from tests.profiles import num_cases
+from tests.profiles import num_cases, only_campaign
 
 MBM = Path(__file__).parents[3] / "shared" / "mbm" / "models"
 HEAD = "robots:\n  - {name: arm, model: ur5e}\n"
@@ -219,6 +219,7 @@ def _example_models() -> dict[str, Path]:
 OTHERS = ["ur5_gripper", "kinova_robotiq", "reachback", "stretch4_sg4", "so101"]
 
 
+@only_campaign("25 s for all")
 @pytest.mark.campaign
 @pytest.mark.parametrize("name", OTHERS[: num_cases(4, 5)])
 def test_robots_of_other_makers_load_with_their_meshes(name: str) -> None:

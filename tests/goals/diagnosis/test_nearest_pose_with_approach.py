@@ -150,6 +150,7 @@ def test_the_tolerance_that_is_told_would_do(approach: Way, retreat: Way) -> Non
         assert have_lines(world, goal, q[None], [PICK]).all()
 
 
+@only_campaign("4 s")
 def test_lines_count_where_the_pose_itself_collides() -> None:
     """The nearest free pose to one inside the table cannot be left downwards either."""
     world = world_by(NAME, "kernel")

@@ -19,6 +19,7 @@ def wayproof(*arguments):
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+@only_campaign("11 s")
 def test_plan_works_with_no_server_running(tmp_path):
     out = tmp_path / "motion.csv"
     run = wayproof("plan", "maze_2d", "--to", "exit", "--seed", 2, "--out", out)

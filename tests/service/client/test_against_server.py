@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.profiles import only_campaign
 from tests.service.servers import ARM, endless
 from wayproof_client import ApiError, AsyncClient, JobFailed
 
@@ -80,6 +81,7 @@ def test_awaited_operations_run_side_by_side(real_server):
     assert view.html.count("<img") == 1
 
 
+@only_campaign("5 s")
 def test_the_page_runs(real_server, monkeypatch):
     root = Path(__file__).parents[3]
     monkeypatch.chdir(root)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.profiles import only_campaign
 from tests.service.executions.test_stale_executions import (
     ARM,
     aside,
@@ -96,6 +97,7 @@ def test_a_conflict_may_be_ignored_on_request(client, moved):
     assert ended(client, execution)["state"] == "succeeded"
 
 
+@only_campaign("5 s")
 def test_what_is_where_the_robot_was_is_behind_it(client):
     scene = posted(client, ARM)
     plan = planned(client, scene, aside(scene, turn=2.0))  # the tool swings far away

@@ -17,6 +17,7 @@ from service.jobs.states import JobState
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
 from service.jobs.worker.process_worker import ProcessWorker
+from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP, spec
 from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time
 from tests.service.jobs.test_briefs import check_upgrade
@@ -254,6 +255,7 @@ def test_what_moves_comes_to_rest_if_the_database_stays_away(server, url, tmp_pa
     asyncio.run(story())
 
 
+@only_campaign("9 s")
 def test_a_server_that_has_lost_its_database_ends(url, tmp_path):
     on_postgres = {"WAYPROOF_DATABASE_URL": url, "WAYPROOF_ENGINE": "inline"}  # it runs nothing
     with real_server(tmp_path, **on_postgres) as lost, taken_by_force(url):

@@ -13,7 +13,7 @@ from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.calls import Call
 from service.jobs.states import JobState
-from tests.profiles import num_cases, pairs
+from tests.profiles import num_cases, only_campaign, pairs
 from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.jobs.databases import locked
 
@@ -144,6 +144,7 @@ def test_what_was_asked_of_a_job_that_waits_outlives_the_server(tmp_path: Path) 
     asyncio.run(second(asyncio.run(first())))
 
 
+@only_campaign("10 s")
 @pytest.mark.campaign
 @pytest.mark.parametrize("kind", ["full", "locked"][: num_cases(1, 2)])
 def test_a_result_is_kept_until_the_database_takes_it(tmp_path: Path, kind: str) -> None:

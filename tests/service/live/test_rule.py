@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from tests.profiles import PROFILE, num_cases
+from tests.profiles import PROFILE, num_cases, only_campaign
 from tests.service.live.test_state import CELL, edited, moved, posted, whole
 
 ROBOTS = [robot["name"] for robot in CELL["robots"]]
@@ -124,6 +124,7 @@ def check(client, scene, model):
     assert post == pytest.approx(model.post_in_world(), abs=1e-9)
 
 
+@only_campaign("9 s")
 @RULES
 @example(
     steps=[

@@ -11,7 +11,7 @@ from planning.errors import SceneInvalid, WayproofError
 from service.errors import UnreadableBody
 from service.scenes.document_text import SceneText
 from service.scenes.parsing import MAX_DEPTH, decode_scene
-from tests.profiles import num_cases
+from tests.profiles import num_cases, only_campaign
 
 ROBOT = {"name": "arm", "model": "ur5e"}
 YAML = """\
@@ -94,6 +94,7 @@ HOSTILE = {
 
 # Work in proportion to the text takes a second; its square takes hours, and the suite's time limit
 # ends it.
+@only_campaign("9 s")
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_texts_are_refused_with_work_in_proportion(name):
     media, text = HOSTILE[name]

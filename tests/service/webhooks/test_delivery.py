@@ -19,6 +19,7 @@ from service.jobs.store.job_store import JobStore
 from service.webhooks.delivery import RETRY_DELAYS, DeliveryTerms, WebhookDelivery
 from service.webhooks.records import notices
 from service.webhooks.store import WebhookStore
+from tests.profiles import only_campaign
 from tests.service.jobs.postgres import cluster
 from tests.service.servers import until
 from tests.service.webhooks.receiver import receiver
@@ -157,6 +158,7 @@ def test_only_what_is_wanted_is_told_and_failures_without_their_evidence(
     assert failure == {"code": "no_path_found", "stage": "search", "detail": "none"}
 
 
+@only_campaign("10 s for each database")
 @ON_BOTH
 def test_what_is_refused_is_sent_again_and_events_of_a_job_stay_in_order(
     engine, jobs, webhooks, target
@@ -277,6 +279,7 @@ def test_a_webhook_that_takes_nothing_for_days_is_disabled(engine, jobs, webhook
     assert not webhooks.is_needed
 
 
+@only_campaign("4 s")
 def test_a_message_is_given_up_after_its_last_delay(engine, jobs, webhooks, target):
     webhooks.add(target.url, FINISHED)
     target.answers = [500] * 100

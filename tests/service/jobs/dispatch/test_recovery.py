@@ -16,6 +16,7 @@ from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseInUse
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.jobs.worker.test_process_worker import is_alive
 
@@ -58,6 +59,7 @@ def start_server(folder, script=SERVER):
     )
 
 
+@only_campaign("3 s")
 def test_a_server_killed_with_many_jobs_ends_all_of_them_after_a_restart(tmp_path):
     with start_server(tmp_path) as server:
         workers = [int(pid) for pid in server.stdout.readline().split()]
