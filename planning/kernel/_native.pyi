@@ -225,3 +225,9 @@ def solve_penalty_qp(
     tolerance: float,
     max_steps: int,
 ) -> tuple[_Doubles, int, float]: ...
+def optimize_profile(
+    path: tuple[_Doubles, _Doubles],
+    profile: tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles],
+    phases: tuple[_Doubles, _Doubles],
+    limits: _Doubles,
+) -> tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles]: ...

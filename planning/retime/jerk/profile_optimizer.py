@@ -9,9 +9,13 @@ both ends of every phase the speed v, the acceleration a and the jerk j in the p
 minimizes the sum of all h_k (Boyd and Vandenberghe, "Convex optimization", chapter 11; the problem
 is not convex, and the curvature of the limits is left out). Limits are not imposed inside phases:
 the peaks there are bounded afterwards, and the whole profile is slowed by the excess.
+
+The native kernel does the same, with the accelerations between phases as further variables, which
+makes the system of a Newton step banded (`planning/kernel/src/timing`).
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +23,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import JointSpline, derivative
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
 from planning.domain.robot.joints import JointLimits
+from planning.kernel.native import native
 from planning.retime.block_peaks import block_peaks
 from planning.retime.compose import compose
 from planning.retime.jerk.timing_spline import TimingSpline
@@ -50,6 +55,8 @@ def optimize_profile(
     profile: SpeedProfile,
     limits: JointLimits,
     deadline: Deadline = NO_DEADLINE,
+    *,
+    use_kernel: bool = True,
 ) -> SpeedProfile:
     """Return a faster profile within the limits, or the given one.
 
@@ -60,6 +67,7 @@ def optimize_profile(
         profile: Profile from rest to rest.
         limits: Limits of velocity, acceleration and jerk.
         deadline: Time limit.
+        use_kernel: Whether to use the native kernel where there is one.
 
     Raises:
         DeadlineExceeded: Time ran out.
@@ -68,8 +76,12 @@ def optimize_profile(
     is_scalar = smooth_piece.manifold.is_flat and all(len(block) == 1 for block in limits.blocks)
     if not is_scalar or smooth_piece.num_pieces > _MAX_PIECES:
         return profile
-    best, _ = _scaled_to_limits(smooth_piece, profile, limits)
     h, parameters = _phases(smooth_piece, profile)
+    module: Any = native() if use_kernel else None
+    if module is not None:
+        deadline.check("retime")
+        return _optimized_by_kernel(module, smooth_piece, profile, limits, (h, parameters))
+    best, _ = _scaled_to_limits(smooth_piece, profile, limits)
     problem = _ProfileProblem.of(smooth_piece, parameters, limits)
     for _ in range(_NUM_ROUNDS):
         spline = _optimize_durations(problem, h, deadline)
@@ -90,6 +102,21 @@ def optimize_profile(
             np.clip(peaks / np.maximum(max_utilizations, _MIN_UTILIZATION), 1.0, _MAX_TIGHTENING)
         )
     return best
+
+
+def _optimized_by_kernel(
+    module: Any,
+    smooth_piece: JointSpline,
+    profile: SpeedProfile,
+    limits: JointLimits,
+    phases: tuple[Array, Array],
+) -> SpeedProfile:
+    """Return what the native kernel makes of a profile, scaled to its limits."""
+    columns = [block[0] for block in limits.blocks]
+    path = smooth_piece.breaks, np.ascontiguousarray(smooth_piece.coefficients[:, :, columns])
+    initial = profile.s, profile.v, profile.a, profile.j, profile.h
+    bounds = np.stack([getattr(limits, rate) for rate in RATES])
+    return SpeedProfile(*module.optimize_profile(path, initial, phases, bounds))
 
 
 @dataclass(frozen=True)

@@ -12,4 +12,5 @@ NB_MODULE(_native, m) {
   wayproof::bind_ik(m);
   wayproof::bind_prover(m);
   wayproof::bind_refine(m);
+  wayproof::bind_timing(m);
 }
