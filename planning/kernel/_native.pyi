@@ -225,6 +225,13 @@ def solve_penalty_qp(
     tolerance: float,
     max_steps: int,
 ) -> tuple[_Doubles, int, float]: ...
+def fastest_chain(
+    positions: _Doubles,
+    peaks: _Doubles,
+    speeds: _Doubles,
+    jerk_shares: _Doubles,
+    most_intervals: int,
+) -> tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles]: ...
 def optimize_profile(
     path: tuple[_Doubles, _Doubles],
     profile: tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles],

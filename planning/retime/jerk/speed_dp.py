@@ -18,6 +18,7 @@ import numpy as np
 
 from planning.domain.arrays import Array
 from planning.domain.request.deadline import NO_DEADLINE, Deadline
+from planning.kernel.native import native
 
 # Candidate speeds at every cell boundary, relative to the greatest possible there, and then
 # relative to the chosen ones.
@@ -26,7 +27,7 @@ _COARSE_FACTORS = 0.8 ** np.arange(11.0)
 _SLOWDOWN_FACTORS = 0.1 ** np.arange(4.0)
 _FINE_FACTORS = np.geomspace(0.84, 1.19, 9)
 # Shares of the remaining jerk for 3 M_2 V A; the rest is for J.
-_JERK_SHARES = (0.5, 0.15)
+_JERK_SHARES = np.array([0.5, 0.15])
 # Largest number of cells of a speed segment.
 _MAX_SEGMENT_CELLS = 24
 # Largest number of boundaries at which segments begin and end; of more cells some are skipped.
@@ -81,8 +82,15 @@ class SpeedSegment:
     bounds: tuple[float, float, float]
 
 
-def solve_speed_dp(cells: SpeedCells, deadline: Deadline = NO_DEADLINE) -> list[SpeedSegment]:
+def solve_speed_dp(
+    cells: SpeedCells, deadline: Deadline = NO_DEADLINE, *, use_kernel: bool = True
+) -> list[SpeedSegment]:
     """Return the fastest chain of speed segments from rest to rest; empty if there is none.
+
+    Args:
+        cells: Cells of the path.
+        deadline: Time limit.
+        use_kernel: Whether to use the native kernel where there is one.
 
     Raises:
         DeadlineExceeded: Time ran out.
@@ -98,25 +106,29 @@ def solve_speed_dp(cells: SpeedCells, deadline: Deadline = NO_DEADLINE) -> list[
             speeds = np.asarray(
                 factor * max_speeds[nodes, None] * _COARSE_FACTORS, dtype=np.float64
             )
-            segments = _fastest_chain(cells, nodes, speeds, deadline)
+            segments = _fastest_chain(cells, nodes, speeds, deadline, use_kernel=use_kernel)
     for _ in range(2):
         if not segments:
             return segments
         nodes = np.array([segment.begin for segment in segments] + [segments[-1].end])
         chosen_speeds = np.array([segment.speeds[0] for segment in segments] + [0.0])
         speeds = np.minimum(chosen_speeds[:, None] * _FINE_FACTORS, max_speeds[nodes, None])
-        segments = _fastest_chain(cells, nodes, speeds, deadline)
+        segments = _fastest_chain(cells, nodes, speeds, deadline, use_kernel=use_kernel)
     return segments
 
 
 def _fastest_chain(
-    cells: SpeedCells, nodes: Any, speeds: Array, deadline: Deadline
+    cells: SpeedCells, nodes: Any, speeds: Array, deadline: Deadline, *, use_kernel: bool
 ) -> list[SpeedSegment]:
     """Return the fastest chain over the given nodes with the given speeds, shape (nodes, k)."""
     speeds = (1 + _SPEED_QUANTUM) ** np.floor(
         np.log(np.maximum(speeds, 1e-300)) / np.log1p(_SPEED_QUANTUM)
     )
     speeds[[0, -1]] = 0.0
+    module: Any = native() if use_kernel else None
+    if module is not None and np.isfinite(speeds).all():
+        deadline.check("retime")
+        return _fastest_chain_by_kernel(module, cells, nodes, speeds)
     begins, ends = _node_pairs(len(nodes))
     peaks = _peaks_between(cells, nodes, begins, ends)
     lengths = cells.edges[nodes[ends]] - cells.edges[nodes[begins]]
@@ -152,6 +164,23 @@ def _fastest_chain(
         segments.append(SpeedSegment(int(nodes[begin]), int(nodes[end]), pair, bounds))
         end, level = begin, before
     return segments[::-1]
+
+
+def _fastest_chain_by_kernel(
+    module: Any, cells: SpeedCells, nodes: Any, speeds: Array
+) -> list[SpeedSegment]:
+    between = np.maximum.reduceat(np.concatenate([cells.m1, cells.m2, cells.m3]), nodes[:-1], axis=1)
+    begins, ends, before, after, bounds = module.fastest_chain(
+        cells.edges[nodes] * _LENGTH_FACTOR, between, speeds, _JERK_SHARES, _MAX_SEGMENT_CELLS
+    )
+    rows = zip(
+        nodes[begins].tolist(),
+        nodes[ends].tolist(),
+        zip(before.tolist(), after.tolist(), strict=True),
+        map(tuple, bounds.tolist()),
+        strict=True,
+    )
+    return [SpeedSegment(*row) for row in rows]
 
 
 def _node_pairs(num_nodes: int) -> tuple[Any, Any]:

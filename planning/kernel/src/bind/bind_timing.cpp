@@ -7,6 +7,7 @@
 #include "bind/arguments.hpp"
 #include "bind/bind.hpp"
 #include "timing/profile_optimizer.hpp"
+#include "timing/speed_dp.hpp"
 
 namespace wayproof {
 namespace {
@@ -76,12 +77,39 @@ auto optimized(const Path& path, const Profile& profile, const std::tuple<Double
   return arrays_of(found);
 }
 
+auto chain(const Doubles& positions, const Doubles& peaks, const Doubles& speeds, const Doubles& jerk_shares,
+           std::int64_t most_intervals) {
+  SpeedGrid grid;
+  grid.positions = rising(positions, "positions");
+  if (grid.nodes() < 2) refuse("positions have fewer than two numbers");
+  if (speeds.ndim() != 2) refuse("speeds do not have the shape (positions, levels)");
+  const Table levels = table(speeds, grid.nodes(), speeds.shape(1), "speeds");
+  if (peaks.ndim() != 3 || peaks.shape(0) != 6 || peaks.shape(1) != grid.nodes() - 1)
+    refuse("peaks do not have the shape (6, positions - 1, blocks)");
+  if (levels.columns < 1 || most_intervals < 1) refuse("speeds and most_intervals are at least 1");
+  grid.blocks = peaks.shape(2), grid.levels = levels.columns;
+  grid.peaks = copy_of(finite({peaks.data(), peaks.size()}, "peaks"));
+  grid.speeds = copy_of(finite(levels.all(), "speeds"));
+  grid.jerk_shares = copy_of(finite(row(jerk_shares, "jerk_shares"), "jerk_shares"));
+  grid.most_intervals = static_cast<std::size_t>(most_intervals);
+  SpeedChain found;
+  {
+    nb::gil_scoped_release released;
+    found = fastest_chain(grid);
+  }
+  const std::size_t count = found.begin.size();
+  return nb::make_tuple(array_of(found.begin, count), array_of(found.end, count), array_of(found.before, count),
+                        array_of(found.after, count), array_of(found.bounds, count, 3));
+}
+
 }  // namespace
 
 void bind_timing(nb::module_& m) {
   m.def("optimize_profile", &optimized, nb::arg("path"), nb::arg("profile"), nb::arg("phases"), nb::arg("limits"),
         "A faster profile (s, v, a, j, h) along a path (breaks, coefficients), or the given one; phases: durations and "
         "the parameters between them; limits: [3][joints].");
+  m.def("fastest_chain", &chain, nb::arg("positions"), nb::arg("peaks"), nb::arg("speeds"), nb::arg("jerk_shares"),
+        nb::arg("most_intervals"), "The fastest speed segments: nodes at both ends, speeds there, bounds in between.");
 }
 
 }  // namespace wayproof
