@@ -62,10 +62,10 @@ class Value:
     (numpy drops the flag on the way); int32 stays int32, for row indices. Equality is equality
     of content, bit for bit.
 
-    A class with thousands of instances inside another value, most of them unchanged between
-    digests, may set `caches_bytes`: the bytes that an instance adds to a digest are then computed
-    once. Fields in `left_out_if_empty` enter a digest only with content, so a field that is added
-    later does not change the digests of the values that do not use it.
+    A class whose instances enter digest after digest unchanged, by the thousand in a scene or with
+    every plan of a world, may set `caches_bytes`: the bytes that an instance adds to a digest are
+    then computed once. Fields in `left_out_if_empty` enter a digest only with content, so a field
+    that is added later does not change the digests of the values that do not use it.
     """
 
     caches_bytes: ClassVar[bool] = False
@@ -122,45 +122,46 @@ def digest(content: Any) -> str:
     Raises:
         TypeError: A part of it is not a value.
     """
-    sha = hashlib.sha256()
-    _feed(sha, content)
-    return sha.hexdigest()
+    # Joined first: to update a hash with a few bytes takes longer than to keep them.
+    buffer = _Bytes()
+    _feed(buffer, content)
+    return hashlib.sha256(b"".join(buffer.parts)).hexdigest()
 
 
-def _feed(sha: Any, content: Any) -> None:
+def _feed(buffer: Any, content: Any) -> None:
     kind = type(content)
     # Most parts of a value are of these types, so these are tested first.
     if kind is float:
-        sha.update(b"number" + struct.pack("<d", content))
+        buffer.update(b"number" + struct.pack("<d", content))
     elif kind is str:
-        sha.update(_text(content))
+        buffer.update(_text(content))
     elif kind is tuple:
-        _feed_all(sha, "list", content)
+        _feed_all(buffer, "list", content)
     elif kind is int:
-        sha.update(_integer(content))
+        buffer.update(_integer(content))
     elif content is None or kind is bool:
-        sha.update(f"atom{content}".encode())
+        buffer.update(f"atom{content}".encode())
     else:
-        _feed_other(sha, content)
+        _feed_other(buffer, content)
 
 
-def _feed_other(sha: Any, content: Any) -> None:
+def _feed_other(buffer: Any, content: Any) -> None:
     match content:
         case np.ndarray():
             _validate_dtype(content)
-            sha.update(f"array{content.dtype.str}{content.shape}".encode())
-            sha.update(np.ascontiguousarray(content).tobytes())
+            buffer.update(f"array{content.dtype.str}{content.shape}".encode())
+            buffer.update(np.ascontiguousarray(content).tobytes())
         case Value() if content.caches_bytes:
-            sha.update(_cached_bytes(content))
+            buffer.update(_cached_bytes(content))
         case Value():
-            _feed_value(sha, content)
+            _feed_value(buffer, content)
         case Mapping():
             items = [part for key in sorted(content) for part in (key, content[key])]
-            _feed_all(sha, "map", items)
+            _feed_all(buffer, "map", items)
         case tuple() | list():
-            _feed_all(sha, "list", content)
+            _feed_all(buffer, "list", content)
         case _:
-            sha.update(_scalar(content))
+            buffer.update(_scalar(content))
 
 
 def _validate_dtype(array: Any) -> None:
@@ -170,14 +171,14 @@ def _validate_dtype(array: Any) -> None:
         raise TypeError(message)
 
 
-def _feed_value(sha: Any, content: Any) -> None:
+def _feed_value(buffer: Any, content: Any) -> None:
     """Feed the same bytes as a list of all fields' names and contents."""
     empty = frozenset(name for name in content.left_out_if_empty if not getattr(content, name))
     kind, fields = _class_header(type(content), empty)
-    sha.update(kind)
+    buffer.update(kind)
     for name, encoded_name in fields:
-        sha.update(encoded_name)
-        _feed(sha, getattr(content, name))
+        buffer.update(encoded_name)
+        _feed(buffer, getattr(content, name))
 
 
 @cache
@@ -191,7 +192,7 @@ def _class_header(
 
 
 class _Bytes:
-    """Buffer with the interface of a hash, which keeps the bytes."""
+    """Buffer of the bytes of a value; `update` adds some."""
 
     def __init__(self) -> None:
         self.parts: list[bytes] = []
@@ -202,22 +203,22 @@ def _cached_bytes(content: Any) -> bytes:
     """Return the bytes that a value adds to a digest, cached in the value itself."""
     cached = content.__dict__.get(_BYTES_ATTRIBUTE)
     if cached is None:
-        buffer = _Bytes()
-        _feed_value(buffer, content)
-        cached = content.__dict__[_BYTES_ATTRIBUTE] = b"".join(buffer.parts)
+        own = _Bytes()
+        _feed_value(own, content)
+        cached = content.__dict__[_BYTES_ATTRIBUTE] = b"".join(own.parts)
     return cached
 
 
-def _feed_all(sha: Any, kind: str, items: Sequence[Any]) -> None:
-    sha.update(f"{kind}({len(items)})".encode())
+def _feed_all(buffer: Any, kind: str, items: Sequence[Any]) -> None:
+    buffer.update(f"{kind}({len(items)})".encode())
     kinds = set(map(type, items))
     if len(kinds) == 1 and getattr(kinds.pop(), "caches_bytes", False):
-        sha.update(
+        buffer.update(
             b"".join([item.__dict__.get(_BYTES_ATTRIBUTE) or _cached_bytes(item) for item in items])
         )
         return
     for item in items:
-        _feed(sha, item)
+        _feed(buffer, item)
 
 
 def _scalar(content: Any) -> bytes:

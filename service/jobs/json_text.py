@@ -42,9 +42,19 @@ def encode_in_parts(content: Mapping[str, Any]) -> str:
     Raises:
         TypeError: Something in it is not JSON-compatible.
     """
-    texts = {name: part.text for name, part in content.items() if isinstance(part, Encoded)}
-    plain = encode({name: part for name, part in content.items() if name not in texts})
-    lines = [f"{json.dumps(name)}:{text}" for name, text in texts.items()]
+    parts = {name: part for name, part in content.items() if isinstance(part, Encoded)}
+    plain = encode({name: part for name, part in content.items() if name not in parts})
+    return with_parts(plain, parts)
+
+
+def with_parts(plain: str, parts: Mapping[str, Encoded]) -> str:
+    """Return the JSON text of an object that has more members, as `encode_in_parts` writes it.
+
+    Args:
+        plain: The object without them, which is not empty, as JSON without line feeds.
+        parts: The further members.
+    """
+    lines = [f"{json.dumps(name)}:{part.text}" for name, part in parts.items()]
     return "{" + ",\n".join([plain[1:-1], *lines]) + "}"
 
 

@@ -4,7 +4,6 @@ A task is declared where the server can import it, without Drake, and carried ou
 a worker module that `Task.runs` decorates. Jobs are stored with its name: a module may move.
 """
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import reduce
@@ -13,7 +12,7 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict
 
 from service.jobs.context import TaskContext
-from service.jobs.json_text import Encoded, encode_in_parts
+from service.jobs.json_text import Encoded, with_parts
 from service.jobs.outline import Outline
 
 type _Function = Callable[[Any, TaskContext], BaseModel]
@@ -112,9 +111,9 @@ class Task[In: BaseModel, Out: BaseModel]:
             return TaskResult(_json(found))
         apart = dict.fromkeys(member.partition(".")[0] for member in large)
         parts = {name: Encoded(_member(found, name)) for name in apart}
-        plain = json.loads(_json(found, exclude=set(apart)))
-        text = encode_in_parts({**plain, **parts})
-        return TaskResult(text, _json(found, exclude=_nested(large)))
+        plain = _json(found, exclude=set(apart))
+        summary = plain if set(large) == set(apart) else _json(found, exclude=_nested(large))
+        return TaskResult(with_parts(plain, parts), summary)
 
 
 def task_named(name: str) -> Task[Any, Any]:

@@ -25,3 +25,5 @@ class UncheckedPair(Value):
     bodies: tuple[str, str]
     reason: UncheckedReason
     evidence: str
+
+    caches_bytes = True

@@ -54,6 +54,8 @@ class Joint(Value):
     name: str
     type: JointType
 
+    caches_bytes = True
+
     @property
     def num_positions(self) -> int:
         """Number of position coordinates."""
@@ -124,6 +126,8 @@ class JointGroup(Value):
     joints: tuple[Joint, ...]
     tool_frames: tuple[str, ...]
     winding: tuple[str, ...] = ()
+
+    caches_bytes = True
 
     @cached_property
     def position_names(self) -> tuple[str, ...]:
