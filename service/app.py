@@ -25,8 +25,9 @@ from service.live import routes as live
 from service.live import socket as live_socket
 from service.live.feed import LiveFeeds
 from service.plans import batch_routes as batches
-from service.plans import outputs
 from service.plans import routes as plans
+from service.plans.bundle import routes as bundles
+from service.plans.delivery import routes as outputs
 from service.queries import geometry_routes as geometry
 from service.queries import routes as queries
 from service.regions import routes as regions
@@ -60,6 +61,7 @@ PARTS = (
     batches,
     plans,
     outputs,
+    bundles,
     trajectories,
     executions,
     replay,

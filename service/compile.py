@@ -16,7 +16,7 @@ _MORE = (
     "service.cli.server",
     "service.cli.app",
     "service.jobs.store.migrations.upgrade",
-    "service.plans.charts",
+    "service.plans.delivery.charts",
     "trimesh",
     "trimesh.exchange.obj",
 )

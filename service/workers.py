@@ -22,7 +22,7 @@ PRELOAD = (
     "service.queries.geometry_worker",
     "service.regions.worker",
     "service.scenes.worker",
-    "service.plans.output_worker",
+    "service.plans.delivery.worker",
     "service.plans.warm_up",
 )
 WARM_UP = "warm_up"

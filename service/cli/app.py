@@ -15,7 +15,7 @@ _BESIDE = ("serve", "studio", "demo", "plan")
 _NAMES = (
     *_BESIDE,
     *("execute", "check", "ik", "scenes", "models", "bench", "schema", "doctor"),
-    *("config", "keys", "backup", "restore"),
+    *("config", "keys", "backup", "restore", "replay"),
 )
 # In Markdown, brackets stay what they are: `[s]` would be a colour otherwise.
 _OPTIONS = {

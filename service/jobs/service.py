@@ -19,6 +19,7 @@ from service.jobs.job import BatchMember, Job, JobPage, JobSpec, JobSummary, Job
 from service.jobs.states import JobState
 from service.jobs.store.deletion import delete_on_request
 from service.jobs.store.job_store import JobStore
+from service.jobs.task import artifacts_of
 from service.jobs.task_calls import CallTerms, TaskCalls
 
 _CHUNK = 20
@@ -92,6 +93,13 @@ class JobService(TaskCalls):
     async def keep_artifact(self, artifact: Artifact, world_digest: str) -> str:
         """Store an artifact for as long as a job or a scene has a content; return its digest."""
         return await to_thread.run_sync(self._store.artifacts.keep, artifact, world_digest)
+
+    async def artifacts_of(self, job: Job) -> Mapping[str, bytes]:
+        """Return all artifacts that the task of a job reads, as far as they are stored."""
+        read = artifacts_of(job.task, job.payload)
+        parts = await self._store.artifacts.parts(read)
+        wanted = {*read, *(part for needed in parts.values() for part in needed)}
+        return await self._store.artifacts.contents(sorted(wanted))
 
     async def find_by_key(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.

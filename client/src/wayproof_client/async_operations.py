@@ -290,6 +290,13 @@ class AsyncOperations(AsyncCaller):
             models.Plan,
         )
 
+    async def get_plan_bundle(self, plan: str) -> bytes:
+        """Pack a plan that succeeded or failed: request, scene, models' files, result,
+        versions, test."""
+        return await self.ask_bytes(
+            Call("GET", "/v1/plans/{plan}/bundle.zip", inserted={"plan": plan})
+        )
+
     async def cancel_plan(self, plan: str) -> models.Plan:
         """End a plan, in whatever state it is; asking again changes nothing."""
         return await self.ask(

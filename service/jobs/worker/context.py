@@ -62,8 +62,8 @@ class PipeContext:
             self._is_canceled = True
 
 
-class WarmUpContext:
-    """For the warm-up, whose events and limits count for nothing."""
+class SilentContext:
+    """For a task that no server follows, such as the warm-up: drops events and limits."""
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Drop an event."""
@@ -72,10 +72,10 @@ class WarmUpContext:
         """Drop an event."""
 
     def allow(self, seconds: float) -> None:
-        """Do nothing: a warm-up has no limit."""
+        """Do nothing: what nothing follows has no limit."""
 
     def watch(self, silence: float) -> None:
-        """Do nothing: a warm-up may be silent."""
+        """Do nothing: what nothing follows may be silent."""
 
     def controls(self) -> dict[str, Any]:
         """Return that none is set."""

@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from service.jobs.host_folder import set_host_folder
-from service.jobs.worker.context import PipeContext, WarmUpContext
+from service.jobs.worker.context import PipeContext, SilentContext
 from service.jobs.worker.memory import limit_own
 from service.jobs.worker.network import leave_network
 from service.jobs.worker.parent_watch import exit_with_parent
@@ -76,7 +76,7 @@ def serve(
 def _run_tasks(pipe: MessagePipe, network: str | None, warm_up: str | None) -> None:
     fault = ""
     if warm_up is not None:
-        warm_up_end = run_task(warm_up, "{}", WarmUpContext())
+        warm_up_end = run_task(warm_up, "{}", SilentContext())
         if warm_up_end.kind is not MessageKind.RESULT:
             fault = warm_up_end.text
     pipe.send(Message(MessageKind.READY, 0, two_parts(network or "", fault)))

@@ -20,7 +20,7 @@ from wayproof_client import models
 
 COMMANDS = [
     "serve", "demo", "plan", "execute", "check", "ik", "scenes", "models", "bench", "schema",
-    "doctor", "config", "keys", "backup", "restore",
+    "doctor", "config", "keys", "backup", "restore", "replay",
 ]  # fmt: skip
 PAGE = Path(__file__).parents[3] / "docs" / "reference" / "cli.md"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from service.errors import status_of
 from service.jobs.host_folder import set_host_folder
-from service.jobs.worker.context import WarmUpContext
+from service.jobs.worker.context import SilentContext
 from service.jobs.worker.protocol import MessageKind, load_error
 from service.jobs.worker.run_task import run_task
 from service.scenes import worker as scenes
@@ -19,7 +19,7 @@ def main():
     set_host_folder(Path(sys.argv[1]))
     for line in sys.stdin:
         payload = {"text": line, "media": "json", "library": library}
-        end = run_task(LOAD_SCENE.name, json.dumps(payload), WarmUpContext())
+        end = run_task(LOAD_SCENE.name, json.dumps(payload), SilentContext())
         answer = {"status": 201, "text": ""}
         if end.kind is MessageKind.FAILURE:
             error = load_error(end.text)

@@ -11,7 +11,7 @@ import planning
 from planning.api.motion_series import MotionSeries, motion_series
 from planning.domain.request.options import RetimeOptions
 from planning.world.world import World
-from service.plans.charts import CHARTS
+from service.plans.delivery.charts import CHARTS
 from tests.clocks import no_hurry
 
 BOUNDS = {"arm::shoulder_pan_joint": (-0.9, 0.6)}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from service.errors import SceneNotKept
-from service.jobs.worker.context import WarmUpContext
+from service.jobs.worker.context import SilentContext
 from service.scenes import world_cache as worlds
 from service.scenes.store.document_artifact import artifact_of
 from service.scenes.tasks import Library, LoadWork, SceneWork, StoredScene
@@ -27,7 +27,7 @@ def borrowed(tmp_path):
     """Calls with the world of the posted scene and some positions."""
     worlds._idle.clear()
     posted = LoadWork(library=LIBRARY, text=json.dumps(POSTED), media="json")
-    loaded = on_host(tmp_path, load_scene, posted, WarmUpContext())
+    loaded = on_host(tmp_path, load_scene, posted, SilentContext())
     document = put(tmp_path, artifact_of(loaded).content)
 
     def borrow(positions=None, look=lambda world: world, digest=loaded.digest):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from service.jobs.worker.context import WarmUpContext
+from service.jobs.worker.context import SilentContext
 from service.queries.models.check import CheckRequest
 from service.queries.worker import check
 from service.scenes import document_text as scene_text
@@ -46,7 +46,7 @@ def task(tmp_path):
         if found is not None:
             digest = put(tmp_path, artifact_of(found).content)
             payload["scene"] = {"digest": found.digest, "document": digest}
-        return on_host(tmp_path, work, WORK[work].model_validate(payload), WarmUpContext())
+        return on_host(tmp_path, work, WORK[work].model_validate(payload), SilentContext())
 
     return call
 

@@ -3,8 +3,8 @@
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from service.plans.delivery.routes import Period
 from service.plans.models.request import Retime
-from service.plans.outputs import Period
 
 
 @pytest.mark.parametrize(("period", "is_allowed"), [(1e-4, True), (9e-5, False), (10.1, False)])

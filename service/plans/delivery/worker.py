@@ -127,7 +127,7 @@ def plot(work: PlotWork, context: TaskContext) -> Drawing:
         InputError: The scene does not load any more.
         DeadlineExceeded: Its distances take too long.
     """
-    from service.plans.charts import OF_DISTANCES, draw  # noqa: PLC0415  (takes a second)
+    from service.plans.delivery.charts import OF_DISTANCES, draw  # noqa: PLC0415  (takes a second)
 
     with borrow_world(work) as world:
         series = motion_series(

@@ -1,0 +1,1 @@
+"""What a plan delivered, to use and to look at: samples, files, charts, pages."""
