@@ -6,7 +6,8 @@ twice with the default options: to its goal configuration, and to the pose of th
 has 5 s. The first plans of the process, which import and warm up, are not counted; loading a world
 is reported apart. Limits: Panda 2.175 (joints 1 to 4) and 2.61 rad/s, and 15, 7.5, 10, 12.5, 15,
 20, 20 rad/s^2; UR5 pi rad/s and 10 rad/s^2 for every joint. With --refine the last table has,
-problem by problem, what no motion beats. `docs/benchmarks.md` says more.
+problem by problem, what no motion beats; several methods share one table. `docs/benchmarks.md` says
+more.
 """
 
 import argparse
@@ -16,6 +17,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+METHODS = ("none", "trajopt", "auto", "drake")
+OBJECTIVES = ("duration", "smoothness", "energy", "path_length", "max_duration")
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "DRAKE_NUM_THREADS")
 
 
@@ -54,7 +57,25 @@ def parser() -> argparse.ArgumentParser:
         metavar="N",
         help="only the first N of a round-robin over the sets",
     )
-    reader.add_argument("--refine", choices=["none", "trajopt", "auto", "drake"], default="none")
+    reader.add_argument(
+        "--refine",
+        type=_methods,
+        default=("none",),
+        metavar="METHOD,...",
+        help=f"of {', '.join(METHODS)}; several plan each problem in turns and share one table",
+    )
+    reader.add_argument(
+        "--objective",
+        type=_weights,
+        metavar="NAME=WEIGHT,...",
+        help=f"what refinement minimizes: a sum of {', '.join(OBJECTIVES)}",
+    )
+    reader.add_argument(
+        "--clock",
+        choices=["wall", "cpu"],
+        default="wall",
+        help="by which plans are timed and have their 5 s; cpu: processor time, on a busy machine",
+    )
     reader.add_argument(
         "--drake",
         type=int,
@@ -72,6 +93,26 @@ def _positive(word: str) -> int:
         message = f"{number} is less than 1"
         raise argparse.ArgumentTypeError(message)
     return number
+
+
+def _methods(word: str) -> tuple[str, ...]:
+    """Return the names of a list of methods."""
+    names = tuple(dict.fromkeys(word.split(",")))
+    unknown = set(names) - set(METHODS)
+    if unknown:
+        message = f"{', '.join(sorted(unknown))}: it must be of {', '.join(METHODS)}"
+        raise argparse.ArgumentTypeError(message)
+    return names
+
+
+def _weights(word: str) -> dict[str, float]:
+    """Return the weights of a sum of objectives, by name."""
+    pairs = [part.partition("=") for part in word.split(",")]
+    unknown = {name for name, _, _ in pairs} - set(OBJECTIVES)
+    if unknown:
+        message = f"{', '.join(sorted(unknown))}: it must be of {', '.join(OBJECTIVES)}"
+        raise argparse.ArgumentTypeError(message)
+    return {name: float(weight or 1) for name, _, weight in pairs}
 
 
 def _pin() -> int:

@@ -8,24 +8,27 @@ from collections.abc import Callable
 from pathlib import Path
 
 from benchmarks.motion_bench_maker.bounds import print_bounds
+from benchmarks.motion_bench_maker.comparison import print_comparison
 from benchmarks.motion_bench_maker.peers import print_peers
 from benchmarks.motion_bench_maker.problems import data_folder, read_problems, round_robin
 from benchmarks.motion_bench_maker.robots import ROBOTS, robot_files, robot_library
-from benchmarks.motion_bench_maker.runs import Bench, Runs
+from benchmarks.motion_bench_maker.runs import Bench, Method, Runs
 from benchmarks.motion_bench_maker.summary import document
 from benchmarks.motion_bench_maker.table import GOALS, print_tables
+from planning import RefineObjective
 from planning.kernel.native import kernel_name
 
+# On a busy machine the processor time of the one thread is what the wall clock would be alone.
+_CLOCKS: dict[str, Callable[[], float]] = {"wall": time.monotonic, "cpu": time.process_time}
 
-def bench(
-    options: argparse.Namespace, core: int, clock: Callable[[], float] = time.monotonic
-) -> None:
+
+def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | None = None) -> None:
     """Plan, judge and print.
 
     Args:
         options: Those of the command.
         core: That the process is pinned to.
-        clock: Monotonic seconds, of plans.
+        clock: Monotonic seconds, of plans; None for the one that the options name.
 
     Raises:
         DataMissing: The problems or the robot are not where they should be.
@@ -35,22 +38,42 @@ def bench(
     files = robot_files(options.models or data_folder() / "models", ROBOTS[options.robot])
     with tempfile.TemporaryDirectory() as folder:
         library = robot_library(files, problems[0].joints, Path(folder))
-        arm = Bench(files, library, options.refine, clock)
+        methods: list[Method] = list(options.refine)
+        clock = clock or _CLOCKS[options.clock]
+        arm = Bench(files, library, tuple(methods), clock, _objective(options.objective))
         arm.run_all(problems[:1], GOALS, kernel=True)  # warms up, not counted
         done = arm.run_all(problems, GOALS, kernel=True)
-        drake, note = _drake_only(arm, done, options.drake)
+        count = options.drake if len(methods) == 1 else 0
+        drake, note = _drake_only(arm, done, count)
     if options.json:
-        print(json.dumps(document(done, drake)))
+        by_method = {name: document(done.of_method(name), drake) for name in methods}
+        print(json.dumps(by_method if len(methods) > 1 else by_method[methods[0]]))
         return
     head = (
-        f"{options.robot}, {len(problems)} problems, refine {options.refine}, core {core}, "
+        f"{options.robot}, {len(problems)} problems, refine {', '.join(methods)}, objective "
+        f"{options.objective or 'duration'}, core {core}, {options.clock} clock, "
         f"kernel {kernel_name()}; the "
         "first plans of the process warmed up and are not counted; failed plans count in total"
     )
+    if len(methods) > 1:
+        print_comparison(done, methods, head)
+        return
     print_tables(done, drake, head, note)
-    if options.refine != "none":
+    if methods != ["none"]:
         print_bounds(done)
-    print_peers(done, options.robot, options.refine)
+    print_peers(done, options.robot, methods[0])
+
+
+def _objective(weights: dict[str, float] | None) -> RefineObjective | None:
+    if weights is None:
+        return None
+    return RefineObjective(
+        weights.get("duration", 0.0),
+        weights.get("smoothness", 0.0),
+        weights.get("energy", 0.0),
+        weights.get("path_length", 0.0),
+        max_duration=weights.get("max_duration"),
+    )
 
 
 def _drake_only(arm: Bench, done: Runs, count: int) -> tuple[Runs | None, str]:

@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -21,6 +22,7 @@ _NO_STAGES = {"total", "setup", "solve"}
 _EXACT = np.zeros(3)
 
 type GoalKind = Literal["joint", "pose"]
+type Method = Literal["none", "trajopt", "auto", "drake"]
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Run:
             slowest joint at full acceleration and speed [s].
         smoothness: Integral over time of its squared accelerations [rad^2/s^3].
         energy: Integral over time of its squared torques [N^2 m^2 s].
+        method: Of the refine stage.
+        reason: Why that stage did not improve the motion, or used another method's; "" if it did.
     """
 
     problem: Problem
@@ -59,6 +63,8 @@ class Run:
     lower_bound: float = 0.0
     smoothness: float = 0.0
     energy: float = 0.0
+    method: Method = "none"
+    reason: str = ""
 
     @property
     def solved(self) -> bool:
@@ -73,7 +79,7 @@ class Runs:
     Attributes:
         problems: All of them.
         invalid: Those whose start or goal collides in the exact model; they were not planned.
-        runs: Two for each of the others, or one if only joint goals were asked for.
+        runs: Of each of the others, one per kind of goal and method.
         load_ms: Time to load each world, counted nowhere else.
     """
 
@@ -81,6 +87,10 @@ class Runs:
     invalid: list[Problem]
     runs: list[Run]
     load_ms: list[float]
+
+    def of_method(self, method: Method) -> "Runs":
+        """Return the same with the runs of one method alone."""
+        return replace(self, runs=[run for run in self.runs if run.method == method])
 
 
 @dataclass(frozen=True)
@@ -90,14 +100,16 @@ class Bench:
     Attributes:
         files: The robot of the data, for the referee.
         library: The same robot, for the planner.
-        refine: Method of the refine stage.
+        methods: Of the refine stage; each plans every problem, one after another.
         clock: Monotonic seconds: by it plans are timed, and have the time that they are allowed.
+        objective: What methods other than "none" minimize; None for the duration.
     """
 
     files: RobotFiles
     library: planning.ModelLibrary
-    refine: Literal["none", "trajopt", "auto", "drake"]
+    methods: tuple[Method, ...]
     clock: Callable[[], float] = time.monotonic
+    objective: planning.RefineObjective | None = None
 
     def load(self, problem: Problem, *, kernel: bool) -> planning.World:
         """Return the problem's world, with or without the native kernel."""
@@ -107,29 +119,39 @@ class Bench:
     def run_all(
         self, problems: Iterable[Problem], goals: tuple[GoalKind, ...], *, kernel: bool
     ) -> Runs:
-        """Plan every valid problem, once per kind of goal."""
+        """Plan every valid problem, once per kind of goal and method."""
         done = Runs(list(problems), [], [], [])
         for problem in done.problems:
             referee = Referee(self.files, problem)
             if not referee.is_valid:
                 done.invalid.append(problem)
                 continue
-            for goal in goals:
+            for goal, method in product(goals, self.methods):
                 began = self.clock()
                 world = self.load(problem, kernel=kernel)
                 done.load_ms.append(1e3 * (self.clock() - began))
-                done.runs.append(self._run(problem, goal, world, referee))
+                run = self._run(problem, goal, world, referee, self._options(method))
+                done.runs.append(replace(run, method=method))
         return done
 
+    def _options(self, method: Method) -> planning.RefineOptions:
+        objective = None if method == "none" else self.objective
+        return planning.RefineOptions(method, objective=objective)
+
     def _run(
-        self, problem: Problem, goal: GoalKind, world: planning.World, referee: Referee
+        self,
+        problem: Problem,
+        goal: GoalKind,
+        world: planning.World,
+        referee: Referee,
+        refine: planning.RefineOptions,
     ) -> Run:
         query = planning.PlanningProblem(
             f"robot::{ARM}",
             self._goal(problem, goal, referee),
             start=np.array(problem.start),
             search=planning.SearchOptions(allowed_planning_time=ALLOWED_SECONDS),
-            refine=planning.RefineOptions(self.refine),
+            refine=refine,
         )
         failure, detail, plan = "", "", None
         cpu, began = time.process_time(), self.clock()
@@ -162,6 +184,7 @@ class Bench:
             ),
             smoothness=costs.smoothness or 0.0,
             energy=costs.energy or 0.0,
+            reason=plan.stages.refine.reason,
         )
 
     def _goal(

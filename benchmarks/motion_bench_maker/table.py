@@ -29,7 +29,7 @@ def print_tables(done: Runs, drake: Runs | None, head: str, drake_note: str) -> 
         console.print(_motions(done, runs, f"{goal} goals: motions"))
     if load := Spread.of(done.load_ms):
         console.print(f"loading a world, counted nowhere above: {spread_cell(load, 0)} ms")
-    _print_faults(console, done)
+    print_faults(console, done)
     console.print(drake_note)
     if drake is None:
         return
@@ -92,18 +92,20 @@ def _motions(done: Runs, runs: Sequence[Run], title: str) -> Table:
     return table
 
 
-def _print_faults(console: Console, done: Runs) -> None:
+def print_faults(console: Console, done: Runs) -> None:
+    """Print the problems that are not valid, were not solved, or whose motion is not free."""
     if done.invalid:
         names = ", ".join(problem.name for problem in done.invalid)
         console.print(f"not valid (start or goal collides): {names}")
     for run in done.runs:
         if run.failure:
             console.print(
-                f"not solved: {run.problem.name}, {run.goal} goal: {run.failure} "
+                f"not solved: {run.problem.name}, {run.goal} goal, refine {run.method}: "
+                f"{run.failure} "
                 f"after {run.total_ms:.0f} ms: {run.detail}"
             )
         elif not run.free:
-            console.print(f"NOT FREE: {run.problem.name}, {run.goal} goal")
+            console.print(f"NOT FREE: {run.problem.name}, {run.goal} goal, refine {run.method}")
 
 
 def spread_cell(spread: Spread | None, digits: int = 1) -> str:

@@ -194,11 +194,6 @@ class CandidateTiming:
         )
         return replace(candidate, trajectory=kept[0], retime=report)
 
-    def _kept(
-        self, trajectory: TimedTrajectory, options: RetimeOptions
-    ) -> tuple[TimedTrajectory, RetimeReport] | None:
-        return keep_timing(trajectory, self._limits, options, self.path_limits, self.deadline)
-
     def _objectives(self, candidate: CandidateMotion) -> MotionObjectives:
         return MotionObjectives.of(
             self.world,
