@@ -16,6 +16,7 @@ PRELOAD = (
     "service.trajectories.schedule_worker",
     "service.plans.worker",
     "service.executions.proof",
+    "service.executions.together_proof",
     "service.executions.recheck",
     "service.executions.replay_worker",
     "service.queries.worker",

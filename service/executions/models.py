@@ -188,7 +188,10 @@ class Execution(ResponseModel):
         description="The request, defaults filled in, without a motion of one's own"
     )
     scene: str = Field(description="Id of the scene it moves in")
-    group: str = Field(description="Group that moves")
+    group: str = Field(description="Group that moves; of several plans the one that spans theirs")
+    delays: list[float] | None = Field(
+        default=None, description="When each of `plans` begins [s]; null for one motion"
+    )
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
     timings: Timings = Field(

@@ -7,10 +7,10 @@ from planning.errors import UnknownName
 from service.api.names import located
 from service.executions.position import check_at_start
 from service.executions.requests import ExecutionRequest
-from service.executions.tasks import PROVE, PROVE_MOTION, ProofWork, ProvenMotion
+from service.executions.tasks import PROVE, PROVE_MOTION, MemberMotion, ProofWork, ProvenMotion
 from service.jobs.service import JobService
 from service.plans.models.request import PlanRequest
-from service.plans.resource import DeliveredMotion, motion_of, work_of
+from service.plans.resource import DeliveredMotion
 from service.plans.tasks import MotionWork
 from service.scenes.models.summary import Group
 from service.scenes.store.records import SceneRecord
@@ -24,6 +24,7 @@ class Demands(TypedDict):
 
     planned: PlanRequest | None
     own: CertifyMotionRequest | None
+    members: list[MemberMotion]
 
 
 class AskedMotion(Protocol):
@@ -57,19 +58,6 @@ class AskedMotion(Protocol):
         ...
 
 
-async def asked_motion(request: ExecutionRequest, jobs: JobService) -> AskedMotion:
-    """Return the motion that a request asks for.
-
-    Raises:
-        UnknownResource: There is no such plan.
-        NotFinished: The plan has no trajectory.
-    """
-    if request.trajectory is not None:
-        return OwnMotion(request, request.trajectory)
-    job = await jobs.job("plan", request.plan or "")
-    return PlannedMotion(work_of(job), motion_of(job))
-
-
 @dataclass(frozen=True)
 class PlannedMotion:
     """The motion of a plan."""
@@ -85,7 +73,7 @@ class PlannedMotion:
     @property
     def demands(self) -> Demands:
         """What its plan was asked for; a motion backwards keeps what the one forwards did."""
-        return {"planned": self.work.origin or self.work.request, "own": None}
+        return {"planned": self.work.origin or self.work.request, "own": None, "members": []}
 
     def group_in(self, record: SceneRecord) -> Group:
         """Return the group that moves; raises as `AskedMotion`."""
@@ -128,7 +116,7 @@ class OwnMotion:
     @property
     def demands(self) -> Demands:
         """What it was asked to keep."""
-        return {"planned": None, "own": self.motion}
+        return {"planned": None, "own": self.motion, "members": []}
 
     def group_in(self, record: SceneRecord) -> Group:
         """Return the group that moves; raises as `AskedMotion`."""

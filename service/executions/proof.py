@@ -1,9 +1,10 @@
 """Proofs of motions before they are carried out: of plans in another revision, of one's own."""
 
 import time
+from collections.abc import Sequence
 
 from planning import Deadline, certify_trajectory
-from planning.domain.report.certificate import Certificate
+from planning.domain.report.certificate import Certificate, Check
 from planning.errors import NotCertified, ProblemInvalid
 from service.executions.tasks import PROVE, PROVE_MOTION, Proof, ProofWork, ProvenMotion
 from service.jobs.context import TaskContext
@@ -39,7 +40,7 @@ def certify_again(work: ProofWork, context: TaskContext) -> Proof:
             constraints=problem.constraints,
         )
     if not certificate.proven:
-        raise _refusal(certificate)
+        raise refusal(certificate)
     return Proof(min_clearance=certificate.min_clearance)
 
 
@@ -72,7 +73,7 @@ def prove_motion(work: RequestWork[CertifyMotionRequest], context: TaskContext) 
             **demands_of(request, options_of(request, limit_jerk=request.limit_jerk)),
         )
     if not certificate.proven:
-        raise _refusal(certificate)
+        raise refusal(certificate)
     polynomial = Polynomial.from_domain(trajectory)
     return ProvenMotion(
         trajectory=polynomial,
@@ -81,8 +82,15 @@ def prove_motion(work: RequestWork[CertifyMotionRequest], context: TaskContext) 
     )
 
 
-def _refusal(certificate: Certificate) -> NotCertified:
-    worst = certificate.failed[0]
+def refusal(certificate: Certificate, failed: Sequence[Check] = ()) -> NotCertified:
+    """Return the failure of a motion that is not proven.
+
+    Args:
+        certificate: Of the motion.
+        failed: The failed checks that count; none for all of them.
+    """
+    failed = failed or certificate.failed
+    worst = failed[0]
     pair = list(certificate.pair) if worst.name == "clearance" else []
     named = f" ({' and '.join(pair)})" if pair else f" ({worst.where})" if worst.where else ""
     message = (
@@ -98,7 +106,7 @@ def _refusal(certificate: Certificate) -> NotCertified:
         "bound": worst.bound,
         "checks": [
             {"name": check.name, "value": check.value, "bound": check.bound, "where": check.where}
-            for check in certificate.failed
+            for check in failed
         ],
     }
     return NotCertified(message, evidence)

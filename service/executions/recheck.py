@@ -4,9 +4,15 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from planning import Deadline, RetimeOptions, certify_rest, certify_trajectory
+from planning import Deadline, RetimeOptions, World, certify_rest, certify_trajectory
 from planning.domain.curves.curve import TimedTrajectory
+from planning.domain.report.certificate import Certificate
 from service.executions.tasks import RECHECK, Block, Recheck, RecheckWork
+from service.executions.together_proof import (
+    certificate_of,
+    failed_besides_clearance,
+    largest_margin,
+)
 from service.jobs.context import TaskContext
 from service.scenes.world_cache import borrow_world
 from service.trajectories.demands import demands_of, options_of
@@ -28,33 +34,51 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
     since = min(work.since, trajectory.duration)
     deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
     with borrow_world(work) as world:
-        group, demands = _demands(work)
-        rest = certify_rest(
-            world, group, trajectory, since, deadline=deadline, margin=demands["margin"]
-        )
+        margin = _margin(work, world)
+        rest = certify_rest(world, work.group, trajectory, since, deadline=deadline, margin=margin)
         if not rest.proven:
             return _blocked(work, trajectory, _CLEARANCE, rest.pair, rest.proven_until)
-        certificate, _ = certify_trajectory(world, group, trajectory, deadline=deadline, **demands)
+        certificates = _certificates(work, world, trajectory, deadline)
     # What the robot has passed is behind it. An edit that breaks a constraint, or a limit of a
     # frame, does so wherever the robot is.
-    failed = [check for check in certificate.failed if check.name != _CLEARANCE]
+    failed = [check for each in certificates for check in failed_besides_clearance(each)]
     if failed:
         return _blocked(work, trajectory, failed[0].name, (), max(since, failed[0].time))
     return Recheck(block=None)
 
 
-def _demands(work: RecheckWork) -> tuple[str, dict[str, Any]]:
-    """Return the group that moves, and what its motion keeps."""
+def _margin(work: RecheckWork, world: World) -> float | None:
+    """Return the distance of bodies that the motion keeps [m]; None for that of the scene."""
+    if work.members:
+        return largest_margin(world, [member.planned.margin for member in work.members])
+    return _demands(work)["margin"]
+
+
+def _certificates(
+    work: RecheckWork, world: World, trajectory: TimedTrajectory, deadline: Deadline
+) -> list[Certificate]:
+    """Return what is certified of the motion, or of each of those that it is made of."""
+    if work.members:
+        return [
+            certificate_of(world, member, member.trajectory.to_domain(), deadline)
+            for member in work.members
+        ]
+    demands = _demands(work)
+    certificate, _ = certify_trajectory(world, work.group, trajectory, deadline=deadline, **demands)
+    return [certificate]
+
+
+def _demands(work: RecheckWork) -> dict[str, Any]:
+    """Return what a motion of one plan, or of one's own, keeps."""
     if work.own is not None:
         options = options_of(work.own, limit_jerk=work.own.limit_jerk)
-        return work.own.group, dict(demands_of(work.own, options))
+        return dict(demands_of(work.own, options))
     if work.planned is None:
         message = "a motion is a plan's or the client's own"
         raise AssertionError(message)
     problem = work.planned.to_domain()
     options: RetimeOptions = problem.retime
-    kept = {"options": options, "margin": problem.margin, "constraints": problem.constraints}
-    return problem.group, kept
+    return {"options": options, "margin": problem.margin, "constraints": problem.constraints}
 
 
 def _blocked(

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from service.api.fingerprint import ADDED
-from service.api.models import Identifier, Real, RequestModel
+from service.api.models import Identifier, NonNegative, Real, RequestModel
 from service.trajectories.models import CertifyMotionRequest
 
 type DriverName = Annotated[
@@ -36,10 +36,25 @@ def rests_when_lost(driver: str | UrRtdeDriver) -> bool:
 
 
 class ExecutionTerms(RequestModel):
-    """How a motion is carried out, and of which plan it is."""
+    """How a motion is carried out, and of which plan or plans it is."""
 
     plan: Identifier | None = Field(
-        default=None, description="Id of a plan that succeeded; null for a motion of one's own"
+        default=None,
+        description="Id of a plan that succeeded; null for several, and for a motion of one's own",
+    )
+    plans: Annotated[
+        Annotated[list[Identifier], Field(min_length=1, max_length=16)] | None, ADDED
+    ] = Field(
+        default=None,
+        description="Ids of plans of one scene, which are carried out as one motion with one "
+        "clock, the most urgent first; no joint is in two of them",
+    )
+    delays: Annotated[
+        Annotated[list[NonNegative], Field(min_length=1, max_length=16)] | None, ADDED
+    ] = Field(
+        default=None,
+        description="When each of `plans` begins [s]; null for the smallest delays that are "
+        "proven, as `POST /trajectories/schedule` finds them",
     )
     driver: DriverName | UrRtdeDriver = Field(default="simulated", description="What moves")
     speed: Annotated[Real, Field(gt=0, le=100)] = Field(
@@ -58,11 +73,14 @@ class ExecutionTerms(RequestModel):
 
 
 class ExecutionRequest(ExecutionTerms):
-    """Carry out a plan, or a motion of your own."""
+    """Carry out a plan, several plans as one motion, or a motion of your own."""
 
     model_config = ConfigDict(
         json_schema_extra={
-            "examples": [{"plan": "pln_5b1e9a7d4c623f0c", "driver": "simulated", "speed": 1.0}]
+            "examples": [
+                {"plan": "pln_5b1e9a7d4c623f0c", "driver": "simulated", "speed": 1.0},
+                {"plans": ["pln_5b1e9a7d4c623f0c", "pln_92ab3c44de5f4a10"]},
+            ]
         }
     )
 
@@ -74,8 +92,11 @@ class ExecutionRequest(ExecutionTerms):
 
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
-        if (self.plan is None) == (self.trajectory is None):
-            message = "plan: exactly one of `plan` and `trajectory` must be given"
+        if sum(each is not None for each in (self.plan, self.plans, self.trajectory)) != 1:
+            message = "plan: exactly one of `plan`, `plans` and `trajectory` must be given"
+            raise ValueError(message)
+        if self.delays is not None and len(self.delays) != len(self.plans or ()):
+            message = "delays: there must be one for each of `plans`"
             raise ValueError(message)
         if self.trajectory is not None and self.trajectory.revision is not None:
             message = "trajectory.revision: leave it out, an execution is in the latest revision"

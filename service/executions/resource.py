@@ -45,6 +45,7 @@ async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
         request=work.request,
         scene=work.scene_id,
         group=work.group,
+        delays=work.delays,
         status=None if status is None else status.model_copy(update={"state": state}),
         failure=failure,
         timings={} if ended is None else ended.timings,

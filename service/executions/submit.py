@@ -6,8 +6,8 @@ from contextlib import suppress
 from dataclasses import replace
 
 from service.api.fingerprint import fingerprint
+from service.executions.asked import asked_motion
 from service.executions.controllers import address_of, check_driven
-from service.executions.motions import asked_motion
 from service.executions.position import require_at_rest, require_known
 from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, ExecutionWork
@@ -73,6 +73,7 @@ async def submit_execution(
             trajectory=proven.trajectory,
             speed=request.speed,
             joints=joint_types(group),
+            delays=proven.delays,
             **asked.demands,
             address=address,
             clearance=_finite(proven.min_clearance),

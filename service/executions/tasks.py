@@ -20,6 +20,7 @@ class ExecutionOutline(SceneWork):
     Attributes:
         joints: Types of the group's joints, by full name and in its order; older versions said
             nothing of them.
+        delays: When each of several plans begins [s]; None for one motion.
     """
 
     request: ExecutionTerms
@@ -27,6 +28,19 @@ class ExecutionOutline(SceneWork):
     group: str
     speed: float
     joints: dict[str, JointType] = Field(default_factory=dict)
+    delays: list[float] | None = None
+
+
+class MemberMotion(TaskModel):
+    """The motion of one of several plans that are carried out as one.
+
+    Attributes:
+        planned: Request of the plan, which says what its motion keeps.
+        trajectory: Its motion alone.
+    """
+
+    planned: PlanRequest
+    trajectory: Polynomial
 
 
 class ExecutionWork(ExecutionOutline):
@@ -37,6 +51,7 @@ class ExecutionWork(ExecutionOutline):
         planned: Request of the plan that it is of, which says what it keeps; older versions did not
             keep it.
         own: The request, if it is a motion of one's own.
+        members: The motions that it is made of, if it is of several plans.
         address: Of the controller that drives it, where there is one: host, and maybe ports.
         clearance: Proven lower bound on all distances [m]; None without any pair.
     """
@@ -46,6 +61,7 @@ class ExecutionWork(ExecutionOutline):
     clearance: float | None = None
     planned: PlanRequest | None = None
     own: CertifyMotionRequest | None = None
+    members: list[MemberMotion] = Field(default_factory=list[MemberMotion])
 
 
 class ExecutionOutcome(TaskModel):
@@ -114,6 +130,8 @@ class RecheckWork(SceneWork):
     Attributes:
         planned: Request of the plan that it is of, which says what it keeps.
         own: The request, if it is a motion of one's own.
+        members: The motions that it is made of, if it is of several plans.
+        group: That moves.
         trajectory: The whole motion.
         since: Where the robot is along it [s].
         revision: Of the scene.
@@ -121,6 +139,8 @@ class RecheckWork(SceneWork):
 
     planned: PlanRequest | None
     own: CertifyMotionRequest | None
+    members: list[MemberMotion]
+    group: str
     trajectory: Polynomial
     since: float
     revision: int
@@ -130,6 +150,18 @@ class Recheck(TaskModel):
     """The verdict: where the motion is blocked; None if what is left of it holds."""
 
     block: Block | None
+
+
+class TogetherWork(SceneWork):
+    """Motions of several plans to prove as one in a scene.
+
+    Attributes:
+        members: The motions, the most urgent first.
+        delays: When each begins [s]; None for the smallest that are proven.
+    """
+
+    members: list[MemberMotion]
+    delays: list[float] | None
 
 
 class Proof(TaskModel):
@@ -145,11 +177,13 @@ class ProvenMotion(TaskModel):
         trajectory: Its exact polynomial.
         start: Its first configuration.
         min_clearance: As of `Proof`.
+        delays: When each of several plans begins [s]; None for one motion.
     """
 
     trajectory: Polynomial
     start: list[float]
     min_clearance: float | None
+    delays: list[float] | None = None
 
 
 class ShownWork(DeliveredWork):
@@ -174,9 +208,10 @@ EXECUTE = Task(
     queue="execution",
     # A robot that has moved is not where a second attempt would begin.
     max_attempts=1,
-    outline=Outline(payload=("trajectory", "planned", "own")),
+    outline=Outline(payload=("trajectory", "planned", "own", "members")),
 )
 PROVE = Task("prove_execution", ProofWork, Proof)
 RECHECK = Task("recheck_motion", RecheckWork, Recheck)
 PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
+PROVE_TOGETHER = Task("prove_together", TogetherWork, ProvenMotion)
 REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)

@@ -75,7 +75,9 @@ async def _block(
     jobs: JobService,
 ) -> Block | None:
     """Return where a motion is blocked from a time along it on; None if it holds."""
-    if work.planned is None and work.own is None:  # an older version has begun it
+    if (
+        work.planned is None and work.own is None and not work.members
+    ):  # an older version has begun it
         return _unproven("unknown", since, record)
     loaded = scenes.work(record)
     asked = RecheckWork(
@@ -83,6 +85,8 @@ async def _block(
         scene=loaded.scene,
         planned=work.planned,
         own=work.own,
+        members=work.members,
+        group=work.group,
         trajectory=work.trajectory,
         since=since,
         revision=record.revision,

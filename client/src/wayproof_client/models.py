@@ -1082,7 +1082,7 @@ class Execution(Answer):
     finished_at: datetime | None
     """When it ended (UTC)."""
     group: str
-    """Group that moves."""
+    """Group that moves; of several plans the one that spans theirs."""
     id: str
     """Id of the execution."""
     request: ExecutionTerms
@@ -1099,6 +1099,8 @@ class Execution(Answer):
     """What has happened and the database does not hold yet, because it is full, locked or away:
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
+    delays: list[float] | None = None
+    """When each of `plans` begins [s]; null for one motion."""
     sampling: SamplingReserve | None = None
     """Of a controller that samples the motion, once it has ended; null for others."""
     timings: Timings = Field(default={}, validate_default=True)
@@ -1193,15 +1195,21 @@ class ExecutionStatus(Answer):
 
 
 class ExecutionTerms(Answer):
-    """How a motion is carried out, and of which plan it is."""
+    """How a motion is carried out, and of which plan or plans it is."""
 
+    delays: list[float] | None = None
+    """When each of `plans` begins [s]; null for the smallest delays that are proven, as `POST
+    /trajectories/schedule` finds them."""
     driver: DriverName | UrRtdeDriver = "simulated"
     """What moves."""
     on_conflict: Literal["stop", "ignore"] | str = "stop"
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
     on the path and ends (`path_blocked`); `ignore` only tells."""
     plan: str | None = None
-    """Id of a plan that succeeded; null for a motion of one's own."""
+    """Id of a plan that succeeded; null for several, and for a motion of one's own."""
+    plans: list[str] | None = None
+    """Ids of plans of one scene, which are carried out as one motion with one clock, the most
+    urgent first; no joint is in two of them."""
     speed: float = 1.0
     """Seconds of the motion per second; above 1 the simulation's clock runs faster than real
     time, and the motion stays as it is."""

@@ -248,15 +248,21 @@ class EmptyDocument(TypedDict):
 
 
 class ExecutionRequest(TypedDict):
-    """Carry out a plan, or a motion of your own."""
+    """Carry out a plan, several plans as one motion, or a motion of your own."""
 
+    delays: NotRequired[Sequence[float] | None]
+    """When each of `plans` begins [s]; null for the smallest delays that are proven, as `POST
+    /trajectories/schedule` finds them."""
     driver: NotRequired[DriverName | UrRtdeDriver]
     """What moves."""
     on_conflict: NotRequired[Literal["stop", "ignore"]]
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
     on the path and ends (`path_blocked`); `ignore` only tells."""
     plan: NotRequired[str | None]
-    """Id of a plan that succeeded; null for a motion of one's own."""
+    """Id of a plan that succeeded; null for several, and for a motion of one's own."""
+    plans: NotRequired[Sequence[str] | None]
+    """Ids of plans of one scene, which are carried out as one motion with one clock, the most
+    urgent first; no joint is in two of them."""
     speed: NotRequired[float]
     """Seconds of the motion per second; above 1 the simulation's clock runs faster than real
     time, and the motion stays as it is."""
