@@ -89,6 +89,6 @@ def test_where_every_speed_breaks_a_limit_there_is_no_chain() -> None:
     module: Any = native()
     positions, shares = np.linspace(0.0, 1.0, 4), np.array([0.5])
     speeds = np.array([[0.0], [0.4], [0.4], [0.0]])
-    for peak, num_segments in ((1.0, 3), (10.0, 0)):
+    for peak, num_segments in ((0.1, 3), (10.0, 0)):
         chain = module.fastest_chain(positions, np.full((6, 3, 1), peak), speeds, shares, 1)
         assert [len(part) for part in chain] == [num_segments] * 5
