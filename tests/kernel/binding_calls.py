@@ -2,7 +2,6 @@
 
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import Enum
 from functools import partial
 from typing import Any
@@ -10,41 +9,26 @@ from typing import Any
 import numpy as np
 
 from planning.kernel.native import native
+from tests.kernel.call_rules import (
+    ANY,
+    EXACT,
+    INDEX,
+    INDICES,
+    KIND,
+    OBJECT,
+    ROWS,
+    SCALAR,
+    SIZING,
+    Call,
+    call,
+)
+from tests.kernel.timing_calls import timing_calls
 
-# What an argument has to be. EXACT: of one shape; ROWS: of a number of columns; SIZING: of a shape
-# that others fit; SCALAR: a finite number; ANY: no rule that a number can break.
-INDEX, INDICES, EXACT, ROWS, SIZING, SCALAR, KIND, OBJECT, ANY = range(9)
-# Arrays in which NaN is refused; elsewhere it leaves a verdict unsure.
-FINITE = {
-    "X_PF", "X_LG", "X_LT", "axis", "size", "vertices", "planes", "outer", "inner", "bound",
-    "state", "thresholds", "box", "breaks", "bases", "coefficients", "margins", "reach", "least",
-    "price", "c", "q_diagonal", "lower", "upper", "values",
-}  # fmt: skip
 IDENTITY = np.array([1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 0, 0, 0])
 NONE = np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(4)
 # Revolute, planar, floating and prismatic, which follows the first.
 NQ, NV = 12, 11
 STATE = np.array([0.0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0, 2.0, 0.0])
-
-
-@dataclass(frozen=True)
-class Call:
-    """A call with arguments that are right, and a rule for each."""
-
-    function: Callable[..., Any]
-    arguments: dict[str, Any]
-    rules: dict[str, int]
-
-    def __call__(self, **changes: Any) -> Any:
-        return self.function(**{**self.arguments, **changes})
-
-
-def call(function: Callable[..., Any], **arguments: tuple[Any, int]) -> Call:
-    return Call(
-        function,
-        {name: value for name, (value, _) in arguments.items()},
-        {name: rule for name, (_, rule) in arguments.items()},
-    )
 
 
 def scene() -> Any:
@@ -266,6 +250,7 @@ def calls() -> dict[str, Call]:
         ),
         "BesideProver.prove": call(beside_prover().prove, interrupt=(int, OBJECT)),
         "Prover.bounds": call(prover().bounds, halvings=([0, 1, 1], INDICES)),
+        **timing_calls(module),
         "batch_kernels": call(module.batch_kernels),
         "peak": call(module.peak, coefficients=(np.ones((2, 3)), ANY), tolerance=(1e-6, ANY)),
         "solve_penalty_qp": call(

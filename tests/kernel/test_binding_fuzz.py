@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning.kernel.native import native
-from tests.kernel.binding_calls import (
+from tests.kernel.binding_calls import calls, distance_query, exported, group, prover, scene
+from tests.kernel.call_rules import (
     EXACT,
     FINITE,
     INDEX,
@@ -24,12 +25,6 @@ from tests.kernel.binding_calls import (
     SCALAR,
     SIZING,
     Call,
-    calls,
-    distance_query,
-    exported,
-    group,
-    prover,
-    scene,
 )
 from tests.profiles import num_cases
 

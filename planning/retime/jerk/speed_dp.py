@@ -35,6 +35,9 @@ _MAX_NODES = 320
 # Number of segments timed at once, which fits a cache.
 _CHUNK_SIZE = 1024
 _LENGTH_FACTOR = 1 - 1e-9
+# Relative difference up to which times count as equal: rounding does not decide between one long
+# segment and several short ones.
+_EQUAL_TIMES = 1e-12
 # Speeds are whole powers of one plus this, so that two of them are equal or clearly different:
 # segments between almost equal speeds would have phases too short for polynomials in double
 # precision.
@@ -147,8 +150,8 @@ def _fastest_chain(
     for rows in rows_of:
         end = int(ends[rows[0]])
         totals = (best[begins[rows]][:, :, None] + times[rows]).reshape(-1, count)
-        predecessors[end] = (rows, np.argmin(totals, axis=0))
         best[end] = totals.min(axis=0)
+        predecessors[end] = (rows, np.argmax(totals <= best[end] * (1 + _EQUAL_TIMES), axis=0))
     if not np.isfinite(best[-1, 0]):
         return []
     segments: list[SpeedSegment] = []
@@ -169,7 +172,9 @@ def _fastest_chain(
 def _fastest_chain_by_kernel(
     module: Any, cells: SpeedCells, nodes: Any, speeds: Array
 ) -> list[SpeedSegment]:
-    between = np.maximum.reduceat(np.concatenate([cells.m1, cells.m2, cells.m3]), nodes[:-1], axis=1)
+    between = np.maximum.reduceat(
+        np.concatenate([cells.m1, cells.m2, cells.m3]), nodes[:-1], axis=1
+    )
     begins, ends, before, after, bounds = module.fastest_chain(
         cells.edges[nodes] * _LENGTH_FACTOR, between, speeds, _JERK_SHARES, _MAX_SEGMENT_CELLS
     )

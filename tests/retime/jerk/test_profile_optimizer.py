@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.domain.curves.curve import JointSpline
 from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.domain.robot.joints import JointType
@@ -13,23 +12,12 @@ from planning.retime.blend import blend_corners
 from planning.retime.compose import compose
 from planning.retime.jerk.profile_optimizer import optimize_profile
 from planning.retime.jerk.timing_spline import TimingSpline
-from planning.retime.profile import SpeedProfile
 from planning.retime.retimer import retime
 from tests.conftest import group_of, limits_of, random_waypoints
 from tests.profiles import num_cases
-from tests.retime.splines import SEVEN, smooth_spline
+from tests.retime.splines import SEVEN, slow_profile, smooth_spline
 
 SPACE = group_of(JointType.FLOATING)
-
-
-def slow_profile(stretch: JointSpline, duration: float = 30.0) -> SpeedProfile:
-    """Return a profile that is far from all limits: one hop by four phases of constant jerk."""
-    h = duration / 4
-    j = np.array([1.0, -1.0, -1.0, 1.0]) / (2 * h**3)
-    a = np.array([0.0, j[0] * h, 0.0, -j[0] * h])
-    v = np.array([0.0, 0.5, 1.0, 0.5]) * j[0] * h**2
-    s = np.array([0.0, 1 / 12, 0.5, 11 / 12, 1.0])
-    return SpeedProfile(s, v, a, j, np.full(4, h)).split_at(stretch.breaks[1:-1])
 
 
 @settings(max_examples=num_cases(6))

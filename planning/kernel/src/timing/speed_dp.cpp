@@ -9,8 +9,8 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr double tiny = 1e-300;
-// Bounds on the time of a segment that exceed the best time by rounding alone do not rule it out.
-constexpr double surely = 1 - 1e-12;
+// Times closer than this are equal: rounding does not decide between one long segment and several short ones.
+constexpr double equal = 1e-12;
 
 // Bounds on the path's acceleration and jerk, not positive where there are none.
 struct Bounds {
@@ -101,6 +101,13 @@ class Chain {
     return found;
   }
 
+  // Of equal times the one from the farthest node is taken.
+  static void take(double time, std::size_t node, std::size_t level, Choice& choice) {
+    const bool is_equal = time <= choice.time * (1 + equal) && time < inf;
+    if (time < choice.time * (1 - equal) || (is_equal && node < choice.node))
+      choice = {std::min(time, choice.time), node, level};
+  }
+
   void connect(std::size_t begin, std::size_t end) {
     const double length = g_.positions[end] - g_.positions[begin];
     const std::size_t shares = g_.jerk_shares.size();
@@ -112,12 +119,12 @@ class Chain {
       for (std::size_t after = 0; after < g_.levels; ++after) {
         const double v1 = speed(end, after), top = std::max(v0, v1);
         Choice& choice = best(end, after);
-        if (!(top > 0) || (time + length / top) * surely > choice.time) continue;
+        if (!(top > 0) || time + length / top > choice.time * (1 + equal)) continue;
         const Bounds* b =
             v0 >= v1 ? at(v0, at_begin_.data(), is_begin_known) : at(v1, &at_end_[after * shares], is_known_[after]);
         for (std::size_t i = 0; i < shares; ++i) {
           const double total = time + duration(b[i], v0, v1, length);
-          if (total < choice.time) choice = {total, begin, level};
+          take(total, begin, level, choice);
         }
       }
     }
