@@ -4,7 +4,7 @@ from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager, nullcontext
 from functools import partial
 
-from fastapi import Depends, FastAPI
+from fastapi import FastAPI
 
 from service.api import error_responses as problems
 from service.api import operations
@@ -16,7 +16,6 @@ from service.api.middleware.graceful_shutdown import GracefulShutdown
 from service.api.middleware.host_check import HostCheck
 from service.api.middleware.request_id import RequestId
 from service.api.middleware.response_headers import ResponseHeaders
-from service.api.params import require_known_query
 from service.catalog import routes as catalog
 from service.executions import replay
 from service.executions import routes as executions
@@ -137,6 +136,6 @@ def create_app(
     problems.install(app)
     openapi.install(app, partial(declare_security, is_asked=chosen.auth == "keys"))
     for part in PARTS:
-        app.include_router(part.router, dependencies=[Depends(require_known_query)])
+        app.include_router(part.router)
     app.include_router(live_socket.router)
     return app

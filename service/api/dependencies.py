@@ -1,6 +1,7 @@
 """What endpoints are handed: settings and jobs, which live in the app's state.
 
-It is asynchronous: FastAPI has a thread carry out what is not, which takes longer than that.
+It is asynchronous: FastAPI has a thread carry out what is not, which takes longer than that. To be
+handed something takes some time too: what needs several of these takes them from the request.
 """
 
 from typing import Annotated
@@ -16,14 +17,24 @@ CALLER = "wayproof.caller"
 MAX_CLIENT = 80
 
 
-async def _settings(request: Request) -> Settings:
+def settings_of(request: Request) -> Settings:
+    """Return the settings of the server that a request is sent to."""
     settings: Settings = request.app.state.settings
     return settings
 
 
-async def _jobs(request: Request) -> JobService:
+def jobs_of(request: Request) -> JobService:
+    """Return the jobs of the server, for the client that sends a request."""
     jobs: JobService = request.app.state.jobs
     return jobs.for_client(client_of(request.scope))
+
+
+async def _settings(request: Request) -> Settings:
+    return settings_of(request)
+
+
+async def _jobs(request: Request) -> JobService:
+    return jobs_of(request)
 
 
 def client_of(scope: Scope) -> str:

@@ -20,6 +20,7 @@ from service.api.dependencies import JobsDep
 from service.api.metrics import MEDIA_TYPE, Metrics
 from service.api.models import ResponseModel
 from service.api.responses import problems
+from service.api.strict_route import StrictRoute
 from service.versions import versions
 
 
@@ -46,7 +47,7 @@ class Readiness(ResponseModel):
     running: dict[str, int] = Field(description="Jobs that run, by queue")
 
 
-router = APIRouter(tags=["operations"])
+router = APIRouter(route_class=StrictRoute, tags=["operations"])
 
 _ASSETS = Path(fastapi_offline.__file__).parent / "static"
 # The page is Swagger UI, whose parts come from this server: browsers ask no other one.

@@ -1,10 +1,10 @@
 """Parameters that several endpoints take, and a check that a query has no others."""
 
+from collections.abc import Collection
 from typing import Annotated
 
 from fastapi import Header, Path, Query, Request
 from fastapi.dependencies.models import Dependant
-from fastapi.routing import APIRoute
 
 from planning.errors import UnknownName
 from service.errors import RequestInvalid
@@ -26,15 +26,19 @@ type LastEventId = Annotated[
 ]
 
 
-async def require_known_query(request: Request) -> None:
-    """Go on only if the endpoint, or what it depends on, declares every parameter of the query.
+def declared_query(dependant: Dependant) -> frozenset[str]:
+    """Return the parameters of the query that an endpoint, or what it depends on, declares."""
+    own = {field.alias for field in dependant.query_params}
+    return frozenset(own).union(*(declared_query(further) for further in dependant.dependencies))
+
+
+def require_known_query(request: Request, known: Collection[str]) -> None:
+    """Go on only if a query has none but known parameters, and none of them twice.
 
     Raises:
-        UnknownName: It does not.
+        UnknownName: It has another one.
         RequestInvalid: A parameter is given twice.
     """
-    route = request.scope["route"]
-    known = _declared(route.dependant) if isinstance(route, APIRoute) else set[str]()
     for name in request.query_params:
         if name not in known:
             raise UnknownName.among("query parameter", name[:80], known)
@@ -42,8 +46,3 @@ async def require_known_query(request: Request) -> None:
             message = f"query.{name}: it is given twice"
             fault = {"path": f"query.{name}", "pointer": "", "message": message}
             raise RequestInvalid(message, {"faults": [{**fault, "type": "repeated_key"}]})
-
-
-def _declared(dependant: Dependant) -> set[str]:
-    own = {field.alias for field in dependant.query_params}
-    return own.union(*(_declared(further) for further in dependant.dependencies))

@@ -1,4 +1,4 @@
-"""StrictRoute: bodies of the right kind only, and no key twice."""
+"""StrictRoute: bodies of the right kind, and no key twice; known parameters of the query only."""
 
 from collections.abc import Callable, Coroutine
 from email.message import Message
@@ -13,6 +13,7 @@ from starlette.exceptions import HTTPException
 from planning.errors import UnknownName
 from service.api.json_body import RepeatedKey, decode_json
 from service.api.names import located
+from service.api.params import declared_query, require_known_query
 from service.errors import Refusal, RequestInvalid, UnreadableBody, UnsupportedMediaType, status_of
 
 
@@ -51,19 +52,20 @@ class StrictRequest(Request):
 
 
 class StrictRoute(APIRoute):
-    """A route that reads JSON, and refuses any other content type (415)."""
+    """A route that reads JSON, and refuses any other content type (415) and unknown parameters."""
 
     @override
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Return what FastAPI makes of the endpoint, behind a look at the headers."""
         handler = super().get_route_handler()
-        takes_json = self.body_field is not None
+        takes_json, known = self.body_field is not None, declared_query(self.dependant)
 
         async def strict(request: Request) -> Response:
             if takes_json and _has_body(request):
                 require_json(request.headers.get("content-type"))
             strict_request = StrictRequest(request.scope, request.receive)
             try:
+                require_known_query(request, known)
                 return await handler(strict_request)
             except UnknownName as fault:
                 raise await _located(fault, strict_request) from fault

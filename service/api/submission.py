@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import Depends, Header, Query, Response
+from fastapi import Depends, Header, Query, Request, Response
 
-from service.api.dependencies import JobsDep, SettingsDep
+from service.api.dependencies import jobs_of, settings_of
 from service.jobs.job import Job, JobText
 from service.jobs.service import JobService
 from service.settings import Settings
@@ -84,16 +84,16 @@ class Submission:
 
 
 async def _submission(
+    request: Request,
     response: Response,
-    jobs: JobsDep,
-    settings: SettingsDep,
     *,
     wait: Wait = None,
     prefer: Prefer = None,
     idempotency_key: KeyHeader = None,
 ) -> Submission:
+    settings = settings_of(request)
     seconds = seconds_to_wait(wait, prefer, settings.max_wait)
-    return Submission(jobs, idempotency_key, response, settings, seconds)
+    return Submission(jobs_of(request), idempotency_key, response, settings, seconds)
 
 
 type SubmissionDep = Annotated[Submission, Depends(_submission)]

@@ -48,7 +48,7 @@ async def submit_execution(
     """
     address = address_of(request, hosts or {})
     asked = await asked_motion(request, jobs)
-    idempotency = IdempotencyKey(key, fingerprint(request))
+    idempotency = IdempotencyKey.of(key, lambda: fingerprint(request))
     again = JobSpec(
         EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
     )

@@ -2,11 +2,11 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
-from typing import Any
+from typing import Any, Self
 
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
@@ -43,6 +43,11 @@ class IdempotencyKey:
 
     text: str | None
     fingerprint: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, text: str | None, fingerprint: Callable[[], Mapping[str, Any]]) -> Self:
+        """Return a key; what it stands for is put together only where there is one."""
+        return cls(text, {} if text is None else fingerprint())
 
     @property
     def digest(self) -> str:

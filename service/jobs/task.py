@@ -151,7 +151,9 @@ def _inner(contents: list[Any], name: str) -> list[Any]:
 
 def _json(content: BaseModel, **selection: Any) -> str:
     """Return the JSON of a model in ASCII, which every database can hold."""
-    return content.model_dump_json(ensure_ascii=True, **selection)
+    # To look whether it is ASCII, as it mostly is, is quicker than to escape as it is written.
+    text = content.model_dump_json(**selection)
+    return text if text.isascii() else content.model_dump_json(ensure_ascii=True, **selection)
 
 
 def _member(content: BaseModel, name: str) -> str:

@@ -36,7 +36,7 @@ async def submit_batch(request: BatchRequest, submission: Submission, scenes: Sc
     ]
     specs = [replace(spec, batch=batch) for spec in specs]
     # The key of the whole batch is that of its first plan: keys are of jobs.
-    key = IdempotencyKey(submission.key, {"batch": request.model_dump(mode="json")})
+    key = IdempotencyKey.of(submission.key, lambda: {"batch": request.model_dump(mode="json")})
     specs[0] = replace(specs[0], key=key.text, request_digest=key.digest)
     jobs = await submission.jobs.submit_all(specs)
     return jobs[0].batch or batch

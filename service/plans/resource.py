@@ -13,6 +13,7 @@ from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.jobs.task import TaskModel, outline_of
 from service.plans.models.plan import PlanSummary
+from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, MotionWork
@@ -68,9 +69,16 @@ class DeliveredMotion(TaskModel):
     result: DeliveredResult
 
 
-async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
-    """Return a plan without its result; a graph is large and has an address of its own."""
-    request: dict[str, Any] = job.payload["request"]
+async def plan_resource(
+    jobs: JobService, job: JobSummary, request: PlanRequest | None = None
+) -> PlanSummary:
+    """Return a plan without its result; a graph is large and has an address of its own.
+
+    Args:
+        jobs: Where it is.
+        job: That plans.
+        request: Of the job, if it has been read already.
+    """
     outcome = job.result or {}
     is_running = job.state is JobState.RUNNING
     best = await jobs.latest_event(job, "best-so-far") if is_running else None
@@ -86,9 +94,9 @@ async def plan_resource(jobs: JobService, job: JobSummary) -> PlanSummary:
         "finished_at": job.finished_at,
         "cancel_requested_at": job.cancel_requested_at,
         "attempts": job.attempts,
-        "request": request,
+        "request": request or job.payload["request"],
         "failure": without(job.failure, outline_of(job.task).failure),
-        "seed": request["seed"],
+        "seed": job.payload["request"]["seed"],
         "digest": outcome.get("digest"),
         "versions": job.made_by or {},
         # However it ended.

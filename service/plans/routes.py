@@ -44,8 +44,11 @@ async def create_plan(
 ) -> Response:
     """Request a plan: a job that is polled, streamed or waited for."""
     job = await submit_plan(request, submission, scenes)
+    # While the plan is made, not when it is there.
+    settled = PlanRequest.model_validate(job.payload["request"])
     found = await submission.awaited(job, "/v1/plans")
-    return await _whole(submission.jobs, found, submission.response, left_out)
+    brief = await plan_resource(submission.jobs, found.summary, settled)
+    return await whole(brief, found.result, submission.response, left_out)
 
 
 @router.get("", operation_id="listPlans", responses=problems(422))

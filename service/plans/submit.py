@@ -1,6 +1,7 @@
 """Plans and reversed plans become jobs, once everything that they name is there."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from planning.domain.planner.unavailable_planners import unknown_planner
@@ -53,7 +54,7 @@ async def submit_plan(request: PlanRequest, submission: Submission, scenes: Scen
         IdempotencyConflict: The key was used for another request.
         QueueFull: The queue is full.
     """
-    key = IdempotencyKey(submission.key, _fingerprint(request))
+    key = IdempotencyKey.of(submission.key, partial(_fingerprint, request))
     return await submission.jobs.submit(await plan_spec(request, key, submission, scenes))
 
 

@@ -35,7 +35,7 @@ async def submit_regions(
     work = RegionsWork(
         library=loaded.library, scene=loaded.scene, request=request, revision=record.revision
     )
-    idempotency = IdempotencyKey(key, {"scene": record.id, **fingerprint(request)})
+    idempotency = IdempotencyKey.of(key, lambda: {"scene": record.id, **fingerprint(request)})
     time_limit = request.allowed_time + _SLACK
     spec = spec_of(GROW_REGIONS, work, record, idempotency, time_limit, request.priority)
     return await jobs.submit(spec)

@@ -5,7 +5,7 @@ It is refused before anything is queued. Which fields name something, their type
 """
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Protocol
 
 from planning.domain.robot.spanning_group import common_joint, member_names
@@ -37,8 +37,10 @@ def check_request(scene: SceneRecord, request: GroupRequest) -> Group:
         ModelInvalid: The group is a robot's, none of whose joints moves.
     """
     group = find_group(scene, request.group)
-    known = _known_names(scene, group)
     found = list(mentions(request))
+    # Only those that are looked up: a scene may have thousands of bodies.
+    kinds = {one.kind for one in found if one.kind in _NAMES}
+    known = {kind: _NAMES[kind](scene, group) for kind in kinds}
     unknown = [one for one in found if one.kind in known and one.value not in known[one.kind]]
     if unknown:
         raise _unknown_names(unknown, known)
@@ -119,21 +121,28 @@ def _immobile(name: str, scene: SceneRecord) -> ModelInvalid:
     return ModelInvalid(f"robot {robot!r}: {reason}", evidence)
 
 
-def _known_names(scene: SceneRecord, group: Group) -> Mapping[str, Collection[str]]:
-    """Return the names of each kind that a request about a group may mention."""
-    joints = {joint.name: joint.type for joint in group.joints}
-    # As dictionaries: of thousands of objects none is compared with each name.
-    return {
-        "body": dict.fromkeys(scene.summary.bodies),
-        "configuration": group.configurations,
-        "frame": dict.fromkeys(scene.summary.frames),
-        "joint": joints,
-        "joint or block": dict.fromkeys([*joints, *group.limits.blocks]),
-        "planar or floating joint": [
-            name for name, kind in joints.items() if kind in {"planar", "floating"}
-        ],
-        "position": group.position_names,
-    }
+def _joints(_: SceneRecord, group: Group) -> dict[str, str]:
+    return {joint.name: joint.type for joint in group.joints}
+
+
+def _mobile_joints(_: SceneRecord, group: Group) -> list[str]:
+    return [joint.name for joint in group.joints if joint.type in {"planar", "floating"}]
+
+
+# What a scene and a group have, by the kinds of names that a request about the group may mention.
+# As dictionaries: of thousands of objects none is compared with each name.
+_NAMES: Mapping[str, Callable[[SceneRecord, Group], Collection[str]]] = {
+    "body": lambda scene, _: dict.fromkeys(scene.summary.bodies),
+    "configuration": lambda _, group: group.configurations,
+    "frame": lambda scene, _: dict.fromkeys(scene.summary.frames),
+    "joint": _joints,
+    "joint or block": lambda scene, group: dict.fromkeys([
+        *_joints(scene, group),
+        *group.limits.blocks,
+    ]),
+    "planar or floating joint": _mobile_joints,
+    "position": lambda _, group: group.position_names,
+}
 
 
 def _unknown_names(wrong: Sequence[Mention], known: Mapping[str, Collection[str]]) -> UnknownName:

@@ -83,20 +83,18 @@ class GroupCommit:
         Raises:
             DatabaseUnavailable: The database did not take it in that time.
         """
-        done: asyncio.Future[Any] = self._loop.create_future()
+        done: asyncio.Future[T] = self._loop.create_future()
         write = _PendingWrite(work, done, is_durable, is_owed)
         self._pending.put(write)
-        try:
-            async with asyncio.timeout(within):
-                result: T = await asyncio.shield(done)
-        except TimeoutError:
-            if self._withdraw(write):
-                raise DatabaseUnavailable.of(within or 0.0) from None
-            result = await done
-        except asyncio.CancelledError:  # the caller waits no longer
-            done.cancel()
-            raise
-        return result
+        if within is not None:
+            try:
+                await asyncio.wait({done}, timeout=within)
+            except asyncio.CancelledError:  # the caller waits no longer
+                done.cancel()
+                raise
+            if not done.done() and self._withdraw(write):
+                raise DatabaseUnavailable.of(within)
+        return await done
 
     async def close(self) -> None:
         """Carry out what has come, if the database takes it now, and no more."""
