@@ -13,11 +13,13 @@ from anyio import to_thread
 from service.errors import NotReady, ServerStopping, UnknownResource
 from service.jobs.artifacts import Artifact
 from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.release import JobRelease
 from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
 from service.jobs.job import BatchMember, Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.states import JobState
 from service.jobs.store.deletion import delete_on_request
+from service.jobs.store.entries import Entries
 from service.jobs.store.job_store import JobStore
 from service.jobs.task_calls import CallTerms, TaskCalls
 
@@ -92,6 +94,15 @@ class JobService(TaskCalls):
     async def keep_artifact(self, artifact: Artifact, world_digest: str) -> str:
         """Store an artifact for as long as a job or a scene has a content; return its digest."""
         return await to_thread.run_sync(self._store.artifacts.keep, artifact, world_digest)
+
+    async def entries(self, queue: str, scene: str) -> Entries:
+        """Return which jobs of a queue move robots in a scene, or wait to."""
+        return await to_thread.run_sync(self._store.entries, queue, scene)
+
+    @property
+    def waiting(self) -> JobRelease:
+        """What releases jobs that wait for their robots; of a server that leads."""
+        return self._dispatcher.waiting
 
     async def find_by_key(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.
