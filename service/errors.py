@@ -135,7 +135,7 @@ class StartMismatch(Refusal):
 
 
 class RobotBusy(Refusal):
-    """An execution moves something in this scene; evidence: `execution`, `group`."""
+    """An execution moves one of these robots, or waits for one; evidence: `execution`, `group`."""
 
     code = "robot_busy"
     status = 409

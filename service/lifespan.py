@@ -12,6 +12,7 @@ from sqlalchemy import Connection
 from service.api.middleware.client_disconnect import call_for_client
 from service.executions.measured import keep_end, open_motions
 from service.executions.verdicts import judge
+from service.executions.waiting_line import WaitingLine
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
@@ -92,7 +93,8 @@ async def open_services(
             scenes.on_delete = jobs.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             retain = _once_leading(dispatcher, retention.run)
-            async with _meanwhile(sweeper.run(), retain, delivery.run()):
+            line = _once_leading(dispatcher, WaitingLine(scenes, jobs).run)
+            async with _meanwhile(sweeper.run(), retain, line, delivery.run()):
                 yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()

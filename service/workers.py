@@ -17,6 +17,7 @@ PRELOAD = (
     "service.plans.worker",
     "service.executions.proof",
     "service.executions.together_proof",
+    "service.executions.beside_proof",
     "service.executions.recheck",
     "service.executions.replay_worker",
     "service.queries.worker",

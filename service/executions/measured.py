@@ -42,8 +42,8 @@ async def open_motions(scene: str, *, jobs: JobService) -> list[Motion]:
 async def _motion(job: JobSummary, jobs: JobService) -> Motion:
     event = await jobs.last_recorded(job, STATUS)
     work = ExecutionOutline.model_validate(job.payload)
-    robots = dict.fromkeys(name.partition("::")[0] for name in work.joints or [work.group])
-    motion = Motion(job.id, work.group, job.sequence, list(robots), work.joints, job.created_at)
+    robots = list(work.robots)
+    motion = Motion(job.id, work.group, job.sequence, robots, work.joints, job.created_at)
     return motion if event is None else told(motion, event)
 
 

@@ -192,6 +192,9 @@ class Execution(ResponseModel):
     delays: list[float] | None = Field(
         default=None, description="When each of `plans` begins [s]; null for one motion"
     )
+    is_waiting: bool = Field(
+        default=False, description="Whether it waits for its robots, and is proven once it begins"
+    )
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
     failure: Failure | None = Field(description="Why it was aborted or canceled")
     timings: Timings = Field(

@@ -3,9 +3,9 @@
 import math
 
 from planning.domain.robot.joints import Joint, JointType
-from service.errors import RobotBusy, RobotStateUnknown, StartMismatch
+from service.errors import RobotStateUnknown, StartMismatch
 from service.executions.models import ExecutionStatus
-from service.executions.tasks import ExecutionOutcome, ExecutionOutline
+from service.executions.tasks import ExecutionOutcome
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.scenes.live import RobotStatus
@@ -53,26 +53,6 @@ def require_known(record: SceneRecord) -> None:
             "driver; look at the robot, and say where it is by `set_positions`"
         )
         raise RobotStateUnknown(message, {"robots": robots})
-
-
-async def require_at_rest(jobs: JobService, scene: str) -> int:
-    """Return the sequence of the last execution in a scene, 0 for none, if nothing moves there.
-
-    A motion was proven against other robots where they stood, not against other motions.
-
-    Raises:
-        RobotBusy: An execution moves a robot of the scene.
-    """
-    async for job in jobs.newest("execution", scene=scene):  # no older one can be open
-        if job.state.is_final:
-            return job.sequence
-        group = ExecutionOutline.model_validate(job.payload).group
-        message = (
-            f"execution {job.id} moves {group}, and motions of one scene are not proven "
-            "against each other while they run; wait for its end, or cancel it"
-        )
-        raise RobotBusy(message, {"execution": job.id, "group": group})
-    return 0
 
 
 async def last_status(jobs: JobService, job: JobSummary) -> ExecutionStatus | None:

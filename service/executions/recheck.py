@@ -7,7 +7,8 @@ from typing import Any
 from planning import Deadline, RetimeOptions, World, certify_rest, certify_trajectory
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Certificate
-from service.executions.tasks import RECHECK, Block, Recheck, RecheckWork
+from service.executions.beside_proof import BESIDE, first_in_the_way
+from service.executions.tasks import RECHECK, Block, GroupMotion, Recheck, RecheckWork
 from service.executions.together_proof import (
     certificate_of,
     failed_besides_clearance,
@@ -34,24 +35,34 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
     since = min(work.since, trajectory.duration)
     deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
     with borrow_world(work) as world:
-        margin = _margin(work, world)
+        margin = largest_margin(world, work.margins)
         rest = certify_rest(world, work.group, trajectory, since, deadline=deadline, margin=margin)
         if not rest.proven:
             return _blocked(work, trajectory, _CLEARANCE, rest.pair, rest.proven_until)
         certificates = _certificates(work, world, trajectory, deadline)
+        beside = _beside(work, world, trajectory, deadline)
     # What the robot has passed is behind it. An edit that breaks a constraint, or a limit of a
     # frame, does so wherever the robot is.
     failed = [check for each in certificates for check in failed_besides_clearance(each)]
     if failed:
         return _blocked(work, trajectory, failed[0].name, (), max(since, failed[0].time))
-    return Recheck(block=None)
+    return beside or Recheck(block=None)
 
 
-def _margin(work: RecheckWork, world: World) -> float | None:
-    """Return the distance of bodies that the motion keeps [m]; None for that of the scene."""
-    if work.members:
-        return largest_margin(world, [member.planned.margin for member in work.members])
-    return _demands(work)["margin"]
+def _beside(
+    work: RecheckWork, world: World, trajectory: TimedTrajectory, deadline: Deadline
+) -> Recheck | None:
+    """Say where another execution is in the way, if one is."""
+    motion = GroupMotion(
+        execution="", group=work.group, trajectory=work.trajectory, margins=work.margins
+    )
+    found = first_in_the_way(world, motion, work.others, deadline)
+    if found is None:
+        return None
+    blocked = _blocked(work, trajectory, BESIDE, found.check.pair, found.check.time)
+    return Recheck(
+        block=blocked.block and blocked.block.model_copy(update={"execution": found.execution})
+    )
 
 
 def _certificates(

@@ -67,6 +67,12 @@ class ExecutionTerms(RequestModel):
         description="What is done while it moves if an edit of the scene is in its way: `stop` "
         "comes to rest on the path and ends (`path_blocked`); `ignore` only tells",
     )
+    when_busy: Annotated[Literal["refuse", "wait"], ADDED] = Field(
+        default="refuse",
+        description="What is done if another execution moves one of its robots, or waits for one: "
+        "`refuse` (409); `wait` begins once they are free, in the order of requests, and is proven "
+        "then, from where they are then",
+    )
     title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
         default=None, description="Title of the motion in replays of the scene"
     )

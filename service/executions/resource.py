@@ -46,6 +46,7 @@ async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
         scene=work.scene_id,
         group=work.group,
         delays=work.delays,
+        is_waiting=work.is_waiting and job.state is JobState.QUEUED,
         status=None if status is None else status.model_copy(update={"state": state}),
         failure=failure,
         timings={} if ended is None else ended.timings,

@@ -57,7 +57,10 @@ type State = Annotated[ExecutionState | None, Query(description="Only those in t
 async def create_execution(
     request: ExecutionRequest, asked: SubmissionDep, scenes: ScenesDep, settings: SettingsDep
 ) -> Execution:
-    """Carry out a plan or a motion of your own, if it starts where the robot is and is proven."""
+    """Carry out a motion that starts where its robots are and is proven, beside all that moves.
+
+    It is of a plan, of several plans as one, or your own.
+    """
     job = await submit_execution(request, asked.key, scenes, asked.jobs, settings.ur_hosts)
     found = await asked.awaited(job, "/v1/executions")
     return await execution_resource(asked.jobs, found.summary)

@@ -1,19 +1,20 @@
-"""Queueing the execution of a motion, once it is known to hold."""
+"""Queueing the execution of a motion, once it is known to hold, or to wait for its robots."""
 
-import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
 from service.api.fingerprint import fingerprint
+from service.errors import RobotBusy
+from service.executions.admission import Place, proven_work
 from service.executions.asked import asked_motion
 from service.executions.controllers import address_of, check_driven
-from service.executions.position import require_at_rest, require_known
 from service.executions.requests import ExecutionRequest
-from service.executions.tasks import EXECUTE, ExecutionWork
+from service.executions.tasks import EXECUTE, ExecutionOutline, ExecutionWork, WaitingExecution
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
 from service.jobs.service import JobService
+from service.jobs.store.entries import OpenEntry
 from service.scenes.job_spec import spec_of
 from service.scenes.live import joint_types
 from service.scenes.store.scene_store import SceneStore
@@ -36,14 +37,14 @@ async def submit_execution(
         hosts: Addresses of controllers, by their names in requests.
 
     Raises:
-        ProblemInvalid: The driver is of another kind of robot.
+        ProblemInvalid: The driver is of another kind of robot, or plans do not fit each other.
         UnknownResource: There is no such plan, or its scene is gone.
         UnknownName: The scene has no such group, any more, or the server no such controller.
         NotFinished: The plan has no trajectory.
-        RobotBusy: Another execution moves something in the scene.
+        RobotBusy: Another execution moves one of its robots, or waits for it.
         RobotStateUnknown: It is not known where a robot of the scene is.
         StartMismatch: The motion starts elsewhere.
-        NotCertified: The motion cannot be proven in the latest revision.
+        NotCertified: The motion cannot be proven in the latest revision, beside what moves there.
         QueueFull: The queue is full.
     """
     address = address_of(request, hosts or {})
@@ -55,33 +56,30 @@ async def submit_execution(
     while True:
         if (known := await jobs.find_by_key(again)) is not None:
             return known
-        # Before the scene is read: what ends until then is in it. Of what begins later the database
+        # Before the scene is read: what ends until then is in it. Of what enters later the database
         # knows, whichever server it was asked of; then all is looked at once more.
-        last = await require_at_rest(jobs, asked.scene)
+        entries = await jobs.entries(EXECUTE.queue, asked.scene)
         record = await scenes.fresh(asked.scene)
-        require_known(record)
         group = asked.group_in(record)
         check_driven(request.driver, group)
-        loaded = scenes.work(record)
-        proven = await asked.proven(loaded, group, jobs)
-        work = ExecutionWork(
-            library=loaded.library,
-            scene=loaded.scene,
-            request=request.terms,
-            scene_id=record.id,
-            group=group.name,
-            trajectory=proven.trajectory,
-            speed=request.speed,
-            joints=joint_types(group),
-            delays=proven.delays,
-            **asked.demands,
-            address=address,
-            clearance=_finite(proven.min_clearance),
-        )
-        spec = spec_of(EXECUTE, work, record, idempotency)
-        # The scene is looked up again, and tells where its robot is, until this has ended.
-        with suppress(Overtaken), scenes.latest.changing(record.id):
-            job = await jobs.submit(replace(spec, follows=last))
+        place = Place(record, group, entries, address)
+        outline = _waiting(request, place, scenes)
+        busy = entries.in_the_way(outline.robots)
+        if busy is not None and request.when_busy == "refuse":
+            raise await _busy(busy, jobs)
+        with suppress(Overtaken):
+            work: WaitingExecution | ExecutionWork = outline
+            if busy is None:
+                work = await proven_work(asked, request.terms, place, scenes=scenes, jobs=jobs)
+            spec = replace(
+                spec_of(EXECUTE, work, record, idempotency),
+                follows=entries.number,
+                robots=outline.robots,
+                waits=busy is not None,
+            )
+            # The scene is looked up again, and tells where its robot is, until this has ended.
+            with scenes.latest.changing(record.id):
+                job = await jobs.submit(spec)
             break
     # An edit that was quicker has seen no execution: this one sees it.
     edited = await scenes.fresh(record.id)
@@ -90,6 +88,30 @@ async def submit_execution(
     return job
 
 
-def _finite(clearance: float | None) -> float | None:
-    """Return a clearance, None for an infinite one, as JSON has it."""
-    return None if clearance is None or math.isinf(clearance) else clearance
+def _waiting(request: ExecutionRequest, place: Place, scenes: SceneStore) -> WaitingExecution:
+    """Return an execution that waits for its robots: nothing is proven of it yet."""
+    loaded = scenes.work(place.record)
+    return WaitingExecution(
+        library=loaded.library,
+        scene=loaded.scene,
+        request=request.terms,
+        scene_id=place.record.id,
+        group=place.group.name,
+        speed=request.speed,
+        joints=joint_types(place.group),
+        is_waiting=True,
+        own=request.trajectory,
+        address=place.address,
+    )
+
+
+async def _busy(entry: OpenEntry, jobs: JobService) -> RobotBusy:
+    """Return the refusal of a motion whose robot another execution has."""
+    job = await jobs.open_job(EXECUTE.queue, entry.job)
+    group = ExecutionOutline.model_validate(job.payload).group
+    does = "waits for" if entry.is_waiting else "moves"
+    message = (
+        f"execution {job.id} {does} {group}; wait for its end, cancel it, or have this one wait "
+        "(`when_busy`)"
+    )
+    return RobotBusy(message, {"execution": job.id, "group": group})

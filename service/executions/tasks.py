@@ -1,5 +1,7 @@
 """Tasks about executions: to prove a motion before, to carry it out, to replay it after."""
 
+from typing import Self
+
 from pydantic import Field
 
 from planning.domain.robot.joints import JointType
@@ -21,6 +23,7 @@ class ExecutionOutline(SceneWork):
         joints: Types of the group's joints, by full name and in its order; older versions said
             nothing of them.
         delays: When each of several plans begins [s]; None for one motion.
+        is_waiting: Whether it waits for its robots, and nothing is proven of it yet.
     """
 
     request: ExecutionTerms
@@ -29,6 +32,25 @@ class ExecutionOutline(SceneWork):
     speed: float
     joints: dict[str, JointType] = Field(default_factory=dict)
     delays: list[float] | None = None
+    is_waiting: bool = False
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """Names of the robots that it moves."""
+        names = self.joints or [self.group]  # older versions said nothing of joints
+        return tuple(dict.fromkeys(name.partition("::")[0] for name in names))
+
+
+class WaitingExecution(ExecutionOutline):
+    """An execution that waits for its robots.
+
+    Attributes:
+        own: The request, if it is a motion of one's own.
+        address: Of the controller that will drive it, where there is one.
+    """
+
+    own: CertifyMotionRequest | None = None
+    address: str | None = None
 
 
 class MemberMotion(TaskModel):
@@ -63,6 +85,38 @@ class ExecutionWork(ExecutionOutline):
     own: CertifyMotionRequest | None = None
     members: list[MemberMotion] = Field(default_factory=list[MemberMotion])
 
+    @property
+    def margins(self) -> list[float | None]:
+        """Distances of bodies that were asked for [m]; None for that of the scene."""
+        asked = [self.own, self.planned, *(member.planned for member in self.members)]
+        return [each.margin for each in asked if each is not None] or [None]
+
+
+class GroupMotion(TaskModel):
+    """The motion of an execution, as others are proven beside it.
+
+    Attributes:
+        execution: Its id; empty for one that has none yet.
+        group: That moves.
+        trajectory: All of the motion.
+        margins: Distances of bodies that were asked for [m]; None for that of the scene.
+    """
+
+    execution: str
+    group: str
+    trajectory: Polynomial
+    margins: list[float | None]
+
+    @classmethod
+    def of(cls, execution: str, work: ExecutionWork) -> Self:
+        """Return the motion of an execution."""
+        return cls(
+            execution=execution,
+            group=work.group,
+            trajectory=work.trajectory,
+            margins=work.margins,
+        )
+
 
 class ExecutionOutcome(TaskModel):
     """The last status of an execution that reached its end, and the seconds of each stage.
@@ -78,6 +132,24 @@ class ExecutionOutcome(TaskModel):
     timings: dict[str, float] = Field(default_factory=dict)
 
 
+class BesideWork(SceneWork):
+    """A motion to prove beside those of other executions, whatever the timing of each.
+
+    Attributes:
+        motion: The motion.
+        others: The other motions.
+    """
+
+    motion: GroupMotion
+    others: list[GroupMotion]
+
+
+class BesideProof(TaskModel):
+    """That a motion is proven beside others: how many these are."""
+
+    num_others: int
+
+
 class Block(TaskModel):
     """Where a motion does not hold any more since its scene was edited; evidence of `PathBlocked`.
 
@@ -87,6 +159,7 @@ class Block(TaskModel):
         time: Along the motion [s].
         fraction: Share of the path's length there.
         revision: Of the scene.
+        execution: Id of the execution whose motion is in the way, if one is.
     """
 
     check: str
@@ -94,6 +167,7 @@ class Block(TaskModel):
     time: float
     fraction: float
     revision: int
+    execution: str | None = None
 
 
 class Commands(TaskModel):
@@ -135,6 +209,8 @@ class RecheckWork(SceneWork):
         trajectory: The whole motion.
         since: Where the robot is along it [s].
         revision: Of the scene.
+        others: The motions of the other executions in the scene.
+        margins: Distances of bodies that were asked for [m]; None for that of the scene.
     """
 
     planned: PlanRequest | None
@@ -144,6 +220,8 @@ class RecheckWork(SceneWork):
     trajectory: Polynomial
     since: float
     revision: int
+    others: list[GroupMotion]
+    margins: list[float | None]
 
 
 class Recheck(TaskModel):
@@ -213,5 +291,6 @@ EXECUTE = Task(
 PROVE = Task("prove_execution", ProofWork, Proof)
 RECHECK = Task("recheck_motion", RecheckWork, Recheck)
 PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
+PROVE_BESIDE = Task("prove_beside", BesideWork, BesideProof)
 PROVE_TOGETHER = Task("prove_together", TogetherWork, ProvenMotion)
 REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)

@@ -2,10 +2,11 @@
 
 import asyncio
 import logging
+from collections.abc import Sequence
 
 from planning.errors import InputError, WayproofError
 from service.executions.position import last_status
-from service.executions.tasks import RECHECK, Block, ExecutionWork, RecheckWork
+from service.executions.tasks import RECHECK, Block, ExecutionWork, GroupMotion, RecheckWork
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.jobs.states import JobState
@@ -32,26 +33,39 @@ async def judge(
         await jobs.page("execution", _MOST, None, state=state, scene=record.id)
         for state in (JobState.QUEUED, JobState.RUNNING)
     ]
-    found = {job.id: job for page in pages for job in page.jobs}
-    verdicts = (_judge(job, record, scenes, jobs) for job in found.values())
+    # What waits for its robots is proven when it begins.
+    found = {
+        job.id: job for page in pages for job in page.jobs if not job.payload.get("is_waiting")
+    }
+    works = {identifier: await _work(identifier, jobs) for identifier in found}
+    motions = [GroupMotion.of(*each) for each in works.items()]
+    verdicts = (_judge(job, works[job.id], motions, record, scenes, jobs) for job in found.values())
     return list(await asyncio.gather(*verdicts))
 
 
+async def _work(identifier: str, jobs: JobService) -> ExecutionWork:
+    return ExecutionWork.model_validate((await jobs.job("execution", identifier)).payload)
+
+
 async def _judge(
-    brief: JobSummary, record: SceneRecord, scenes: SceneStore, jobs: JobService
+    job: JobSummary,
+    work: ExecutionWork,
+    motions: Sequence[GroupMotion],
+    record: SceneRecord,
+    scenes: SceneStore,
+    jobs: JobService,
 ) -> ExecutionVerdict:
-    job = await jobs.job("execution", brief.id)
-    work = ExecutionWork.model_validate(job.payload)
-    status = await last_status(jobs, brief)
+    status = await last_status(jobs, job)
     # The robot may be further by now: what is looked at is a little more than what is left.
     since = 0.0 if status is None else max(0.0, status.time)
-    block = await _block(work, since, record, scenes, jobs)
+    others = [motion for motion in motions if motion.execution != job.id]
+    block = await _block(work, since, others, record, scenes, jobs)
     if block is None:
         return ExecutionVerdict(id=job.id, verdict="unaffected")
     stops = work.request.on_conflict == "stop"
     if stops:
         try:
-            await jobs.control(brief, {"block": block.model_dump()})
+            await jobs.control(job, {"block": block.model_dump()})
         except WayproofError as fault:  # it has ended meanwhile
             _log.info("execution %s was not stopped: %s", job.id, fault)
     pair = (block.pair[0], block.pair[1]) if block.pair else None
@@ -70,6 +84,7 @@ async def _judge(
 async def _block(
     work: ExecutionWork,
     since: float,
+    others: list[GroupMotion],
     record: SceneRecord,
     scenes: SceneStore,
     jobs: JobService,
@@ -90,6 +105,8 @@ async def _block(
         trajectory=work.trajectory,
         since=since,
         revision=record.revision,
+        others=others,
+        margins=work.margins,
     )
     try:
         return (await jobs.call(RECHECK, asked)).block

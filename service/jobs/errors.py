@@ -54,7 +54,7 @@ class IdempotencyConflict(WayproofError):
 
 
 class Overtaken(Exception):
-    """Another job of the queue has entered the scene since the request looked: ask again."""
+    """Another job has entered the scene since the request looked, or has a robot: ask again."""
 
 
 class UnknownJob(WayproofError):

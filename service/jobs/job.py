@@ -74,8 +74,10 @@ class JobSpec:
         key: Idempotency key within the queue, or None.
         request_digest: What a second request with the same key must match.
         batch: Id of the batch that it is of, or None.
-        follows: Sequence of the newest job of its queue in its scene, 0 for none, as the request
-            knows it: the job is refused if there is another one by now. None if that is no matter.
+        follows: How many jobs that move robots had entered its scene when the request looked: the
+            job is refused if there are more by now. None if that is no matter.
+        robots: That it moves, in its scene; no other job moves one of them meanwhile.
+        waits: Whether it waits for its robots, and begins once it is released.
         client: Who requests it: clients take turns.
     """
 
@@ -92,6 +94,8 @@ class JobSpec:
     request_digest: str = ""
     batch: str | None = None
     follows: int | None = None
+    robots: tuple[str, ...] = ()
+    waits: bool = False
     client: str = ""
 
 

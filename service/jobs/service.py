@@ -13,11 +13,13 @@ from anyio import to_thread
 from service.errors import NotReady, ServerStopping, UnknownResource
 from service.jobs.artifacts import Artifact
 from service.jobs.dispatch.dispatcher import Dispatcher
+from service.jobs.dispatch.release import JobRelease
 from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
 from service.jobs.job import BatchMember, Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.states import JobState
 from service.jobs.store.deletion import delete_on_request
+from service.jobs.store.entries import Entries
 from service.jobs.store.job_store import JobStore
 from service.jobs.task import artifacts_of
 from service.jobs.task_calls import CallTerms, TaskCalls
@@ -94,12 +96,23 @@ class JobService(TaskCalls):
         """Store an artifact for as long as a job or a scene has a content; return its digest."""
         return await to_thread.run_sync(self._store.artifacts.keep, artifact, world_digest)
 
+<<<<<<< HEAD
     async def artifacts_of(self, job: Job) -> Mapping[str, bytes]:
         """Return all artifacts that the task of a job reads, as far as they are stored."""
         read = artifacts_of(job.task, job.payload)
         parts = await self._store.artifacts.parts(read)
         wanted = {*read, *(part for needed in parts.values() for part in needed)}
         return await self._store.artifacts.contents(sorted(wanted))
+=======
+    async def entries(self, queue: str, scene: str) -> Entries:
+        """Return which jobs of a queue move robots in a scene, or wait to."""
+        return await to_thread.run_sync(self._store.entries, queue, scene)
+
+    @property
+    def waiting(self) -> JobRelease:
+        """What releases jobs that wait for their robots; of a server that leads."""
+        return self._dispatcher.waiting
+>>>>>>> robots
 
     async def find_by_key(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.

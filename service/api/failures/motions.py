@@ -203,6 +203,10 @@ class CertificateEvidence(TypedDict):
     """Of executions, the worst value of that check"""
     bound: NotRequired[float | None]
     """Of executions, what it may be"""
+    execution: NotRequired[str]
+    """Of the check `beside`, id of the execution whose motion is in the way"""
+    other_time: NotRequired[float]
+    """Of the check `beside`, when on the motion of that one [s]"""
 
 
 @with_config(OPEN)
@@ -273,6 +277,8 @@ class PathBlockedEvidence(TypedDict):
     """Share of the path's length that is done there"""
     revision: int
     """Of the scene"""
+    execution: NotRequired[str | None]
+    """Of the check `beside`, id of the execution whose motion is in the way; null for others"""
 
 
 @with_config(OPEN)

@@ -133,7 +133,7 @@ class RobotStateEvidence(TypedDict):
 
 @with_config(OPEN)
 class BusyEvidence(TypedDict):
-    """What moves in the scene."""
+    """What moves a robot, or waits for it."""
 
     execution: str
     """Its id"""

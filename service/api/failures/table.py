@@ -122,9 +122,21 @@ _NEVER_PROBLEMS = {
 }
 
 
+# Refusals with which executions end that have waited for their robots.
+_LATE_REFUSALS = {
+    service_errors.UnknownResource,
+    service_errors.StartMismatch,
+    service_errors.RobotStateUnknown,
+}
+
+
 def failure_errors() -> list[type[WayproofError]]:
     """Return the errors that a job or an answer can have as its failure."""
-    return [error for error in EVIDENCE if issubclass(error, StageFailure | InputError)]
+    return [
+        error
+        for error in EVIDENCE
+        if issubclass(error, StageFailure | InputError) or error in _LATE_REFUSALS
+    ]
 
 
 def problem_errors() -> list[type[WayproofError]]:

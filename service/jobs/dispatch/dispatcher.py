@@ -16,6 +16,7 @@ from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.recovery import Recovery
+from service.jobs.dispatch.release import JobRelease
 from service.jobs.dispatch.requests import JobControl, JobSubmission
 from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.dispatch.scheduling.scheduler import QueueLoad, Scheduler
@@ -45,6 +46,7 @@ class Dispatcher:
     Attributes:
         is_taken: Whether another server has taken the database over.
         leads: Set once it leads.
+        waiting: Releases jobs that wait for their robots, once it leads.
     """
 
     def __init__(
@@ -85,6 +87,7 @@ class Dispatcher:
         self._submission: JobSubmission
         self._recovery: Recovery
         self._uptake: Uptake
+        self.waiting: JobRelease
 
     @property
     def role(self) -> Literal["leader", "follower"]:
@@ -157,6 +160,7 @@ class Dispatcher:
         self._submission = JobSubmission(recorder, attempts, scheduler, within)
         self._recovery = Recovery(recorder, self._lock, scheduler, attempts.enqueue)
         self._uptake = Uptake(recorder, self._bus, attempts, self._control, self._recovery)
+        self.waiting = JobRelease(recorder, self._recovery.take_up, self._uptake.note)
 
     async def _lead(self) -> None:
         """Take up what the table has, and run every job from now on."""
@@ -263,10 +267,11 @@ class Dispatcher:
             message = "the server is about to end and takes no more jobs; ask again when it is back"
             raise ServerStopping(message)
         self._scheduler.check_room(first.queue, first.client, len(specs))
-        if self.leads.is_set():
+        waits = any(spec.waits for spec in specs)
+        if self.leads.is_set() and not waits:
             return await self._submission.submit_all(specs)
         jobs = await self._submission.pass_on_all(specs)
-        if self.leads.is_set():  # meanwhile
+        if self.leads.is_set() and not waits:  # meanwhile
             self._uptake.note([job.id for job in jobs])
         return jobs
 

@@ -149,11 +149,10 @@ class JobControl:
             IllegalTransition: It has ended, or is to end.
         """
         attempt = self._attempts.get(identifier)
-        if attempt is None and self._recorder.store.is_shared:
+        if attempt is None:  # another server runs it, or it waits for its robots
             return await self._pass_on(identifier, controls)
-        if attempt is None or not attempt.is_open:
-            is_ending = attempt is not None and attempt.is_cancel_requested
-            raise _not_open(identifier, is_ending=is_ending)
+        if not attempt.is_open:
+            raise _not_open(identifier, is_ending=attempt.is_cancel_requested)
         attempt.control(controls)
         self._unwritten.setdefault(identifier, {}).update(controls)
         await self._recorded(identifier, CONTROLS, lambda: self._write_controls(identifier))
@@ -166,7 +165,7 @@ class JobControl:
             attempt.control({**controls, **self._unwritten.get(identifier, {})})
 
     async def _pass_on(self, identifier: str, controls: Mapping[str, Any]) -> Job:
-        """Set controls of a job that another server runs; returns and raises as `control`."""
+        """Set controls of a job that does not run here; returns and raises as `control`."""
         store = self._recorder.store
         job = await asyncio.to_thread(store.get, identifier)
         if job.state.is_final or job.is_cancel_requested:

@@ -14,7 +14,7 @@ from service.jobs.errors import JobInUse, UnknownJob
 from service.jobs.json_text import encode
 from service.jobs.states import JobState
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.tables import bodies, events, jobs, makers, summaries
+from service.jobs.store.tables import bodies, events, job_robots, jobs, makers, summaries
 
 # Others write meanwhile: no transaction takes long.
 _EVENTS_AT_ONCE = 2000
@@ -52,7 +52,7 @@ def delete_job(store: JobStore, identifier: str) -> None:
         with store.transaction(is_durable=False) as connection:
             gone = connection.execute(delete(events).where(these)).rowcount
             if gone == 0:
-                for table in (bodies, summaries, makers):
+                for table in (bodies, summaries, makers, job_robots):
                     connection.execute(delete(table).where(table.c.job == identifier))
                 connection.execute(delete(jobs).where(jobs.c.id == identifier))
                 return

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from sqlalchemy import Connection, bindparam, insert, select
+from sqlalchemy import Connection, insert
 from sqlalchemy.dialects import postgresql
 
 from service.jobs.errors import Overtaken
@@ -14,6 +14,7 @@ from service.jobs.job import Job, JobSpec
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
 from service.jobs.states import JobState
+from service.jobs.store.entries import Entry, enter, write_robots
 from service.jobs.store.event_log import append_events
 from service.jobs.store.notifications import note_change
 from service.jobs.store.prepared import Prepared
@@ -22,7 +23,7 @@ from service.jobs.store.tables import bodies, jobs, summaries
 from service.jobs.task import outline_of
 
 # Fields of a spec that are columns.
-_NO_COLUMNS = {"payload", "prefix", "follows"}
+_NO_COLUMNS = {"payload", "prefix", "follows", "robots", "waits"}
 _COPIED = [field.name for field in fields(JobSpec) if field.name not in _NO_COLUMNS]
 _NOT_YET = (
     "started_at",
@@ -38,16 +39,6 @@ _ADD_JOB = Prepared(
     postgresql.insert(jobs).on_conflict_do_nothing().returning(jobs.c.sequence),
     *(column.name for column in jobs.c if column.name not in _COUNTED),
 )
-_NEWEST_OTHER = Prepared(
-    select(jobs.c.sequence)
-    .where(
-        jobs.c.queue == bindparam("in_queue"),
-        jobs.c.scene == bindparam("in_scene"),
-        jobs.c.sequence != bindparam("own"),
-    )
-    .order_by(jobs.c.sequence.desc())
-    .limit(1)
-)
 _ADD_BODY = Prepared(insert(bodies), "job", "payload")
 _ADD_SUMMARY = Prepared(insert(summaries), "job", "payload")
 
@@ -60,13 +51,13 @@ class Draft:
         job: As it will be read, but for its sequence, which is 0.
         row: Its columns.
         payload: As JSON.
-        follows: As the spec has it.
+        entry: How it enters its scene, if it moves robots.
     """
 
     job: Job
     row: Mapping[str, Any]
     payload: str
-    follows: int | None
+    entry: Entry | None
 
 
 def draft(spec: JobSpec) -> Draft:
@@ -78,7 +69,8 @@ def draft(spec: JobSpec) -> Draft:
     row, payload = _queued_row(spec), encode(spec.payload)
     later = dict.fromkeys(_NOT_YET)
     job = job_of({**row, "sequence": 0, "payload": json.loads(payload), **later})
-    return Draft(job, row, payload, spec.follows)
+    entry = Entry(spec.robots, spec.follows, spec.waits) if spec.robots else None
+    return Draft(job, row, payload, entry)
 
 
 def insert_job(connection: Connection, drafted: Draft) -> Job | None:
@@ -87,21 +79,21 @@ def insert_job(connection: Connection, drafted: Draft) -> Job | None:
     There is one if another server has used its key in the meantime.
 
     Raises:
-        Overtaken: Another job of its queue has entered its scene.
+        Overtaken: Another job has entered its scene, or moves one of its robots.
     """
     job, payload = drafted.job, drafted.payload
     short = without(job.payload, outline_of(job.task).payload)
     summary = payload if short is job.payload else encode(short)
-    sequence = _ADD_JOB(connection, **drafted.row).scalar()
-    if sequence is None:
+    entry = drafted.entry
+    if entry is not None and not enter(connection, job.queue, job.scene or "", entry):
         if find_by_idempotency_key(connection, job) is None:
             raise Overtaken
         return None
-    if drafted.follows is not None:
-        # Only now: what has entered the scene before this job is visible, and nothing enters after.
-        newest = _NEWEST_OTHER(connection, in_queue=job.queue, in_scene=job.scene, own=sequence)
-        if (newest.scalar() or 0) != drafted.follows:
-            raise Overtaken
+    sequence = _ADD_JOB(connection, **drafted.row).scalar()
+    if sequence is None:
+        return None
+    if entry is not None:
+        write_robots(connection, job.id, entry)
         note_change(connection, job.scene or "")
     _ADD_BODY(connection, job=job.id, payload=payload)
     _ADD_SUMMARY(connection, job=job.id, payload=summary)

@@ -75,7 +75,7 @@ class JobStore(Transactions):
 
         Raises:
             IdempotencyConflict: The key was used for another request.
-            Overtaken: Another job of its queue has entered its scene.
+            Overtaken: Another job has entered its scene, or moves one of its robots.
             TypeError: The payload is not JSON-compatible.
         """
         [job], is_new = self.insert_drafts([draft(spec)])

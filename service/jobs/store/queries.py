@@ -25,7 +25,8 @@ from service.jobs.event_bus import EventBatch
 from service.jobs.job import BatchMember, Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
-from service.jobs.store.tables import bodies, events, jobs, makers, summaries
+from service.jobs.store.entries import WAITS_FOR_ROBOTS, Entries, read_entries
+from service.jobs.store.tables import bodies, events, job_robots, jobs, makers, summaries
 
 _EVENTS_AT_ONCE = 500
 _INSTANTS = {"created_at", "started_at", "finished_at", "cancel_requested_at"}
@@ -52,6 +53,11 @@ _NEWEST = _OF_TYPE.order_by(events.c.number.desc()).limit(1)
 
 
 _OPEN = [state.value for state in JobState if not state.is_final]
+# By its index: it is asked again and again.
+_WAITING = _SUMMARY.where(
+    jobs.c.id.in_(select(job_robots.c.job).where(job_robots.c.is_waiting)),
+    jobs.c.state == JobState.QUEUED.value,
+).order_by(jobs.c.sequence)
 _MARKS = select(jobs.c.id, jobs.c.state, jobs.c.is_cancel_requested).order_by(jobs.c.sequence)
 
 
@@ -135,9 +141,20 @@ class JobQueries:
             return [BatchMember(**with_values({**row})) for row in rows.mappings()]
 
     def unfinished(self) -> list[Job]:
-        """Return every job that is queued or running, oldest first."""
+        """Return every job that is queued or running, and waits for no robot, oldest first."""
         with self._engine.connect() as connection:
-            return _jobs_where(connection, jobs.c.state.in_(_OPEN))
+            return _jobs_where(connection, jobs.c.state.in_(_OPEN) & ~WAITS_FOR_ROBOTS)
+
+    def entries(self, queue: str, scene: str) -> Entries:
+        """Return which jobs of a queue move robots in a scene, or wait to."""
+        with self._engine.connect() as connection:
+            return read_entries(connection, queue, scene)
+
+    def waiting_for_robots(self) -> list[JobSummary]:
+        """Return the jobs that wait for their robots, oldest first."""
+        with self._engine.connect() as connection:
+            rows = connection.execute(_WAITING)
+            return [summary_of(columns_of(row)) for row in rows]
 
     def counts(self) -> dict[tuple[str, str], int]:
         """Return how many jobs there are by queue and state."""
@@ -171,15 +188,19 @@ class JobQueries:
             return read_last_event(connection, identifier, type_)
 
     def marks(self, identifiers: Collection[str] | None = None) -> list[JobMark]:
-        """Return where jobs are; None for all that are queued or running. Unknown ones are none."""
+        """Return where jobs are that wait for no robot; unknown ones are none.
+
+        Args:
+            identifiers: Of the jobs; None for all that are queued or running.
+        """
         wanted = jobs.c.state.in_(_OPEN) if identifiers is None else jobs.c.id.in_(identifiers)
         with self._engine.connect() as connection:
-            rows = connection.execute(_MARKS.where(wanted))
+            rows = connection.execute(_MARKS.where(wanted & ~WAITS_FOR_ROBOTS))
             return [JobMark(row.id, JobState(row.state), row.is_cancel_requested) for row in rows]
 
     def queued(self, identifiers: Collection[str]) -> list[Job]:
-        """Return those of some jobs that are queued, oldest first."""
-        is_queued = jobs.c.state == JobState.QUEUED.value
+        """Return those of some jobs that are queued and wait for no robot, oldest first."""
+        is_queued = (jobs.c.state == JobState.QUEUED.value) & ~WAITS_FOR_ROBOTS
         with self._engine.connect() as connection:
             return _jobs_where(connection, is_queued & jobs.c.id.in_(identifiers))
 

@@ -7,7 +7,7 @@ from sqlalchemy import Engine, column, inspect, select, table
 from service.jobs.errors import DatabaseTooNew
 
 # The number of the last file of `migrations/versions`; numbers of revisions have four digits.
-NEWEST = "0009"
+NEWEST = "0010"
 _VERSION = table("alembic_version", column("version_num"))
 _log = logging.getLogger(__name__)
 

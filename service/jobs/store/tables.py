@@ -12,15 +12,11 @@ from sqlalchemy import (
     String,
     Table,
     UniqueConstraint,
-    text,
 )
 
 from service.jobs.store.json_column import JsonText
 
 metadata = MetaData()
-
-# Motions of one scene are not proven against each other: one job at a time, whatever the server.
-_OPEN_EXECUTION = text("queue = 'execution' AND state IN ('queued', 'running')")
 
 # `sequence` orders pages; SQLite counts by itself only in INTEGER primary keys.
 jobs = Table(
@@ -57,13 +53,24 @@ jobs = Table(
     Index("jobs_of_scene_by_state", "queue", "scene", "state", "sequence"),
     Index("jobs_of_batch", "batch", "sequence"),
     Index("jobs_of_content", "queue", "world_digest", "sequence"),
-    Index(
-        "one_open_execution_of_scene",
-        "scene",
-        unique=True,
-        sqlite_where=_OPEN_EXECUTION,
-        postgresql_where=_OPEN_EXECUTION,
-    ),
+)
+
+# Which robots a job moves; see `entries`.
+job_robots = Table(
+    "job_robots",
+    metadata,
+    Column("job", String(64), primary_key=True),
+    Column("robot", String(256), primary_key=True),
+    Column("is_waiting", Boolean, nullable=False),
+    Index("robots_waited_for", "is_waiting", "job"),
+)
+
+# How many jobs that move robots have entered each scene.
+scene_entries = Table(
+    "scene_entries",
+    metadata,
+    Column("scene", String(64), primary_key=True),
+    Column("number", BigInteger, nullable=False),
 )
 
 # What is large is apart from what changes often: databases write rows whole.

@@ -6,6 +6,7 @@ from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
+from service.jobs.store.tables import scene_entries
 from service.scenes.live import (
     EditSource,
     ExecutionSource,
@@ -78,7 +79,8 @@ def write_measured(
 
 
 def delete_states(connection: Connection, scene: str) -> None:
-    """Forget the robots of a scene."""
+    """Forget the robots of a scene, and what has moved them."""
+    connection.execute(delete(scene_entries).where(scene_entries.c.scene == scene))
     connection.execute(delete(scene_states).where(scene_states.c.scene == scene))
 
 

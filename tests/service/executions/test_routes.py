@@ -177,9 +177,12 @@ def test_a_motion_of_ones_own_is_proven_and_carried_out(client, scene):
     assert (execution["state"], execution["group"]) == ("succeeded", "arm")
     assert execution["request"] == {
         "plan": None,
+        "plans": None,
+        "delays": None,
         "driver": "simulated",
         "speed": 20,
         "on_conflict": "stop",
+        "when_busy": "refuse",
         "title": None,
     }
     end = motion["trajectory"]["positions"][-1]

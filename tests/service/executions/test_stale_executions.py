@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from planning.domain.geometry import rotation
-from service.client.events import decode_events
 
 ARM = {"name": "free", "robots": [{"name": "arm", "model": "ur5e", "positions": "home"}]}
 TWO = {
@@ -133,22 +132,6 @@ def test_positions_that_are_set_by_hand_are_heeded(client):
     assert executed(client, plan).json()["code"] == "start_mismatch"
     edit(client, scene, {"op": "set_positions", "robot": "arm", "positions": "home"})
     assert executed(client, plan).json()["state"] == "succeeded"
-
-
-def test_while_one_robot_moves_no_other_of_its_scene_starts(client):
-    scene = posted(client, TWO)
-    mine, other = planned(client, scene, "ready"), planned(client, scene, "ready", "other")
-    path = client.post("/v1/executions", json={"plan": mine["id"], "speed": 0.05}).headers[
-        "location"
-    ]
-    refused = executed(client, other)
-    assert refused.status_code == 409
-    assert refused.json()["code"] == "robot_busy"
-    assert refused.json()["evidence"]["group"] == "arm"
-    client.post(f"{path}/cancel")
-    with client.stream("GET", f"{path}/events") as answer:
-        list(decode_events(answer))
-    assert executed(client, other).status_code in {200, 409}
 
 
 def test_a_motion_is_held_against_where_other_robots_stand_by_now(client):

@@ -11,6 +11,7 @@ from service.executions.requests import ExecutionRequest
 from service.jobs.errors import Overtaken
 from service.jobs.job import JobSpec
 from service.jobs.states import JobState
+from service.jobs.store.entries import Entries, OpenEntry
 from service.scenes.models.scene import SceneSummary
 from service.scenes.models.summary import Group, Joint
 from service.scenes.store.record_cache import Latest
@@ -40,15 +41,15 @@ class Scene:
     def __init__(self):
         self.positions = [0.0]
         self.latest = Latest()
-        self.executions = []
+        self.number = 0
+        self.open = []
         self.while_looked_for = self.while_submitted = lambda: None
 
     def moved(self, *, to, is_over):
         """Have another execution begin, and end where it leads."""
-        state = JobState.SUCCEEDED if is_over else JobState.RUNNING
-        number = len(self.executions) + 1
-        job = SimpleNamespace(id=f"exe_{number}", sequence=number, state=state, payload=MOVING)
-        self.executions.append(job)
+        self.number += 1
+        entry = OpenEntry(f"exe_{self.number}", self.number, frozenset({"arm"}), is_waiting=False)
+        self.open = [] if is_over else [entry]
         self.positions = [to] if is_over else self.positions
 
     async def fresh(self, identifier):
@@ -67,13 +68,16 @@ class Scene:
         outcome = {"polynomial": STILL, "result": result}
         return SimpleNamespace(payload=payload, result=outcome, state=JobState.SUCCEEDED)
 
+    async def open_job(self, queue, identifier):
+        return SimpleNamespace(id=identifier, payload=MOVING)
+
     async def find_by_key(self, spec):
         return None
 
-    async def newest(self, queue, *, scene):
-        for job in reversed(self.executions):
-            yield job
+    async def entries(self, queue, scene):
+        found = Entries(self.number, self.open)
         self.while_looked_for()
+        return found
 
     def work(self, record):
         return SceneWork.model_validate({part: MOVING[part] for part in ("library", "scene")})
@@ -81,8 +85,7 @@ class Scene:
     async def submit(self, spec):
         before, self.while_submitted = self.while_submitted, lambda: None
         before()
-        newest = self.executions[-1].sequence if self.executions else 0
-        if newest != spec.follows:
+        if self.number != spec.follows:
             raise Overtaken
         return spec
 
@@ -93,8 +96,9 @@ def scene(monkeypatch):
     return Scene()
 
 
-def submitted(scene):
-    return asyncio.run(submit.submit_execution(ExecutionRequest(plan="pln_1"), None, scene, scene))
+def submitted(scene, **fields):
+    request = ExecutionRequest(plan="pln_1", **fields)
+    return asyncio.run(submit.submit_execution(request, None, scene, scene))
 
 
 def test_a_motion_that_ends_while_it_is_looked_for_is_not_overlooked(scene):
@@ -110,11 +114,18 @@ def test_one_that_another_server_has_begun_is_in_the_way(scene):
     assert refusal.value.evidence == {"execution": "exe_1", "group": "arm"}
 
 
+def test_one_that_another_server_has_begun_is_waited_for_on_request(scene):
+    scene.while_submitted = lambda: scene.moved(to=1.0, is_over=False)
+    spec = submitted(scene, when_busy="wait")
+    assert (spec.waits, spec.follows, spec.robots) == (True, 1, ("arm",))
+
+
 @pytest.mark.parametrize("to", [0.0, 1.0])
 def test_after_one_that_began_and_ended_meanwhile_the_robot_is_looked_at_again(scene, to):
     scene.while_submitted = lambda: scene.moved(to=to, is_over=True)
     if to == 0.0:
-        assert submitted(scene).follows == 1
+        spec = submitted(scene)
+        assert (spec.waits, spec.follows, spec.robots) == (False, 1, ("arm",))
     else:
         with pytest.raises(StartMismatch):
             submitted(scene)

@@ -77,7 +77,8 @@ def make_released(engine):
                 for name in ("client", "batch", "cancel_requested_at")
             ),
             "DROP TABLE api_keys",
-            "DROP INDEX one_open_execution_of_scene",
+            "DROP TABLE job_robots",
+            "DROP TABLE scene_entries",
             "DROP INDEX jobs_of_queue",
             *renamed,
             "CREATE INDEX jobs_of_lane ON jobs (lane, serial)",

@@ -5,35 +5,21 @@ import asyncio
 import pytest
 
 from planning.errors import Canceled
-from service.errors import RobotBusy
-from service.executions.position import require_at_rest
 from service.jobs.job import JobSpec
 from service.jobs.service import JobService
 from service.jobs.store.database import open_engine
+from service.jobs.store.entries import Entries, OpenEntry
 from service.jobs.store.job_store import JobStore
-
-MOVING = {
-    "library": {"model_roots": [], "allow_paths": False},
-    "scene": {"digest": "d", "document": "file"},
-    "request": {"plan": "pln_1"},
-    "scene_id": "here",
-    "group": "arm",
-    "speed": 1.0,
-}
 
 
 class CountingStore(JobStore):
     """Counts the jobs that it has read from the database."""
 
     num_read = 0
-    begins = ""  # a job that begins once something was read
 
     def page(self, *args, **kwargs):
         found = super().page(*args, **kwargs)
         self.num_read += len(found)
-        if self.begins:
-            self.start(self.begins)
-            self.begins = ""
         return found
 
 
@@ -79,24 +65,17 @@ def test_no_more_are_read_than_were_looked_at_and_as_many_again(jobs, store, wan
 
 
 @pytest.mark.parametrize("state", ["queued", "running"])
-def test_only_the_last_execution_is_read_to_find_what_moves(jobs, store, state):
-    spec = JobSpec("execution", "", MOVING, scene="here")
-    assert asyncio.run(require_at_rest(jobs, "here")) == 0
-    for _ in range(30):
+def test_what_moves_robots_is_read_of_open_jobs_alone(jobs, store, state):
+    spec = JobSpec("execution", "", {}, scene="here", robots=("arm",))
+    for _ in range(3):
         store.cancel(store.insert(spec)[0].id, Canceled("over"))
-    last = store.page("execution", limit=1)[0].sequence
-    store.num_read = 0
-    assert asyncio.run(require_at_rest(jobs, "here")) == last
-    moves = store.insert(spec)[0].id
+    store.insert(JobSpec("execution", "", {}, scene="elsewhere", robots=("arm",)))
+    assert asyncio.run(jobs.entries("execution", "here")) == Entries(3, [])
+    moves = store.insert(spec)[0]
     if state == "running":
-        store.start(moves)
-    with pytest.raises(RobotBusy, match=moves):
-        asyncio.run(require_at_rest(jobs, "here"))
-    assert store.num_read == 2
-    assert asyncio.run(require_at_rest(jobs, "elsewhere")) == 0
-
-
-def test_what_begins_to_move_while_it_is_looked_for_is_found(jobs, store):
-    store.begins = store.insert(JobSpec("execution", "", MOVING, scene="here"))[0].id
-    with pytest.raises(RobotBusy, match=store.begins):
-        asyncio.run(require_at_rest(jobs, "here"))
+        store.start(moves.id)
+    found = asyncio.run(jobs.entries("execution", "here"))
+    entry = OpenEntry(moves.id, moves.sequence, frozenset({"arm"}), is_waiting=False)
+    assert found == Entries(4, [entry])
+    assert found.in_the_way({"arm", "other"}) == entry
+    assert found.in_the_way({"other"}) is None
