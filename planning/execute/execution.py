@@ -219,6 +219,8 @@ class Execution(Value):
             tracking_error=self.tracking_error(measured.q),
             contacts=measured.contacts,
             failure=self.failure,
+            ahead=None if self.ahead is None else self.ahead.time,
+            behind=None if self.behind is None else self.trajectory.duration - self.behind.time,
         )
 
     @property

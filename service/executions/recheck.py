@@ -1,4 +1,4 @@
-"""What is left of a motion that is carried out, proven again in its scene as that was edited."""
+"""A motion that is carried out, proven again from where the robot is as its scene was edited."""
 
 import time
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ _CLEARANCE = "clearance"
 
 @RECHECK.runs
 def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
-    """Say where a motion is blocked, if what is left of it does not hold any more.
+    """Say where a motion is blocked, if it does not hold any more, on the way on and back.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
@@ -29,18 +29,28 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
     deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
     with borrow_world(work) as world:
         group, demands = _demands(work)
-        rest = certify_rest(
-            world, group, trajectory, since, deadline=deadline, margin=demands["margin"]
+        margin = demands["margin"]
+        rest = certify_rest(world, group, trajectory, since, deadline=deadline, margin=margin)
+        back = certify_rest(
+            world,
+            group,
+            trajectory.reverse,
+            trajectory.duration - since,
+            deadline=deadline,
+            margin=margin,
         )
+        behind = None if back.proven else trajectory.duration - back.proven_until
         if not rest.proven:
-            return _blocked(work, trajectory, _CLEARANCE, rest.pair, rest.proven_until)
+            block = _block(work, trajectory, _CLEARANCE, rest.pair, rest.proven_until)
+            return Recheck(block=block, behind=behind)
         certificate, _ = certify_trajectory(world, group, trajectory, deadline=deadline, **demands)
-    # What the robot has passed is behind it. An edit that breaks a constraint, or a limit of a
-    # frame, does so wherever the robot is.
+    # The way back is told apart. An edit that breaks a constraint, or a limit of a frame, does so
+    # wherever the robot is.
     failed = [check for check in certificate.failed if check.name != _CLEARANCE]
     if failed:
-        return _blocked(work, trajectory, failed[0].name, (), max(since, failed[0].time))
-    return Recheck(block=None)
+        at = max(since, failed[0].time)
+        return Recheck(block=_block(work, trajectory, failed[0].name, (), at), behind=since)
+    return Recheck(block=None, behind=behind)
 
 
 def _demands(work: RecheckWork) -> tuple[str, dict[str, Any]]:
@@ -57,9 +67,8 @@ def _demands(work: RecheckWork) -> tuple[str, dict[str, Any]]:
     return problem.group, kept
 
 
-def _blocked(
+def _block(
     work: RecheckWork, trajectory: TimedTrajectory, check: str, pair: Sequence[str], at: float
-) -> Recheck:
+) -> Block:
     fraction = trajectory.path_fraction(min(at, trajectory.duration))
-    block = Block(check=check, pair=list(pair), time=at, fraction=fraction, revision=work.revision)
-    return Recheck(block=block)
+    return Block(check=check, pair=list(pair), time=at, fraction=fraction, revision=work.revision)
