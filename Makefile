@@ -30,7 +30,7 @@ CONFIGURE = $(VENV)/bin/cmake -S . -G Ninja -DSKBUILD_DATA_DIR=data \
 GENERATORS := build/generators
 
 .PHONY: demo test clients costs check format lint imports types tidy drake-only ray shapes golden record campaign sanitize setup lock \
-        bench bench-cars bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
+        bench bench-cars bench-execution bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
         chaos pictures serve clean
 
 setup: $(STAMP)
@@ -166,6 +166,9 @@ $(TIDY)/compile_commands.json: CMakeLists.txt $(KERNEL) $(STAMP)
 
 bench: setup
 	@$(PYTHON) benchmarks/pipeline.py
+
+bench-execution: setup
+	@$(PYTHON) benchmarks/execution.py
 
 bench-kernel: setup
 	@$(PYTHON) benchmarks/kernel.py

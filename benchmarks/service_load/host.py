@@ -70,14 +70,20 @@ class Host:
         self.http = httpx.Client(base_url=self.url, timeout=timeout, trust_env=False)
         return self._server
 
-    def need(self) -> None:
-        """Have a server that is ready, whichever."""
+    def need(self) -> Server:
+        """Return a server that is ready, whichever."""
         if self._server is None:
             self.start().be_ready()
+        return self._server or self.start()
 
     def drop(self) -> None:
         """End the server: it may be busy with what was given up."""
         self._end()
+
+    @property
+    def pid(self) -> int:
+        """Number of the server's process; there is one since `need` or `start`."""
+        return self.need().pid
 
     def post(self, path: str, body: Any = None) -> Any:
         """Return the JSON of an answer.

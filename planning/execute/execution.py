@@ -18,6 +18,7 @@ from planning.execute.abort_reasons import (
     torque_failure,
     tracking_failure,
 )
+from planning.execute.barrier import Barrier
 from planning.execute.driver import Measurement, Setpoint
 from planning.execute.path_motion import PathLimits, PathMotion
 from planning.execute.states import ExecutionEvent, ExecutionState, advance
@@ -42,6 +43,8 @@ class Execution(Value):
         state: State of the state machine.
         speed: Desired path velocity while executing, in [-1, 1]; negative is backwards.
         motion: Place and velocity along the trajectory.
+        ahead: What it does not pass forwards: it rests before it until it is lifted; or None.
+        behind: What it does not pass backwards, along the reversed trajectory; or None.
         driver_time: Time of the last step, on the driver's clock [s].
         at_rest_since: Time from which setpoints are at rest, on the driver's clock [s]; None while
             they move.
@@ -57,6 +60,8 @@ class Execution(Value):
     state: ExecutionState = ExecutionState.ACCEPTED
     speed: float = 1.0
     motion: PathMotion = field(default_factory=PathMotion)
+    ahead: Barrier | None = None
+    behind: Barrier | None = None
     driver_time: float = 0.0
     at_rest_since: float | None = None
     saturated_since: float | None = None
@@ -81,7 +86,8 @@ class Execution(Value):
         """
         # The trajectory starts at rest, so full speed at once is continuous in velocity.
         state = advance(self.state, ExecutionEvent.START)
-        motion = replace(self.motion, velocity=max(0.0, self.speed))
+        fastest = 1.0 if self.ahead is None else self.ahead.max_speed(0.0)
+        motion = replace(self.motion, velocity=min(max(0.0, self.speed), fastest))
         return replace(self, state=state, motion=motion, at_rest_since=None)
 
     def pause(self) -> "Execution":
@@ -126,6 +132,32 @@ class Execution(Value):
             raise ProblemInvalid(message, {"field": "speed"})
         state = advance(self.state, ExecutionEvent.SET_SPEED)
         return replace(self, state=state, speed=speed, at_rest_since=None)
+
+    def between(self, behind: float | None, ahead: float | None) -> "Execution":
+        """Stay between two places of the path from now on, and rest before they are passed.
+
+        A motion that is too quick to rest before a place rests as soon as the limits allow. One
+        that rests before a place goes on by itself once that is lifted.
+
+        Args:
+            behind: Least place on the way back, time along the trajectory [s]; None for none.
+            ahead: Largest place on the way forwards [s]; None for none.
+        """
+        return replace(
+            self,
+            behind=self._barrier(self.trajectory.reverse, behind, self.trajectory.duration),
+            ahead=self._barrier(self.trajectory, ahead, 0.0),
+            at_rest_since=None,
+        )
+
+    def _barrier(
+        self, trajectory: TimedTrajectory, place: float | None, origin: float
+    ) -> Barrier | None:
+        """Return the barrier at a place that is counted from an origin [s]; None for none."""
+        if place is None:
+            return None
+        rate = 1.0 / self.tolerances.ramp_time
+        return Barrier.at(abs(place - origin), trajectory, self.limits, rate)
 
     def fail(self, failure: ExecutionFailure, held: Array | None = None) -> "Execution":
         """Abort with a failure, the first one if there are several.
@@ -187,6 +219,8 @@ class Execution(Value):
             tracking_error=self.tracking_error(measured.q),
             contacts=measured.contacts,
             failure=self.failure,
+            ahead=None if self.ahead is None else self.ahead.time,
+            behind=None if self.behind is None else self.trajectory.duration - self.behind.time,
         )
 
     @property
@@ -252,7 +286,8 @@ class Execution(Value):
     def _advanced(self, period: float) -> tuple["Execution", Setpoint]:
         """Return the execution one period later, and the setpoint until then."""
         target = self.speed if self.state is ExecutionState.EXECUTING else 0.0
-        limits = PathLimits(self.limits, 1.0 / self.tolerances.ramp_time)
+        rate = 1.0 / self.tolerances.ramp_time
+        limits = PathLimits(self.limits, rate, self.ahead, self.behind)
         motion = self.motion.accelerated(self.trajectory, limits, target, period)
         setpoint = Setpoint(self.driver_time, self.desired, *motion.rates(self.trajectory))
         moved = motion.moved(self.trajectory.duration, target, period)

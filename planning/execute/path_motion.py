@@ -9,6 +9,7 @@ from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointLimits
 from planning.domain.value import Value
+from planning.execute.barrier import Barrier
 from planning.execute.time_scaling import choose_path_acceleration, path_acceleration_bounds
 
 # Path velocities that differ by less are equal: rounding must not keep a robot from resting.
@@ -21,10 +22,14 @@ class PathLimits(NamedTuple):
     Attributes:
         joints: Joint limits; the acceleration limits hold while the path velocity changes.
         path_acceleration: Largest magnitude of the path acceleration [1/s].
+        ahead: What it does not pass forwards, if anything.
+        behind: What it does not pass backwards, on the reversed trajectory, if anything.
     """
 
     joints: JointLimits
     path_acceleration: float
+    ahead: Barrier | None = None
+    behind: Barrier | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +64,13 @@ class PathMotion(Value):
         lower, upper = path_acceleration_bounds(trajectory, limits.joints, times, velocities)
         bounds = max(lower, -most), min(upper, most)
         chosen = choose_path_acceleration(bounds, self.velocity, goal, period)
+        lower, upper = min(bounds[0], 0.0), max(bounds[1], 0.0)
+        if limits.ahead is not None:
+            place = self.time, self.velocity
+            chosen = limits.ahead.limited(place, (lower, upper), chosen, period)
+        if limits.behind is not None:
+            place = trajectory.duration - self.time, -self.velocity
+            chosen = -limits.behind.limited(place, (-upper, -lower), -chosen, period)
         return replace(self, acceleration=chosen)
 
     def moved(self, duration: float, target: float, period: float) -> "PathMotion":

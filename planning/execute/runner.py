@@ -94,6 +94,11 @@ class Runner:
         self.execution = self.execution.fail(failure)
         return self._report()
 
+    def keep_between(self, behind: float | None, ahead: float | None) -> ExecutionStatus:
+        """Stay between two places of the path; see `Execution.between`."""
+        self.execution = self.execution.between(behind, ahead)
+        return self._report()
+
     def set_speed(self, speed: float) -> ExecutionStatus:
         """Advance the trajectory `speed` times as fast as real time; negative is backwards.
 

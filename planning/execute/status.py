@@ -29,6 +29,8 @@ class ExecutionStatus(Value):
         tracking_error: Largest coordinate of `measured [-] desired` [rad or m].
         contacts: Body pairs in contact since the previous tick, deepest first.
         failure: Reason of an abort, or None.
+        ahead: Place that it does not pass forwards, time along the trajectory [s]; None for none.
+        behind: Place that it does not pass backwards [s]; None for none.
     """
 
     state: ExecutionState
@@ -43,3 +45,5 @@ class ExecutionStatus(Value):
     tracking_error: float
     contacts: tuple[TouchingPair, ...]
     failure: ExecutionFailure | None
+    ahead: float | None = None
+    behind: float | None = None

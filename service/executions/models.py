@@ -103,6 +103,15 @@ class ExecutionStatus(ResponseModel):
         description="How late the ticks were so far; null if not recorded",
     )
     contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
+    ahead: float | None = Field(
+        default=None,
+        description="Place that it does not pass, time along the motion [s]: it rests before it "
+        "until an edit of the scene clears the way; null for none",
+    )
+    behind: float | None = Field(
+        default=None,
+        description="Place that it does not pass on the way back [s]; null for none",
+    )
 
     @classmethod
     def from_domain(
@@ -126,6 +135,8 @@ class ExecutionStatus(ResponseModel):
             lateness=jitter.max,
             jitter=jitter,
             contacts=contacts,
+            ahead=status.ahead,
+            behind=status.behind,
         )
 
 

@@ -1,4 +1,4 @@
-"""What is left of a motion that is carried out, proven again in its scene as that was edited."""
+"""A motion that is carried out, proven again from where the robot is as its scene was edited."""
 
 import time
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ _CLEARANCE = "clearance"
 
 @RECHECK.runs
 def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
-    """Say where a motion is blocked, if what is left of it does not hold any more.
+    """Say where a motion is blocked, if it does not hold any more, on the way on and back.
 
     Raises:
         DeadlineExceeded: Time ran out before the verdict.
@@ -37,21 +37,32 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
     with borrow_world(work) as world:
         margin = largest_margin(world, work.margins)
         rest = certify_rest(world, work.group, trajectory, since, deadline=deadline, margin=margin)
+        back = certify_rest(
+            world,
+            work.group,
+            trajectory.reverse,
+            trajectory.duration - since,
+            deadline=deadline,
+            margin=margin,
+        )
+        behind = None if back.proven else trajectory.duration - back.proven_until
         if not rest.proven:
-            return _blocked(work, trajectory, _CLEARANCE, rest.pair, rest.proven_until)
+            block = _block(work, trajectory, _CLEARANCE, rest.pair, rest.proven_until)
+            return Recheck(block=block, behind=behind)
         certificates = _certificates(work, world, trajectory, deadline)
         beside = _beside(work, world, trajectory, deadline)
-    # What the robot has passed is behind it. An edit that breaks a constraint, or a limit of a
-    # frame, does so wherever the robot is.
+    # The way back is told apart. An edit that breaks a constraint, or a limit of a frame, does so
+    # wherever the robot is.
     failed = [check for each in certificates for check in failed_besides_clearance(each)]
     if failed:
-        return _blocked(work, trajectory, failed[0].name, (), max(since, failed[0].time))
-    return beside or Recheck(block=None)
+        at = max(since, failed[0].time)
+        return Recheck(block=_block(work, trajectory, failed[0].name, (), at), behind=since)
+    return Recheck(block=beside, behind=since if beside else behind)
 
 
 def _beside(
     work: RecheckWork, world: World, trajectory: TimedTrajectory, deadline: Deadline
-) -> Recheck | None:
+) -> Block | None:
     """Say where another execution is in the way, if one is."""
     motion = GroupMotion(
         execution="", group=work.group, trajectory=work.trajectory, margins=work.margins
@@ -59,10 +70,8 @@ def _beside(
     found = first_in_the_way(world, motion, work.others, deadline)
     if found is None:
         return None
-    blocked = _blocked(work, trajectory, BESIDE, found.check.pair, found.check.time)
-    return Recheck(
-        block=blocked.block and blocked.block.model_copy(update={"execution": found.execution})
-    )
+    block = _block(work, trajectory, BESIDE, found.check.pair, found.check.time)
+    return block.model_copy(update={"execution": found.execution})
 
 
 def _certificates(
@@ -92,9 +101,8 @@ def _demands(work: RecheckWork) -> dict[str, Any]:
     return {"options": options, "margin": problem.margin, "constraints": problem.constraints}
 
 
-def _blocked(
+def _block(
     work: RecheckWork, trajectory: TimedTrajectory, check: str, pair: Sequence[str], at: float
-) -> Recheck:
+) -> Block:
     fraction = trajectory.path_fraction(min(at, trajectory.duration))
-    block = Block(check=check, pair=list(pair), time=at, fraction=fraction, revision=work.revision)
-    return Recheck(block=block)
+    return Block(check=check, pair=list(pair), time=at, fraction=fraction, revision=work.revision)

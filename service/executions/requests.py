@@ -62,10 +62,11 @@ class ExecutionTerms(RequestModel):
         description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
         "than real time, and the motion stays as it is",
     )
-    on_conflict: Annotated[Literal["stop", "ignore"], ADDED] = Field(
+    on_conflict: Annotated[Literal["stop", "slow", "ignore"], ADDED] = Field(
         default="stop",
         description="What is done while it moves if an edit of the scene is in its way: `stop` "
-        "comes to rest on the path and ends (`path_blocked`); `ignore` only tells",
+        "comes to rest on the path and ends (`path_blocked`); `slow` rests before the conflict, "
+        "and goes on by itself once a later edit has cleared the way; `ignore` only tells",
     )
     when_busy: Annotated[Literal["refuse", "wait"], ADDED] = Field(
         default="refuse",

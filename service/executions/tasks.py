@@ -170,6 +170,20 @@ class Block(TaskModel):
     execution: str | None = None
 
 
+class Bounds(TaskModel):
+    """Between which places a motion holds in a revision of its scene.
+
+    Attributes:
+        revision: Of the scene.
+        behind: Least place on the way back [s]; None if all of it holds.
+        ahead: Where it does not hold any more on the way forwards; None if all of it holds.
+    """
+
+    revision: int
+    behind: float | None = None
+    ahead: Block | None = None
+
+
 class Commands(TaskModel):
     """Commands to a running execution, the latest of each kind.
 
@@ -177,11 +191,13 @@ class Commands(TaskModel):
         is_paused: Whether the robot shall rest on its path.
         speed: Seconds of the motion per second, negative backwards; None for what the request says.
         block: Why it shall come to rest and end; None for no reason.
+        bounds: Between which places it shall stay; None for all of its path.
     """
 
     is_paused: bool = False
     speed: float | None = None
     block: Block | None = None
+    bounds: Bounds | None = None
 
 
 class ProofWork(SceneWork):
@@ -225,9 +241,15 @@ class RecheckWork(SceneWork):
 
 
 class Recheck(TaskModel):
-    """The verdict: where the motion is blocked; None if what is left of it holds."""
+    """The verdict on a motion from where the robot is.
+
+    Attributes:
+        block: Where it does not hold on the way forwards; None if it does.
+        behind: Until where it holds on the way back [s]; None for all of it.
+    """
 
     block: Block | None
+    behind: float | None = None
 
 
 class TogetherWork(SceneWork):

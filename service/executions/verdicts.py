@@ -3,11 +3,20 @@
 import asyncio
 import logging
 from collections.abc import Sequence
+from typing import Any
 
 from planning.errors import InputError, WayproofError
 from service.executions.position import last_status
-from service.executions.tasks import RECHECK, Block, ExecutionWork, GroupMotion, RecheckWork
-from service.jobs.job import JobSummary
+from service.executions.tasks import (
+    RECHECK,
+    Block,
+    Bounds,
+    ExecutionWork,
+    GroupMotion,
+    Recheck,
+    RecheckWork,
+)
+from service.jobs.job import CONTROLS, JobSummary
 from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.scenes.models.verdicts import ExecutionVerdict
@@ -22,7 +31,7 @@ _log = logging.getLogger(__name__)
 async def judge(
     record: SceneRecord, *, scenes: SceneStore, jobs: JobService
 ) -> list[ExecutionVerdict]:
-    """Return for each execution of a scene whether it holds in a revision; those that do not stop.
+    """Return for each execution of a scene whether it holds in a revision, and have it heed that.
 
     Args:
         record: The scene after the edit.
@@ -59,40 +68,55 @@ async def _judge(
     # The robot may be further by now: what is looked at is a little more than what is left.
     since = 0.0 if status is None else max(0.0, status.time)
     others = [motion for motion in motions if motion.execution != job.id]
-    block = await _block(work, since, others, record, scenes, jobs)
-    if block is None:
-        return ExecutionVerdict(id=job.id, verdict="unaffected")
-    stops = work.request.on_conflict == "stop"
-    if stops:
+    found = await _recheck(work, since, others, record, scenes, jobs)
+    commands = await _commands(work, found, record, job, jobs)
+    if commands:
         try:
-            await jobs.control(job, {"block": block.model_dump()})
+            await jobs.control(job, commands)
         except WayproofError as fault:  # it has ended meanwhile
-            _log.info("execution %s was not stopped: %s", job.id, fault)
-    pair = (block.pair[0], block.pair[1]) if block.pair else None
+            _log.info("execution %s does not heed an edit: %s", job.id, fault)
+    if (block := found.block) is None:
+        return ExecutionVerdict(id=job.id, verdict="unaffected")
     return ExecutionVerdict(
         id=job.id,
         verdict="conflict",
-        action="stop" if stops else "ignore",
+        action=work.request.on_conflict,
         check=block.check,
-        pair=pair,
+        pair=(block.pair[0], block.pair[1]) if block.pair else None,
         time=block.time,
         seconds=max(0.0, block.time - since),
         fraction=block.fraction,
     )
 
 
-async def _block(
+async def _commands(
+    work: ExecutionWork, found: Recheck, record: SceneRecord, job: JobSummary, jobs: JobService
+) -> dict[str, Any]:
+    """Return what an execution shall do about a verdict, as its request says."""
+    policy = work.request.on_conflict
+    if policy == "ignore":
+        return {}
+    if found.block is not None and policy == "stop":
+        return {"block": found.block.model_dump()}
+    bounds = Bounds(revision=record.revision, behind=found.behind, ahead=found.block)
+    if found.block is None and found.behind is None:
+        set_before = await jobs.last_recorded(job, CONTROLS)
+        if set_before is None or set_before.data.get("bounds") is None:
+            return {}
+    return {"bounds": bounds.model_dump()}
+
+
+async def _recheck(
     work: ExecutionWork,
     since: float,
     others: list[GroupMotion],
     record: SceneRecord,
     scenes: SceneStore,
     jobs: JobService,
-) -> Block | None:
-    """Return where a motion is blocked from a time along it on; None if it holds."""
-    if (
-        work.planned is None and work.own is None and not work.members
-    ):  # an older version has begun it
+) -> Recheck:
+    """Return between which places a motion holds around a time along it."""
+    # An older version has begun it.
+    if work.planned is None and work.own is None and not work.members:
         return _unproven("unknown", since, record)
     loaded = scenes.work(record)
     asked = RecheckWork(
@@ -109,7 +133,7 @@ async def _block(
         margins=work.margins,
     )
     try:
-        return (await jobs.call(RECHECK, asked)).block
+        return await jobs.call(RECHECK, asked)
     except InputError as fault:  # what it keeps names something that is gone
         _log.info("a motion cannot be proven in revision %d: %s", record.revision, fault)
         return _unproven("request", since, record)
@@ -118,6 +142,7 @@ async def _block(
         return _unproven("undecided", since, record)
 
 
-def _unproven(check: str, since: float, record: SceneRecord) -> Block:
-    """Return the block of a motion that nothing is proven of: not proven is not safe."""
-    return Block(check=check, pair=[], time=since, fraction=0.0, revision=record.revision)
+def _unproven(check: str, since: float, record: SceneRecord) -> Recheck:
+    """Return the verdict on a motion that nothing is proven of: not proven is not safe."""
+    block = Block(check=check, pair=[], time=since, fraction=0.0, revision=record.revision)
+    return Recheck(block=block, behind=since)

@@ -18,7 +18,14 @@ from service.executions.drivers import driver_of, sampling_reserve
 from service.executions.jitter import JitterLog
 from service.executions.models import Contact, ExecutionStatus, SamplingReserve
 from service.executions.position import TOLERANCE
-from service.executions.tasks import EXECUTE, Block, Commands, ExecutionOutcome, ExecutionWork
+from service.executions.tasks import (
+    EXECUTE,
+    Block,
+    Bounds,
+    Commands,
+    ExecutionOutcome,
+    ExecutionWork,
+)
 from service.jobs.context import TaskContext
 from service.jobs.worker.progress import ProgressReporter
 from service.scenes.world_cache import borrow_world
@@ -132,12 +139,24 @@ def _apply_commands(runner: Runner, context: TaskContext, applied: Commands) -> 
     if latest.block is not None:
         runner.abort(blocked(latest.block))
         return latest
+    if latest.bounds is not None and latest.bounds != applied.bounds:
+        latest = _keep_between(runner, latest, latest.bounds, applied.bounds)
     if latest.speed is not None and latest.speed != applied.speed:
         runner.set_speed(latest.speed)
     if latest.is_paused and not applied.is_paused:
         runner.pause()
     if applied.is_paused and not latest.is_paused:
         runner.resume()
+    return latest
+
+
+def _keep_between(
+    runner: Runner, latest: Commands, bounds: Bounds, applied: Bounds | None
+) -> Commands:
+    """Stay between the places of the newest revision; return the commands with what holds."""
+    if applied is not None and applied.revision > bounds.revision:  # an older verdict came later
+        return latest.model_copy(update={"bounds": applied})
+    runner.keep_between(bounds.behind, None if bounds.ahead is None else bounds.ahead.time)
     return latest
 
 

@@ -96,14 +96,13 @@ class JobService(TaskCalls):
         """Store an artifact for as long as a job or a scene has a content; return its digest."""
         return await to_thread.run_sync(self._store.artifacts.keep, artifact, world_digest)
 
-<<<<<<< HEAD
     async def artifacts_of(self, job: Job) -> Mapping[str, bytes]:
         """Return all artifacts that the task of a job reads, as far as they are stored."""
         read = artifacts_of(job.task, job.payload)
         parts = await self._store.artifacts.parts(read)
         wanted = {*read, *(part for needed in parts.values() for part in needed)}
         return await self._store.artifacts.contents(sorted(wanted))
-=======
+
     async def entries(self, queue: str, scene: str) -> Entries:
         """Return which jobs of a queue move robots in a scene, or wait to."""
         return await to_thread.run_sync(self._store.entries, queue, scene)
@@ -112,7 +111,6 @@ class JobService(TaskCalls):
     def waiting(self) -> JobRelease:
         """What releases jobs that wait for their robots; of a server that leads."""
         return self._dispatcher.waiting
->>>>>>> robots
 
     async def find_by_key(self, spec: JobSpec) -> Job | None:
         """Return the job that the spec's idempotency key names, if there is one.
