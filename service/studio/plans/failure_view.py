@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from service.studio.cell import Cell
-from service.studio.view import BLOCKED
+from service.studio.drawing.view import BLOCKED
 
 
 def show_failure(cell: Cell, failure: Mapping[str, Any]) -> None:
@@ -19,14 +19,38 @@ def show_failure(cell: Cell, failure: Mapping[str, Any]) -> None:
     evidence = failure["evidence"] or {}
     relaxation = evidence.get("relaxation") or {}
     at_goal = relaxation.get("positions")
-    pairs = [pair for pair in relaxation.get("obstacles") or () if pair["depth"] > 0]
     if at_goal is not None:
         poses = cell.poses(np.array(at_goal))
         cell.view.show_ghost(poses, BLOCKED)
-        cell.view.mark_pairs(pairs, poses)
+        obstacles = relaxation.get("obstacles") or ()
+        cell.view.mark_pairs([pair for pair in obstacles if pair["depth"] > 0], poses)
         return
-    nearest = (evidence.get("nearest") or {}).get("positions")
-    if nearest is not None:
-        poses = cell.poses(np.array(nearest))
+    positions = (evidence.get("nearest") or {}).get("positions")
+    poses = {} if positions is None else cell.poses(np.array(positions))
+    if poses:
         cell.view.show_ghost(poses, BLOCKED)
-        cell.view.mark_pairs([], poses)
+    cell.view.mark_pairs(_pairs_of(evidence), poses)
+
+
+def place_of(evidence: Mapping[str, Any] | None) -> tuple[float, dict[str, Any]] | None:
+    """Return when a motion does not hold any more, and which bodies meet then.
+
+    Args:
+        evidence: Of a motion that was refused (`not_certified`).
+    """
+    found = evidence or {}
+    if found.get("time") is None:
+        return None
+    depth = max(-float(found.get("value") or 0.0), 0.0)
+    pair = {"bodies": found.get("pair") or [], "points": [], "depth": depth}
+    return float(found["time"]), pair
+
+
+def _pairs_of(evidence: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the pairs of clearance checks that failed: `where` names both bodies."""
+    checks = evidence.get("checks") or ()
+    return [
+        {"bodies": check["where"].split("-"), "points": [], "depth": max(-check["value"], 1e-6)}
+        for check in checks
+        if check["name"] == "clearance" and "-" in check["where"]
+    ]
