@@ -9,6 +9,7 @@ from planning.domain.report.motion_plan import PlanPart
 from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
 from service.plans.exports.formats import FormatName
+from service.plans.exports.series import Series
 from service.plans.models.request import PlanRequest, Retime
 from service.plans.models.result import PlanResult
 from service.plans.models.search_reports import PlannerGraph
@@ -162,6 +163,20 @@ class PlotWork(DeliveredWork):
     margin: float | None
 
 
+class SeriesWork(DeliveredWork):
+    """What the numbers of plots are made from: the motion, and the limits that it was to keep.
+
+    Attributes:
+        num_samples: Number of instants, at least 2.
+        distances: Whether to measure distances of bodies.
+    """
+
+    retime: Retime
+    margin: float | None
+    num_samples: int
+    distances: bool
+
+
 class Drawing(TaskModel):
     """A chart as SVG."""
 
@@ -185,5 +200,6 @@ SAMPLE = Task("sample_plan", SampleWork, Trajectory)
 SAMPLE_TABLE = Task("sample_plan_as_table", SampleWork, Table)
 EXPORT = Task("export_plan", ExportWork, ExportedFile)
 PLOT = Task("plot_plan", PlotWork, Drawing)
+SERIES = Task("series_of_plan", SeriesWork, Series)
 REPLAY = Task("replay_plan", DeliveredWork, Page)
 WARM_UP = Task("warm_up", NoWork, WarmedUp)

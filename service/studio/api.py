@@ -8,11 +8,12 @@ import numpy as np
 from pydantic import ConfigDict
 
 from service.client.client import Client
+from service.client.errors import ApiError
 from service.client.events import Event
 from service.client.models import Answer, Execution, Plan
+from service.studio.motions.series import Series, SeriesAnswer
+from service.studio.numbers import Array
 from wayproof_client.call import Call
-
-type Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Frames that one question may name, and configurations.
 _MAX_ROWS = 10_000
@@ -63,6 +64,12 @@ class ByName(httpx.HTTPTransport):
     def handle_request(self, request: httpx.Request) -> httpx.Response:
         request.headers["Host"] = self._host
         return super().handle_request(request)
+
+
+def evidence_of(fault: ApiError) -> dict[str, Any]:
+    """Return the evidence of a problem as the server sent it."""
+    evidence: Any = getattr(fault.problem, "evidence", None) or {}
+    return evidence if isinstance(evidence, dict) else evidence.model_dump()
 
 
 class Api(Client):
@@ -130,6 +137,10 @@ class Api(Client):
         found: dict[str, Any] = self._json("GET", f"/v1/plans/{plan}")
         return found
 
+    def series(self, plan: str) -> Series:
+        """Return what the motion of a plan does over time."""
+        return Series(SeriesAnswer.model_validate(self._json("GET", f"/v1/plans/{plan}/series")))
+
     def control(self, execution: str, what: str, **body: float) -> None:
         """Pause, resume, cancel an execution, or set its speed."""
         self._json("POST", f"/v1/executions/{execution}/{what}", body or None)
@@ -141,4 +152,4 @@ class Api(Client):
         return self.send(Call(method, path, query=query or {}, body=body)).json()
 
 
-__all__ = ["Api", "Array", "ByName", "Event", "Execution", "Iterator", "Plan", "ShownScene"]
+__all__ = ["Api", "ByName", "Event", "Execution", "Iterator", "Plan", "ShownScene", "evidence_of"]

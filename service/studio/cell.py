@@ -1,12 +1,14 @@
 """Cell: the scene that one browser looks at, and who is asked about it."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import viser
 
-from service.studio.api import Api, Array, ShownGroup, ShownScene
-from service.studio.view import SceneView
+from service.studio.api import Api, ShownGroup, ShownScene
+from service.studio.drawing.view import SceneView
+from service.studio.numbers import Array
 
 
 @dataclass
@@ -32,6 +34,26 @@ class Cell:
     def __post_init__(self) -> None:
         """Begin where the scene has the group."""
         self.positions = np.array(self.group.positions)
+
+    @property
+    def object_names(self) -> list[str]:
+        """Names of the objects of the scene."""
+        return [entry["name"] for entry in self.scene.document.get("objects", [])]
+
+    def edit(self, operations: list[dict[str, Any]]) -> None:
+        """Carry operations out on the scene, and draw it as it is then.
+
+        Raises:
+            ApiError: The scene refuses them.
+        """
+        self.api.edit_scene(self.scene.id, operations)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Draw the scene as the server has it now."""
+        self.scene = self.api.shown(self.scene.id)
+        self.group = self.scene.group(self.group.name)
+        self.view.update(self.api.geometry(self.scene.id))
 
     def poses(self, positions: Array) -> dict[str, Array]:
         """Return X_WB of all moving bodies with the group at some positions, shape (7,)."""

@@ -11,14 +11,15 @@ import viser
 
 from service.client.errors import ApiError
 from service.studio import texts
-from service.studio.api import Api, ByName
+from service.studio.api import Api, ByName, evidence_of
 from service.studio.cell import Cell, open_cell
-from service.studio.failure_view import show_failure
-from service.studio.goal_panel import GoalPanel
-from service.studio.motion import load_motion
-from service.studio.motion_panel import MotionPanel
-from service.studio.plan_panel import PlanPanel
-from service.studio.robot_panel import RobotPanel
+from service.studio.goals.goal_panel import GoalPanel
+from service.studio.motions.motion import load_motion
+from service.studio.motions.motion_panel import MotionPanel
+from service.studio.plans.failure_view import place_of, show_failure
+from service.studio.plans.plan_panel import PLANNING_TIME, PlanPanel
+from service.studio.plans.relaxations import Relaxation, relaxations_of
+from service.studio.robots.robot_panel import RobotPanel
 
 _SUFFIX = ".scene.yaml"
 _FIRST = "ur5e_pickup"
@@ -159,20 +160,50 @@ class Session:
 
     def _plan(self) -> None:
         cell, goals = self._cell, self._goals
-        if cell is None or goals is None or not self._plans.is_idle:
+        if cell is None or goals is None:
+            return
+        self._ask({
+            "scene": cell.scene.id,
+            "group": cell.group.name,
+            "goal": goals.goal(),
+            "search": {"allowed_planning_time": PLANNING_TIME},
+        })
+
+    def _ask(self, request: dict[str, Any]) -> None:
+        """Plan, and show what came of it."""
+        cell = self._cell
+        if cell is None or not self._plans.is_idle:
             return
         self._close_motion()
         self._robot.clear()
+        cell.view.show_others([])
         try:
-            job = self._plans.plan(cell, goals.goal())
+            job = self._plans.plan(cell, request)
             if job is None or cell is not self._cell:
                 return
             if job["state"] == "succeeded":
                 self._show_motion(cell, job)
             elif job["failure"] is not None:
                 show_failure(cell, job["failure"])
+                removable = cell.object_names if cell.scene.id == self._own else ()
+                relaxations = relaxations_of(job["failure"], request, removable)
+                self._plans.offer(relaxations, self._relax)
+        except Exception as fault:  # noqa: BLE001  (told to the person at the browser)
+            self._tell(fault)
+
+    def _relax(self, relaxation: Relaxation) -> None:
+        cell = self._cell
+        if cell is None:
+            return
+        try:
+            if relaxation.operations:
+                cell.edit(relaxation.operations)
+                if self._goals is not None:
+                    self._goals.look_again()
         except (ApiError, httpx.HTTPError) as fault:
             self._tell(fault)
+            return
+        self._ask(relaxation.request)
 
     def _show_motion(self, cell: Cell, job: dict[str, Any]) -> None:
         cell.view.mark_pairs([], {})
@@ -190,7 +221,14 @@ class Session:
         cell.view.show_ghost(None)
         try:
             self._robot.execute(cell, motion.motion.plan)
-        except (ApiError, httpx.HTTPError) as fault:
+        except ApiError as fault:
+            place = place_of(evidence_of(fault)) if fault.code == "not_certified" else None
+            if place is not None:
+                motion.show_place(*place)
+                self._robot.say_refused(fault.problem.detail)
+            else:
+                self._tell(fault)
+        except httpx.HTTPError as fault:
             self._tell(fault)
 
     def _close_motion(self) -> None:

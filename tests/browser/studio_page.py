@@ -45,16 +45,35 @@ class StudioPage:
         self.page.get_by_role("combobox", name=label, exact=True).last.click()
         self.page.get_by_role("option", name=option, exact=True).click()
 
+    def options(self, label):
+        """What can be chosen from a list."""
+        box = self.page.get_by_role("combobox", name=label, exact=True).last
+        box.click()
+        self.page.get_by_role("option").first.wait_for()
+        found = [option.inner_text() for option in self.page.get_by_role("option").all()]
+        box.press("Escape")
+        return found
+
     def set(self, slider, value):
         """Set a slider by the number beside it."""
-        label = self.page.locator("p").get_by_text(slider, exact=True)
-        row = label.locator("xpath=ancestor::*[.//input[not(@type='hidden')]][1]")
-        number = row.locator("input:not([type=hidden])").last
+        number = self._number(slider)
         number.fill(str(value))
         number.press("Enter")
 
+    def value(self, slider):
+        """What a slider says."""
+        return float(self._number(slider).input_value())
+
+    def unfold(self, folder):
+        self.page.get_by_text(folder).first.click()
+
     def sees(self, text):
         return self.page.get_by_text(text).count() > 0
+
+    def _number(self, slider):
+        label = self.page.get_by_text(slider, exact=True)
+        row = label.locator("xpath=ancestor::*[.//input[not(@type='hidden')]][1]")
+        return row.locator("input:not([type=hidden])").last
 
     def _note(self, message):
         if message.type == "error":

@@ -25,6 +25,35 @@ def test_two_clicks_lead_from_the_open_page_to_a_robot_that_has_moved(studio, st
 
 @only_campaign("half a minute without a graphics card")
 @pytest.mark.campaign
+def test_a_check_leads_to_its_time_and_curves_follow(studio):
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    until(lambda: studio.value("Time [s]") > 0.9)  # it was played
+    studio.unfold("10 checks")
+    studio.page.get_by_role("button", name=" mm at 0.9").click()
+    studio.wait_for("bound 0 m, right_finger")
+    until(lambda: 0.9 < studio.value("Time [s]") < 0.99)
+    studio.choose("Path colour", "binding limit")
+    studio.wait_for("acceleration 100%")
+    studio.choose("Curves", "torque")
+    studio.page.locator(".u-legend").get_by_text("wrist_3_joint").wait_for()
+
+
+@only_campaign("half a minute without a graphics card")
+@pytest.mark.campaign
+def test_another_way_to_reach_the_goal_is_planned_to(studio, studio_server):
+    ways = studio.options("Way")
+    assert len(ways) > 1
+    assert "wrist" in ways[0]
+    studio.choose("Way", ways[1])
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    plans = httpx.get(f"{studio_server.url}/v1/plans", **PLAIN).json()["items"]
+    assert plans[0]["request"]["goal"]["type"] == "joint"
+
+
+@only_campaign("half a minute without a graphics card")
+@pytest.mark.campaign
 def test_a_motion_is_paused_goes_on_and_is_stopped(studio, studio_server):
     studio.click("Plan")
     studio.wait_for("Proven")
@@ -48,6 +77,10 @@ def test_a_goal_in_collision_is_red_with_its_pair_and_the_plan_says_why(studio):
     studio.wait_for("Collides")
     studio.click("Plan")
     studio.wait_for("goal_in_collision")
+    # what would do is offered, and does
+    studio.click("Go to the nearest that is free")
+    studio.wait_for("Proven")
+    assert not studio.sees("Ask instead")
 
 
 @only_campaign("half a minute without a graphics card")

@@ -370,6 +370,20 @@ class AsyncOperations(AsyncCaller):
             models.Plan,
         )
 
+    async def get_series(
+        self, plan: str, *, points: int | None = None, distances: bool | None = None
+    ) -> models.Series:
+        """Return the numbers of the plots: rates, efforts, limits and their use over time."""
+        return await self.ask(
+            Call(
+                "GET",
+                "/v1/plans/{plan}/series",
+                inserted={"plan": plan},
+                query={"points": points, "distances": distances},
+            ),
+            models.Series,
+        )
+
     async def get_trajectory(
         self,
         plan: str,

@@ -336,6 +336,15 @@ class BodyTooLargeProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
+class Bounds(Answer):
+    """What the coordinates of a quantity are kept within; a block is limited by its norm."""
+
+    lower: list[float | None]
+    """Per coordinate; null: none."""
+    upper: list[float | None]
+    """Per coordinate; null: none."""
+
+
 class Box(Answer):
     """A box, placed by the pose of its middle."""
 
@@ -5018,6 +5027,42 @@ class SearchReport(Answer):
     """What a roadmap did, if the request has one."""
     was_canceled: bool = False
     """Whether a cancel ended the search early."""
+
+
+class Series(Answer):
+    """A motion at equal time steps: what the plots draw."""
+
+    acceleration_jumps: list[float]
+    """Instants at which acceleration jumps, so that jerk is infinite [s]."""
+    accelerations: list[list[float]]
+    """[rad/s^2 or m/s^2]."""
+    jerks: list[list[float]]
+    """Between the jumps of acceleration [rad/s^3 or m/s^3]."""
+    limits: dict[str, Bounds]
+    """What the plan was to keep, scaled, of `position`, `velocity`, `acceleration`, `torque`,
+    and of `jerk` if it is limited."""
+    position_names: list[str]
+    """A name per position coordinate."""
+    positions: list[list[float]]
+    """One row per instant [rad or m]."""
+    times: list[float]
+    """Instants [s]."""
+    tool_speeds: dict[str, list[float]]
+    """Of the tool frame and of every frame that is limited, by frame [m/s]."""
+    torques: list[list[float]]
+    """What inverse dynamics asks for [N m or N]."""
+    utilisation: dict[str, list[float]]
+    """Share of each limit that is used, of the coordinate that uses most, by the name of its
+    check; `torque` whether it is limited or not."""
+    velocities: list[list[float]]
+    """[rad/s or m/s]."""
+    velocity_names: list[str]
+    """A name per velocity coordinate."""
+    clearance: list[float | None] | None = None
+    """Smallest distance of any two bodies [m]; beyond half a metre above the margin it is that;
+    null unless `distances` asks for it."""
+    closest_pairs: list[tuple[str, str]] | None = None
+    """The two bodies of each clearance, or two empty names."""
 
 
 class ServerRestartedFailure(Answer):

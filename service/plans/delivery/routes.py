@@ -11,6 +11,7 @@ from service.api.responses import passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.plans.dependencies import PlanJob
 from service.plans.exports.formats import FORMATS
+from service.plans.exports.series import Series
 from service.plans.models.trajectory import Trajectory
 from service.plans.resource import delivered_work, motion_of, work_of
 from service.plans.tasks import (
@@ -19,9 +20,11 @@ from service.plans.tasks import (
     REPLAY,
     SAMPLE,
     SAMPLE_TABLE,
+    SERIES,
     ExportWork,
     PlotWork,
     SampleWork,
+    SeriesWork,
 )
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
@@ -82,6 +85,13 @@ type Chart = Annotated[
         "velocity",
     ],
     Path(description="What to draw over time, against the limits that the plan keeps"),
+]
+
+type NumSamples = Annotated[
+    int, Query(ge=2, le=2000, description="Instants, evenly in time, both ends included")
+]
+type Distances = Annotated[
+    bool, Query(description="Measure distances of bodies too, which takes most of the time")
 ]
 
 # The header that says what is proven of a table.
@@ -171,3 +181,24 @@ async def get_plot(job: PlanJob, jobs: JobsDep, name: Chart) -> Response:
     )
     drawing = await jobs.call(PLOT, work)
     return Response(drawing.svg, media_type="image/svg+xml")
+
+
+@router.get(
+    "/series",
+    operation_id="getSeries",
+    response_model=Series,
+    responses=problems(404, 409, 422, 429, 503),
+)
+async def get_series(
+    job: PlanJob, jobs: JobsDep, *, points: NumSamples = 201, distances: Distances = False
+) -> Response:
+    """Return the numbers of the plots: rates, efforts, limits and their use over time."""
+    request = work_of(job).request
+    work = SeriesWork(
+        **dict(delivered_work(job)),
+        retime=request.retime,
+        margin=request.margin,
+        num_samples=points,
+        distances=distances,
+    )
+    return passed_on(await jobs.call_text(SERIES, work))

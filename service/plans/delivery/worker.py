@@ -7,12 +7,13 @@ from base64 import b64encode
 from dataclasses import replace
 
 from planning import Deadline, TimedTrajectory
-from planning.api.motion_series import motion_series
+from planning.api.motion_series import MotionSeries, motion_series
 from planning.api.sample_motion import sample_plan, unproven_samples
 from planning.errors import InputError
 from planning.world.replay.replay_writer import replay_html
 from service.jobs.context import TaskContext
 from service.plans.exports.formats import FORMATS, require_format
+from service.plans.exports.series import Series
 from service.plans.models.sampling import IN_QUERY, require_few
 from service.plans.models.trajectory import Polynomial, Trajectory
 from service.plans.tasks import (
@@ -21,6 +22,7 @@ from service.plans.tasks import (
     REPLAY,
     SAMPLE,
     SAMPLE_TABLE,
+    SERIES,
     DeliveredWork,
     Drawing,
     ExportedFile,
@@ -28,6 +30,7 @@ from service.plans.tasks import (
     Page,
     PlotWork,
     SampleWork,
+    SeriesWork,
     Table,
 )
 from service.plans.worker import PROVING
@@ -129,17 +132,36 @@ def plot(work: PlotWork, context: TaskContext) -> Drawing:
     """
     from service.plans.delivery.charts import OF_DISTANCES, draw  # noqa: PLC0415  (takes a second)
 
+    series = _series(work, context, distances=work.name in OF_DISTANCES)
+    return Drawing(svg=draw(work.name, series))
+
+
+@SERIES.runs
+def series(work: SeriesWork, context: TaskContext) -> Series:
+    """Return the numbers of the plots of a motion.
+
+    Raises:
+        InputError: The scene does not load any more.
+        DeadlineExceeded: Its distances take too long.
+    """
+    found = _series(work, context, num_samples=work.num_samples, distances=work.distances)
+    return Series.from_series(found, distances=work.distances)
+
+
+def _series(
+    work: PlotWork | SeriesWork, context: TaskContext, *, num_samples: int = 201, distances: bool
+) -> MotionSeries:
     with borrow_world(work) as world:
-        series = motion_series(
+        return motion_series(
             world,
             work.group,
             work.trajectory.to_domain(),
+            num_samples,
             options=work.retime.to_domain(),
             margin=work.margin,
-            distances=work.name in OF_DISTANCES,
+            distances=distances,
             deadline=Deadline.after(_ALLOWED_FOR_CHART, time.monotonic, context.is_canceled),
         )
-    return Drawing(svg=draw(work.name, series))
 
 
 @REPLAY.runs

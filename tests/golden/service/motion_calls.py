@@ -16,6 +16,7 @@ _OF_PLANS = (
     get("trajectory_of_a_reversal", "/v1/plans/{reverse}/trajectory?points=3"),
     get("replay", "/v1/plans/{configuration}/replay.html"),
     *(get(f"plot_{name}", f"/v1/plans/{{configuration}}/plots/{name}.svg") for name in _CHARTS),
+    get("series", "/v1/plans/{configuration}/series?points=3"),
     get("plot_clearance", "/v1/plans/{joint}/plots/clearance.svg"),
     get("plot_tool_speed", "/v1/plans/{limited}/plots/tool_speed.svg"),
 )

@@ -142,3 +142,35 @@ def test_plots_are_drawings_of_every_joint(client, solved, name):
 
 def test_there_is_no_other_plot(client, solved):
     assert client.get(f"/v1/plans/{solved['id']}/plots/smell.svg").status_code == 422
+
+
+def test_the_series_is_the_motion_within_its_limits(client, solved):
+    answer = client.get(f"/v1/plans/{solved['id']}/series?points=41")
+    assert answer.status_code == 200, answer.text
+    series = answer.json()
+    exact = trajectory(client, solved, "?polynomial=true").json()
+    motion = Polynomial.model_validate(exact["polynomial"]).to_domain()
+    times = np.linspace(0.0, motion.duration, 41)
+    np.testing.assert_allclose(series["times"], times, atol=1e-12)
+    np.testing.assert_allclose(series["positions"], motion.positions(times), atol=1e-12)
+    np.testing.assert_allclose(series["velocities"], motion.velocities(times), atol=1e-12)
+    np.testing.assert_allclose(series["accelerations"], motion.accelerations(times), atol=1e-12)
+    rows = {"velocity": "velocities", "acceleration": "accelerations", "torque": "torques"}
+    for limit, values in rows.items():
+        bound = np.array(series["limits"][limit]["upper"])
+        used = (np.abs(series[values]) / bound).max(axis=1)
+        np.testing.assert_allclose(series["utilisation"][limit], used, atol=1e-9)
+    assert np.max(series["utilisation"]["acceleration"]) < 1 + 1e-6
+    assert "jerk" not in series["limits"]  # toppra does not limit it
+    assert series["clearance"] is None
+    assert series["closest_pairs"] is None
+
+
+def test_the_series_has_distances_if_asked(client, solved):
+    series = client.get(f"/v1/plans/{solved['id']}/series?points=5&distances=true").json()
+    positions = {"group": "arm", "configurations": series["positions"]}
+    verdicts = client.post(f"/v1/scenes/{solved['request']['scene']}/check", json=positions)
+    measured = [verdict["distance"] for verdict in verdicts.json()["results"]]
+    np.testing.assert_allclose(series["clearance"], measured, atol=1e-3)
+    assert all(len(pair) == 2 for pair in series["closest_pairs"])
+    assert client.get(f"/v1/plans/{solved['id']}/series?points=1").status_code == 422

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from service.studio.camera import SeenBox, place_camera, seen_boxes
+from service.studio.drawing.camera import SeenBox, place_camera, seen_boxes
 
 _ARM = np.array([[0, 0, z] for z in np.linspace(0.1, 0.9, 9)], dtype=float)
 

@@ -78,6 +78,11 @@ class RobotPanel:
             self._show(is_moving=False)
             self._lock.release()
 
+    def say_refused(self, detail: str) -> None:
+        """Say why the server does not carry a motion out."""
+        self._tell(texts.failure("not_certified", detail))
+        self.offer(can_execute=True)
+
     def clear(self) -> None:
         """Say nothing, once the scene is another one."""
         self._told.visible = False

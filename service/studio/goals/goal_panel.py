@@ -8,10 +8,11 @@ import numpy as np
 import viser
 
 from service.studio import texts
-from service.studio.api import Array
 from service.studio.cell import Cell
+from service.studio.drawing.view import BLOCKED, GHOST
+from service.studio.goals.solutions import Solutions
 from service.studio.newest import Newest
-from service.studio.view import BLOCKED, GHOST
+from service.studio.numbers import Array
 
 BY_SLIDERS, BY_TOOL = "joint sliders", "drag the tool"
 _FRAME, _CONFIGURATION = "frame ", "configuration "
@@ -19,6 +20,8 @@ _FRAME, _CONFIGURATION = "frame ", "configuration "
 _UNLIMITED = 2 * math.pi
 _STEP = 0.001
 _GIZMO = "/gizmo"
+# Ghosts of other ways to reach a goal.
+_MAX_OTHERS = 3
 _GIZMO_SIZE = 0.22
 
 
@@ -41,19 +44,32 @@ class GoalPanel:
         self._goals = _goals_of(cell)
         self._choice = gui.add_dropdown("Goal", tuple(self._goals), hint="Where it shall go")
         self._told = gui.add_html(texts.told("…"))
+        self._solutions: Solutions | None = None
+        self._way: Any = gui.add_dropdown(
+            "Way", ("",), visible=False, hint="Configurations that reach the goal, nearest first"
+        )
+        self._nearest: Array | None = None
+        self._use_nearest = gui.add_button("Take the nearest", color=texts.SOFT, visible=False)
         self._sliders: list[viser.GuiSliderHandle[float]] = []
         self._folder = gui.add_folder("Joints of the goal", expand_by_default=False)
         with self._folder:
             self._add_sliders(gui)
         self._gizmo = self._add_gizmo()
         self._choice.on_update(lambda event: self._choose() if event.client else None)
+        self._way.on_update(lambda event: self._choose_way() if event.client else None)
+        self._use_nearest.on_click(lambda _: self._take_nearest())
         self._choose()
 
     def goal(self) -> dict[str, Any]:
         """Return the goal as the API wants it."""
         choice = self._choice.value
-        if choice == BY_SLIDERS:
+        ways = self._solutions
+        if choice == BY_SLIDERS or (ways is not None and self._way.value != ways.names[0]):
             return {"type": "joint", "positions": [self._positions.tolist()]}
+        return self._goal_asked()
+
+    def _goal_asked(self) -> dict[str, Any]:
+        choice = self._choice.value
         if choice == BY_TOOL and self._gizmo is not None:
             return _pose_goal(self._gizmo)
         return self._goals[choice]
@@ -61,7 +77,8 @@ class GoalPanel:
     def close(self) -> None:
         """End what goes on, and take the panel away."""
         self._newest.close()
-        for part in (self._choice, self._told, self._folder):
+        self._cell.view.show_others([])
+        for part in (self._choice, self._told, self._way, self._use_nearest, self._folder):
             part.remove()
 
     def _choose(self) -> None:
@@ -69,9 +86,17 @@ class GoalPanel:
             self._gizmo.visible = self._choice.value == BY_TOOL
         self._newest.ask(self._show)
 
+    def look_again(self) -> None:
+        """Look at the goal again, once the scene is another one."""
+        self._newest.ask(self._show)
+
     def _show(self) -> None:
         """Show where the goal is, or why it cannot be reached."""
         choice = self._choice.value
+        self._nearest = None
+        self._use_nearest.visible = False
+        if choice not in self._goals or not self._is_pose(choice):
+            self._forget_ways()
         if choice == BY_SLIDERS:
             self._judge(self._positions)
         elif choice.startswith(_CONFIGURATION):
@@ -80,24 +105,56 @@ class GoalPanel:
             self._set_sliders(positions)
             self._judge(positions)
         else:
-            self._show_solution(self.goal())
+            self._show_solutions(self._goal_asked())
 
-    def _show_solution(self, goal: dict[str, Any]) -> None:
+    def _is_pose(self, choice: str) -> bool:
+        return choice == BY_TOOL or choice.startswith(_FRAME)
+
+    def _show_solutions(self, goal: dict[str, Any]) -> None:
         cell = self._cell
         start = self._positions if self._choice.value == BY_TOOL else cell.positions
         found = cell.api.ik(cell.scene.id, cell.group.name, goal, start)
         if found["configurations"]:
+            solutions = self._solutions = Solutions(found["configurations"])
+            self._way.options, self._way.value = solutions.names, solutions.names[0]
+            self._way.visible = len(solutions.names) > 1
             best = found["configurations"][0]
-            self._set_sliders(np.array(best["positions"]))
-            cell.view.mark_pairs([], {})
-            cell.view.show_ghost(cell.poses(self._positions))
             self._told.content = texts.told(_praise(best, len(found["configurations"])), "good")
+            self._show_way()
             return
+        self._forget_ways()
         failed = found["failure"]
         self._told.content = texts.failure(failed["code"], failed["detail"])
         nearest = failed["evidence"].get("nearest") or {}
         if "positions" in nearest:
-            cell.view.show_ghost(cell.poses(np.array(nearest["positions"])), BLOCKED)
+            self._nearest = np.array(nearest["positions"])
+            self._use_nearest.visible = True
+            cell.view.show_ghost(cell.poses(self._nearest), BLOCKED)
+
+    def _show_way(self) -> None:
+        """Show the way that is chosen, and the others faintly."""
+        cell, solutions = self._cell, self._solutions
+        if solutions is None:
+            return
+        self._set_sliders(solutions.positions(self._way.value))
+        cell.view.mark_pairs([], {})
+        cell.view.show_ghost(cell.poses(self._positions))
+        others = solutions.others(self._way.value, _MAX_OTHERS)
+        cell.view.show_others([cell.poses(positions) for positions in others])
+
+    def _choose_way(self) -> None:
+        self._newest.ask(self._show_way)
+
+    def _forget_ways(self) -> None:
+        self._solutions = None
+        self._way.visible = False
+        self._cell.view.show_others([])
+
+    def _take_nearest(self) -> None:
+        """Make the nearest configuration that is free the goal."""
+        if self._nearest is not None:
+            self._set_sliders(self._nearest)
+            self._slide()
 
     def _judge(self, positions: Array) -> None:
         """Show the ghost at some positions, red with its pairs where it collides."""

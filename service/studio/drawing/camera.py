@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from service.studio.api import Array
+from service.studio.numbers import Array
 
 # Three quarters from the front first, then around.
 _AZIMUTHS = np.deg2rad([-40.0, 40.0, -75.0, 75.0, -110.0, 110.0, -145.0, 145.0])

@@ -7,14 +7,17 @@ from typing import Any
 import numpy as np
 import viser
 
-from service.studio.api import Array
-from service.studio.camera import place_camera, seen_boxes
-from service.studio.shapes import TRUE, Paint, draw_shape
+from service.studio.drawing.camera import place_camera, seen_boxes
+from service.studio.drawing.shapes import TRUE, Paint, draw_shape
+from service.studio.numbers import Array
 
 GHOST = Paint(color=(72, 149, 239), opacity=0.35, casts_shadow=False)
 BLOCKED = Paint(color=(230, 57, 70), opacity=0.45, casts_shadow=False)
+_FAINT = Paint(color=(148, 163, 184), opacity=0.18, casts_shadow=False)
 _RED = Paint(color=(230, 57, 70), opacity=0.75, grown=0.0015, casts_shadow=False)
 _PALE_RED = Paint(color=(230, 57, 70), opacity=0.25, grown=0.0015, casts_shadow=False)
+_AMBER = Paint(color=(255, 183, 3), opacity=0.75, grown=0.0015, casts_shadow=False)
+_PALE_AMBER = Paint(color=(255, 183, 3), opacity=0.25, grown=0.0015, casts_shadow=False)
 _TRACE_THICKNESS = 0.008
 _FRAME_LENGTH, _FRAME_RADIUS = 0.07, 0.0025
 
@@ -44,20 +47,38 @@ class SceneView:
         self._ghost_paint = GHOST
         self._marks: list[viser.SceneNodeHandle] = []
         self._frames: list[Array] = []
+        self._num_updates = self._num_others = 0
         client.scene.reset()
         light(client)
         with client.atomic():
             self._layers["robot"] = self._draw("robot", self._bodies, TRUE)
-            for name, body in self._bodies.items():
-                if body["pose"] is not None:
-                    pose = [*body["pose"]["position"], *body["pose"]["quaternion"]]
-                    self._poses[name] = np.array(pose)
+            self._poses |= _fixed_poses(self._bodies)
             self._place("robot", self._poses)
 
     @property
     def moving(self) -> list[str]:
         """Names of the bodies that move with a robot."""
         return [name for name, body in self._bodies.items() if body["pose"] is None]
+
+    def update(self, bodies: Sequence[Mapping[str, Any]]) -> None:
+        """Draw other bodies: what is as it was stays.
+
+        Args:
+            bodies: The API's geometry.
+        """
+        with self._lock, self._client.atomic():
+            now = {body["name"]: body for body in bodies}
+            robot = self._layers["robot"]
+            for name, body in self._bodies.items():
+                if now.get(name) != body:
+                    robot.pop(name).remove()
+                    self._poses.pop(name, None)
+            changed = {n: body for n, body in now.items() if self._bodies.get(n) != body}
+            self._bodies = now
+            self._num_updates += 1
+            robot |= self._draw(f"robot/{self._num_updates}", changed, TRUE)
+            self._poses |= _fixed_poses(changed)
+            self._place("robot", self._poses)
 
     def show(self, poses: Mapping[str, Array]) -> None:
         """Put the robots somewhere: X_WB of bodies, shape (7,)."""
@@ -78,15 +99,29 @@ class SceneView:
                 self._layers["ghost"] = self._draw("ghost", moving, paint)
             self._place("ghost", poses)
 
+    def show_others(self, all_poses: Sequence[Mapping[str, Array]]) -> None:
+        """Show fainter ghosts beside the ghost, as many as there are poses; none to clear."""
+        with self._lock, self._client.atomic():
+            for i in range(len(all_poses), self._num_others):
+                self._remove(f"others/{i}")
+            self._num_others = len(all_poses)
+            for i, poses in enumerate(all_poses):
+                layer = f"others/{i}"
+                if layer not in self._layers:
+                    moving = {name: self._bodies[name] for name in self.moving if name in poses}
+                    self._layers[layer] = self._draw(layer, moving, _FAINT)
+                self._place(layer, poses)
+
     def mark_pairs(self, pairs: Iterable[Mapping[str, Any]], poses: Mapping[str, Array]) -> None:
-        """Draw bodies that collide in red, with the segment between their nearest points.
+        """Draw bodies that collide in red, with their depth, and bodies that are near in amber.
 
         Args:
-            pairs: `bodies`, `points` and `depth`, as the API has them; none to clear.
+            pairs: `bodies`, `points` and `depth`, as the API has them; none to clear. Near bodies
+                have no depth above 0.
             poses: Of bodies that are elsewhere than the robot: the ghost's.
         """
         with self._lock, self._client.atomic():
-            self._remove("red")
+            self._remove("marked")
             for mark in self._marks:
                 mark.remove()
             self._marks = []
@@ -94,11 +129,13 @@ class SceneView:
             names = {name for pair in chosen for name in pair["bodies"] if name in self._bodies}
             moving = {name: self._bodies[name] for name in sorted(names & {*self.moving})}
             fixed = {name: self._bodies[name] for name in sorted(names - {*self.moving})}
-            self._layers["red"] = {
-                **self._draw("red/moving", moving, _RED),
-                **self._draw("red/fixed", fixed, _PALE_RED),
+            collides = any(pair["depth"] > 0 for pair in chosen)
+            strong, pale = (_RED, _PALE_RED) if collides else (_AMBER, _PALE_AMBER)
+            self._layers["marked"] = {
+                **self._draw("marked/moving", moving, strong),
+                **self._draw("marked/fixed", fixed, pale),
             }
-            self._place("red", {**self._poses, **poses})
+            self._place("marked", {**self._poses, **poses})
             for i, pair in enumerate(chosen):
                 self._mark(i, pair)
 
@@ -172,6 +209,15 @@ class SceneView:
                     f"/marks/{i}", text, position=tuple(points.mean(axis=0))
                 )
             )
+
+
+def _fixed_poses(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, Array]:
+    """Return X_WB of the bodies that never move, by name, shape (7,)."""
+    return {
+        name: np.array([*body["pose"]["position"], *body["pose"]["quaternion"]])
+        for name, body in bodies.items()
+        if body["pose"] is not None
+    }
 
 
 def light(client: viser.ClientHandle) -> None:

@@ -1,13 +1,14 @@
 """PlanPanel: ask for a plan, follow its stages, cancel it, and say what came of it."""
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import viser
 
 from service.studio import texts
 from service.studio.cell import Cell
+from service.studio.plans.relaxations import Relaxation
 
 # Words for the stages of the pipeline, as they happen.
 _STAGES = {
@@ -19,7 +20,7 @@ _STAGES = {
     "certify": "proving it",
     "explain": "finding out why it fails",
 }
-_PLANNING_TIME = 10.0
+PLANNING_TIME = 10.0
 
 
 class PlanPanel:
@@ -32,10 +33,13 @@ class PlanPanel:
             gui: Where it is shown, in the container that is open.
             on_plan: Called when it is pressed.
         """
+        self._gui = gui
         self._button = gui.add_button("Plan", icon=viser.Icon.ROUTE, color="teal")
         self._bar = gui.add_progress_bar(0.0, animated=True, visible=False)
         self._told = gui.add_html(texts.told(""), visible=False)
+        self._instead = gui.add_folder("Ask instead", visible=False)
         self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
+        self._offered: list[viser.GuiButtonHandle] = []
         self._button.on_click(lambda _: on_plan())
         self._running: tuple[Cell, str] | None = None
         self._lock = threading.Lock()
@@ -46,12 +50,12 @@ class PlanPanel:
         """Whether it plans nothing."""
         return self._running is None
 
-    def plan(self, cell: Cell, goal: Mapping[str, Any]) -> dict[str, Any] | None:
-        """Plan to a goal, show each stage, and return the plan once it has ended.
+    def plan(self, cell: Cell, request: Mapping[str, Any]) -> dict[str, Any] | None:
+        """Ask for a plan, show each stage, and return the plan once it has ended.
 
         Args:
             cell: The scene.
-            goal: As the API wants it.
+            request: As the API wants it.
 
         Returns:
             The plan; None if another one goes on.
@@ -61,13 +65,8 @@ class PlanPanel:
         try:
             self._show(is_planning=True)
             self._tell(texts.told("asking for a plan", "busy"))
-            request = {
-                "scene": cell.scene.id,
-                "group": cell.group.name,
-                "goal": goal,
-                "search": {"allowed_planning_time": _PLANNING_TIME},
-            }
-            plan = cell.api.submit_plan(request)
+            self.offer((), lambda _: None)
+            plan = cell.api.submit_plan(dict(request))
             self._running = cell, plan.id
             for event in cell.api.plan_events(plan.id):
                 if event.type == "stage":
@@ -78,16 +77,32 @@ class PlanPanel:
             self._show(is_planning=False)
             self._lock.release()
 
+    def offer(
+        self, relaxations: Sequence[Relaxation], on_choose: Callable[[Relaxation], None]
+    ) -> None:
+        """Show what can be asked instead, a button each; none to take them away."""
+        for button in self._offered:
+            button.remove()
+        self._offered = []
+        self._instead.visible = bool(relaxations)
+        with self._instead:
+            for relaxation in relaxations:
+                button = self._gui.add_button(relaxation.text, color=texts.SOFT)
+                button.on_click(lambda _, chosen=relaxation: on_choose(chosen))
+                self._offered.append(button)
+
     def clear(self) -> None:
         """Say nothing, once the scene is another one."""
         self._told.visible = False
+        self.offer((), lambda _: None)
 
     def _ended(self, job: dict[str, Any]) -> dict[str, Any]:
         if job["state"] == "succeeded":
             seconds = job["timings"].get("total", 0.0)
-            stages = [f"{name} {1000 * t:.0f}" for name, t in job["timings"].items() if t > 0.0005]
-            several = ", ".join(text for text in stages if not text.startswith("total"))
-            self._tell(texts.told(f"planned in {1000 * seconds:.0f} ms ({several})"))
+            stages = {n: 1000 * t for n, t in job["timings"].items() if n != "total"}
+            longest = sorted(stages, key=lambda name: -stages[name])[:3]
+            several = ", ".join(f"{name} {stages[name]:.0f}" for name in longest)
+            self._tell(texts.told(f"planned in {1000 * seconds:.0f} ms: {several}"))
         else:
             failed = job["failure"] or {"code": job["state"], "detail": ""}
             self._tell(texts.failure(failed["code"], failed["detail"]))

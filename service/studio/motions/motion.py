@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from service.studio.api import Api, Array, ShownGroup
+from service.studio.api import Api, ShownGroup
+from service.studio.motions.series import Series
+from service.studio.numbers import Array
 
 # Keyframes of a motion: between them bodies are interpolated.
 _MAX_KEYFRAMES = 240
-# Of the colours of the trace: red where something is as near as this [m], green beyond the other.
-_NEAR, _FAR = 0.0, 0.05
-_RED, _AMBER, _GREEN = np.array([230, 57, 70]), np.array([255, 183, 3]), np.array([42, 157, 143])
 
 
 @dataclass(frozen=True)
@@ -23,21 +22,19 @@ class Motion:
         plan: Id of its plan.
         times: Of the keyframes [s], shape (n,), n >= 2.
         positions: Of the group, shape (n, nq).
-        velocities: Of the group, shape (n, nv).
         poses: X_WB of the moving bodies, by name, shape (n, 7).
         tool: p_WT of the tool [m], shape (n, 3); None without one.
         certificate: As the API has it.
-        names: Of the positions, without the robot's.
+        series: Its rates, efforts and limits.
     """
 
     plan: str
     times: Array
     positions: Array
-    velocities: Array
     poses: Mapping[str, Array]
     tool: Array | None
     certificate: Mapping[str, Any]
-    names: Sequence[str]
+    series: Series
 
     @property
     def duration(self) -> float:
@@ -76,19 +73,11 @@ def load_motion(
         plan=job["id"],
         times=np.array(trajectory["times"])[rows],
         positions=positions,
-        velocities=np.array(trajectory["velocities"])[rows],
         poses=poses,
         tool=tool,
         certificate=job["result"]["certificate"],
-        names=[name.rpartition("::")[2] for name in group.position_names],
+        series=api.series(job["id"]),
     )
-
-
-def clearance_colors(clearance: Array) -> Array:
-    """Return colours from red (touches) over amber to green (far), shape (n, 3)."""
-    share = np.clip((clearance - _NEAR) / (_FAR - _NEAR), 0.0, 1.0)[:, None]
-    low = _RED + (_AMBER - _RED) * np.minimum(1.0, 2 * share)
-    return np.where(share < 0.5, low, _AMBER + (_GREEN - _AMBER) * (2 * share - 1))
 
 
 def _between(poses: Array, row: float) -> Array:

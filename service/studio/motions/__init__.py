@@ -1,0 +1,1 @@
+"""A planned motion: its time, its curves, its proof."""

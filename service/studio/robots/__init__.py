@@ -1,0 +1,1 @@
+"""The robots as they are: carried out, paused, stopped."""
