@@ -18,11 +18,13 @@ from service.plans.models.trajectory import Polynomial, Trajectory
 from service.plans.tasks import (
     EXPORT,
     PLOT,
+    PLOT_ALL,
     REPLAY,
     SAMPLE,
     SAMPLE_TABLE,
     DeliveredWork,
     Drawing,
+    Drawings,
     ExportedFile,
     ExportWork,
     Page,
@@ -127,6 +129,17 @@ def plot(work: PlotWork, context: TaskContext) -> Drawing:
         InputError: The scene does not load any more.
         DeadlineExceeded: Its distances take too long.
     """
+    (svg,) = _drawn(work, context).values()
+    return Drawing(svg=svg)
+
+
+@PLOT_ALL.runs
+def plot_all(work: PlotWork, context: TaskContext) -> Drawings:
+    """Draw several charts of a motion; raises as `plot`."""
+    return Drawings(svg=_drawn(work, context))
+
+
+def _drawn(work: PlotWork, context: TaskContext) -> dict[str, str]:
     from service.plans.delivery.charts import OF_DISTANCES, draw  # noqa: PLC0415  (takes a second)
 
     with borrow_world(work) as world:
@@ -136,10 +149,10 @@ def plot(work: PlotWork, context: TaskContext) -> Drawing:
             work.trajectory.to_domain(),
             options=work.retime.to_domain(),
             margin=work.margin,
-            distances=work.name in OF_DISTANCES,
+            distances=not OF_DISTANCES.isdisjoint(work.names),
             deadline=Deadline.after(_ALLOWED_FOR_CHART, time.monotonic, context.is_canceled),
         )
-    return Drawing(svg=draw(work.name, series))
+    return {name: draw(name, series) for name in work.names}
 
 
 @REPLAY.runs
