@@ -26,9 +26,11 @@ from service.live.feed import LiveFeeds
 from service.plans import batch_routes as batches
 from service.plans import routes as plans
 from service.plans.bundle import routes as bundles
+from service.plans.delivery import page_routes as pages
 from service.plans.delivery import routes as outputs
 from service.queries import geometry_routes as geometry
 from service.queries import routes as queries
+from service.queries import view_routes as views
 from service.regions import routes as regions
 from service.scenes import routes as scenes
 from service.security.audit import Audit
@@ -54,12 +56,14 @@ _DESCRIPTION = (
 PARTS = (
     scenes,
     geometry,
+    views,
     queries,
     regions,
     catalog,
     batches,
     plans,
     outputs,
+    pages,
     bundles,
     trajectories,
     executions,

@@ -25,6 +25,7 @@ PRELOAD = (
     "service.regions.worker",
     "service.scenes.worker",
     "service.plans.delivery.worker",
+    "service.plans.delivery.failure_worker",
     "service.plans.warm_up",
 )
 WARM_UP = "warm_up"

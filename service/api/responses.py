@@ -15,6 +15,12 @@ from service.jobs.json_steps import STEP, member_of, without_members
 from service.jobs.json_text import Encoded
 
 _JSON = "application/json"
+# What is declared of an answer that is a page by itself.
+HTML_PAGE: dict[str, Any] = {
+    "content": {
+        "text/html": {"schema": {"type": "string", "description": "A page that needs nothing else"}}
+    }
+}
 _DESCRIPTIONS = {
     400: "The body or a parameter cannot be read, or the server is not meant by that name",
     401: "There is no valid key with the request",

@@ -7,7 +7,7 @@ from fastapi.responses import HTMLResponse
 
 from service.api.dependencies import JobsDep
 from service.api.params import SceneId
-from service.api.responses import problems
+from service.api.responses import HTML_PAGE, problems
 from service.api.strict_route import StrictRoute
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus
@@ -27,14 +27,13 @@ _MOST_MOTIONS = 32
 type LastMotions = Annotated[
     int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
 ]
-_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
 @router.get(
     "",
     operation_id="getSceneReplay",
     response_class=HTMLResponse,
-    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
+    responses={200: HTML_PAGE, **problems(404, 409, 422, 429, 503)},
 )
 async def get_scene_replay(
     scene: SceneId, scenes: ScenesDep, jobs: JobsDep, last: LastMotions = _MOST_MOTIONS

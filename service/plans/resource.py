@@ -16,7 +16,7 @@ from service.plans.models.plan import PlanSummary
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
-from service.plans.tasks import DeliveredWork, MotionWork
+from service.plans.tasks import DeliveredWork, FailureWork, MotionWork, PlotWork
 
 
 def _trusted(stored: dict[str, Any]) -> Polynomial:
@@ -127,6 +127,32 @@ def delivered_work(job: Job) -> DeliveredWork:
     work, trajectory = work_of(job), motion_of(job).polynomial
     return DeliveredWork(
         library=work.library, scene=work.scene, group=work.request.group, trajectory=trajectory
+    )
+
+
+def plot_work(job: Job, *names: str) -> PlotWork:
+    """Return the motion of a plan and the charts to draw of it; raises as `motion_of`."""
+    request = work_of(job).request
+    delivered = dict(delivered_work(job))
+    return PlotWork(**delivered, names=names, retime=request.retime, margin=request.margin)
+
+
+def failure_work(job: Job) -> FailureWork:
+    """Return the failure of a plan in its scene.
+
+    Raises:
+        NotFinished: It has not failed.
+    """
+    if job.failure is None:
+        evidence = {"id": job.id, "state": job.state, "failure": None}
+        raise NotFinished(f"plan {job.id} is {job.state}: it has no failure", evidence)
+    work, failure = work_of(job), without(job.failure, outline_of(job.task).failure)
+    return FailureWork(
+        library=work.library,
+        scene=work.scene,
+        plan=job.id,
+        request=work.request,
+        failure=failure or {},
     )
 
 

@@ -1,6 +1,6 @@
 """Tasks that plan motions, reverse them, and make what is delivered of them."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, PlainSerializer
 
@@ -156,9 +156,15 @@ class ExportedFile(TaskModel):
 
 
 class PlotWork(DeliveredWork):
-    """What a chart is drawn from: the motion, and the limits that it was made to keep."""
+    """What charts are drawn from: the motion, and the limits that it was made to keep.
 
-    name: str
+    Attributes:
+        names: Of the charts.
+        retime: Has the limits.
+        margin: That distances keep [m]; None for the scene's.
+    """
+
+    names: tuple[str, ...]
     retime: Retime
     margin: float | None
 
@@ -183,6 +189,26 @@ class Drawing(TaskModel):
     svg: str
 
 
+class Drawings(TaskModel):
+    """Charts as SVG, by name."""
+
+    svg: dict[str, str]
+
+
+class FailureWork(SceneWork):
+    """A plan that failed, in its scene.
+
+    Attributes:
+        plan: Its id.
+        request: What it was to do.
+        failure: Why it did not, as the job has it.
+    """
+
+    plan: str
+    request: PlanRequest
+    failure: dict[str, Any]
+
+
 class Page(TaskModel):
     """A page that needs nothing else."""
 
@@ -201,5 +227,7 @@ SAMPLE_TABLE = Task("sample_plan_as_table", SampleWork, Table)
 EXPORT = Task("export_plan", ExportWork, ExportedFile)
 PLOT = Task("plot_plan", PlotWork, Drawing)
 SERIES = Task("series_of_plan", SeriesWork, Series)
+PLOT_ALL = Task("plot_all_of_plan", PlotWork, Drawings)
+SHOW_FAILURE = Task("show_failure", FailureWork, Page)
 REPLAY = Task("replay_plan", DeliveredWork, Page)
 WARM_UP = Task("warm_up", NoWork, WarmedUp)

@@ -318,6 +318,13 @@ class AsyncOperations(AsyncCaller):
             models.JobEvent,
         )
 
+    async def get_failure_view(self, plan: str) -> str:
+        """Show in 3-D where a plan failed: the configuration, the bodies that meet in red, and
+        why."""
+        return await self.ask_text(
+            Call("GET", "/v1/plans/{plan}/failure.html", inserted={"plan": plan})
+        )
+
     async def get_planner_graph(self, plan: str) -> models.PlannerGraph:
         """Show what the planner explored, if `search.keep_graph` of the request had it kept."""
         return await self.ask(
@@ -347,6 +354,13 @@ class AsyncOperations(AsyncCaller):
         """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
         return await self.ask_text(
             Call("GET", "/v1/plans/{plan}/replay.html", inserted={"plan": plan})
+        )
+
+    async def get_plan_report(self, plan: str) -> str:
+        """Report on a plan that has ended: request, versions, certificate, charts; for
+        printing."""
+        return await self.ask_text(
+            Call("GET", "/v1/plans/{plan}/report.html", inserted={"plan": plan})
         )
 
     async def reverse_plan(
@@ -730,6 +744,17 @@ class AsyncOperations(AsyncCaller):
                 headers={"Last-Event-ID": last_event_id},
             ),
             models.StateEvent,
+        )
+
+    async def get_scene_view(self, scene: str, *, revision: int | None = None) -> str:
+        """Show a scene in 3-D, the robots where they are: a self-contained page."""
+        return await self.ask_text(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/view.html",
+                inserted={"scene": scene},
+                query={"revision": revision},
+            )
         )
 
     async def certify_trajectory(

@@ -310,6 +310,11 @@ class Operations(Caller):
             models.JobEvent,
         )
 
+    def get_failure_view(self, plan: str) -> str:
+        """Show in 3-D where a plan failed: the configuration, the bodies that meet in red, and
+        why."""
+        return self.ask_text(Call("GET", "/v1/plans/{plan}/failure.html", inserted={"plan": plan}))
+
     def get_planner_graph(self, plan: str) -> models.PlannerGraph:
         """Show what the planner explored, if `search.keep_graph` of the request had it kept."""
         return self.ask(
@@ -338,6 +343,11 @@ class Operations(Caller):
     def get_replay(self, plan: str) -> str:
         """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
         return self.ask_text(Call("GET", "/v1/plans/{plan}/replay.html", inserted={"plan": plan}))
+
+    def get_plan_report(self, plan: str) -> str:
+        """Report on a plan that has ended: request, versions, certificate, charts; for
+        printing."""
+        return self.ask_text(Call("GET", "/v1/plans/{plan}/report.html", inserted={"plan": plan}))
 
     def reverse_plan(
         self,
@@ -716,6 +726,17 @@ class Operations(Caller):
                 headers={"Last-Event-ID": last_event_id},
             ),
             models.StateEvent,
+        )
+
+    def get_scene_view(self, scene: str, *, revision: int | None = None) -> str:
+        """Show a scene in 3-D, the robots where they are: a self-contained page."""
+        return self.ask_text(
+            Call(
+                "GET",
+                "/v1/scenes/{scene}/view.html",
+                inserted={"scene": scene},
+                query={"revision": revision},
+            )
         )
 
     def certify_trajectory(

@@ -2,6 +2,7 @@
 
 import html
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -36,19 +37,45 @@ class Section:
     end: float
 
 
-def labelled(page: str, title: str, labels: list[Label], sections: list[Section]) -> str:
-    """Return a page of Meshcat's `StaticHtml` with a title, names and a caption.
+@dataclass(frozen=True)
+class Track:
+    """Curve of the plot under the slider.
+
+    Attributes:
+        name: Of the coordinate.
+        times: In the animation [s].
+        values: At these times [rad or m].
+    """
+
+    name: str
+    times: list[float]
+    values: list[float]
+
+
+def labelled(
+    page: str,
+    title: str,
+    labels: list[Label],
+    sections: Sequence[Section] = (),
+    tracks: Sequence[Track] = (),
+    notes: Sequence[str] = (),
+) -> str:
+    """Return a page of Meshcat's `StaticHtml` with a title, names, captions, a slider and a plot.
 
     Args:
         page: It defines `viewer` and `MeshCat.THREE`.
         title: Of the page.
         labels: Name labels.
-        sections: Of the animation, in order.
+        sections: Of the animation, in order; none of a page without one.
+        tracks: Curves to plot under the slider.
+        notes: Lines of text under the title.
     """
     content = {
         "title": title,
         "labels": [asdict(label) for label in labels],
         "sections": [asdict(section) for section in sections],
+        "tracks": [asdict(track) for track in tracks],
+        "notes": list(notes),
     }
     # Escape names, so that none can end the script that contains it.
     encoded = json.dumps(content).replace("<", "\\u003c")

@@ -2,30 +2,29 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydrake.geometry import (
-    Cylinder,
-    HalfSpace,
-    Meshcat,
-    MeshcatAnimation,
-    MeshcatParams,
-    Rgba,
-)
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.geometry import Meshcat, MeshcatAnimation, Rgba
 
 from planning.domain.arrays import Array
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.robot.joints import JointGroup, JointType
 from planning.world.replay.camera import SolidBox, place_camera
-from planning.world.replay.half_space_plate import plate_under
-from planning.world.replay.replay_page import Label, Section, labelled
-from planning.world.replay.replay_view import ShownBody, ShownShape, WorldView
+from planning.world.replay.replay_page import Label, Section, Track, labelled
+from planning.world.replay.replay_view import WorldView
+from planning.world.replay.scene_drawing import (
+    SceneDrawing,
+    box_corners,
+    frame_labels,
+    open_meshcat,
+)
 from planning.world.world import World
 
+if TYPE_CHECKING:
+    from pydrake.math import RigidTransform
+
 _TRACE_COLOR = Rgba(0.95, 0.45, 0.05, 1.0)
-_AXIS_COLORS = (Rgba(0.85, 0.1, 0.1, 1.0), Rgba(0.1, 0.65, 0.1, 1.0), Rgba(0.1, 0.2, 0.9, 1.0))
-_AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 # Twice the number of frames gives a smoother line than the animation needs.
 _TRACE_POINTS_PER_FRAME = 2
 _NUM_REPETITIONS = 1_000_000
@@ -33,6 +32,8 @@ _NUM_REPETITIONS = 1_000_000
 MAX_FRAMES = 10_000
 # Number of instants of each motion at which the tool should be visible.
 _NUM_CAMERA_INSTANTS = 5
+# Number of points of a curve in the plot of a motion.
+_NUM_PLOT_POINTS = 200
 
 
 @dataclass(frozen=True)
@@ -99,9 +100,8 @@ def replay_motions_html(
         frames_per_second: Of the animation; fewer where there would be more than `max_frames`.
         max_frames: Of the animation.
     """
-    meshcat = Meshcat(MeshcatParams(host="localhost", port=0, show_stats_plot=False))
     duration = sum(motion.trajectory.duration for motion in motions)
-    return _Replay(motions, meshcat, min(frames_per_second, max_frames / duration)).page()
+    return _Replay(motions, open_meshcat(), min(frames_per_second, max_frames / duration)).page()
 
 
 class _Replay:
@@ -112,65 +112,26 @@ class _Replay:
         views: dict[int, WorldView] = {}
         self._views = [views.setdefault(id(m.world), WorldView(m.world)) for m in motions]
         self._states = [motion.states(rate) for motion in motions]
-        self._drawn: dict[str, ShownBody] = {}
-        self._half_spaces: list[tuple[WorldView, ShownBody, str, ShownShape]] = []
+        self._drawing = SceneDrawing(meshcat)
 
     def page(self) -> str:
         """Draw everything and return the page."""
         for view in self._views:
-            self._draw_bodies(view)
-            self._draw_frames(view)
+            self._drawing.add(view)
         for view, states in zip(self._views[::-1], self._states[::-1], strict=True):
             view.set_positions(states[0])  # in the end, everything is where the first motion begins
-            for path, pose in view.poses.items():
-                self._meshcat.SetTransform(path, pose)
-        self._draw_half_spaces(self._aim_camera())
+            self._drawing.place(view)
+        self._drawing.draw_half_spaces(self._aim_camera())
         for i in range(len(self._motions)):
             self._draw_trace(i)
         self._meshcat.SetAnimation(self._animation())
-        for path in ("/Grid", "/Axes"):
-            self._meshcat.SetProperty(path, "visible", value=False)
         return labelled(
             self._meshcat.StaticHtml(),
             self._motions[0].world.scene.name,
             self._labels(),
             self._sections(),
+            self._tracks(),
         )
-
-    def _draw_bodies(self, view: WorldView) -> None:
-        """Draw the bodies that no earlier world has shown."""
-        for shown in view.bodies:
-            if shown.path in self._drawn:
-                continue
-            self._drawn[shown.path] = shown
-            for i, drawn in enumerate(shown.shapes):
-                path = f"{shown.path}/{i}"
-                if isinstance(drawn.shape, HalfSpace):  # drawn once the camera is aimed
-                    self._half_spaces.append((view, shown, path, drawn))
-                    continue
-                self._meshcat.SetObject(path, drawn.shape, drawn.color)
-                self._meshcat.SetTransform(path, drawn.X_BS)
-
-    def _draw_half_spaces(self, points: Array) -> None:
-        """Draw every half space as a plate under some points in world, shape (n, 3)."""
-        for view, shown, path, drawn in self._half_spaces:
-            plate, x_gp = plate_under(view.poses[shown.path] @ drawn.X_BS, points)
-            self._meshcat.SetObject(path, plate, drawn.color)
-            self._meshcat.SetTransform(path, drawn.X_BS @ x_gp)
-
-    def _draw_frames(self, view: WorldView) -> None:
-        """Draw the scene's named frames as small triads."""
-        turns = (
-            RotationMatrix.MakeYRotation(np.pi / 2),
-            RotationMatrix.MakeXRotation(-np.pi / 2),
-            RotationMatrix(),
-        )
-        bar = Cylinder(_AXIS_RADIUS, _AXIS_LENGTH)
-        for named in view.world.scene.frames:
-            for i, turn in enumerate(turns):
-                path, center = f"/frames/{named.name}/{i}", _AXIS_LENGTH / 2 * np.eye(3)[i]
-                self._meshcat.SetObject(path, bar, _AXIS_COLORS[i])
-                self._meshcat.SetTransform(path, RigidTransform(turn, center))
 
     def _draw_trace(self, i: int) -> None:
         """Draw the path of the default tool frame in a motion."""
@@ -225,7 +186,7 @@ class _Replay:
         for motion, view, states in zip(self._motions, self._views, self._states, strict=True):
             for state in states[[0, len(states) // 2, -1]]:
                 view.set_positions(state)
-                points += [_corners(box) for box in view.boxes(moving=True)]
+                points += [box_corners(box) for box in view.boxes(moving=True)]
             obstacles = view.boxes(moving=False)
             instants = np.linspace(0, len(states) - 1, _NUM_CAMERA_INSTANTS).round().astype(int)
             watched += view.watched(motion.group, list(states[instants]))
@@ -239,30 +200,23 @@ class _Replay:
         return np.concatenate([np.zeros((0, 3)), *points])
 
     def _labels(self) -> list[Label]:
-        """Label objects, frames and robots; links as well, shown on request."""
-        labels: list[Label] = []
-        for view in self._views:
-            labels += [Label(f"/frames/{f.name}", f.name, "frame") for f in view.world.scene.frames]
-        robots: set[str] = set()
-        for path, shown in self._drawn.items():
-            robot, _, link = shown.name.partition("::")
-            middle = f"{path}/0"  # of its first shape; the body's origin may be far from it
-            if not link:
-                labels.append(Label(middle, shown.name, "thing"))
-                continue
-            if robot not in robots:
-                labels.append(Label(middle, robot, "thing"))
-            robots.add(robot)
-            labels.append(Label(middle, link, "link"))
-        return list(dict.fromkeys(labels))
+        frames = [label for view in self._views for label in frame_labels(view)]
+        return list(dict.fromkeys([*frames, *self._drawing.labels()]))
+
+    def _tracks(self) -> list[Track]:
+        """Return the moving coordinates of each motion, for the plot under the slider."""
+        begins = np.cumsum([0, *(len(states) for states in self._states)]) / self._rate
+        tracks: list[Track] = []
+        for motion, begin in zip(self._motions, begins, strict=False):
+            until = motion.until or motion.trajectory.duration
+            times = np.linspace(0.0, until, _NUM_PLOT_POINTS)
+            positions = motion.trajectory.positions(times)
+            shown = (begin + times).round(4).tolist()
+            for name, column in zip(motion.group.position_names, positions.T, strict=True):
+                tracks.append(Track(name, shown, column.round(5).tolist()))
+        return tracks
 
     def _sections(self) -> list[Section]:
         ends = np.cumsum([len(states) for states in self._states]) / self._rate
         titles = [motion.title for motion in self._motions]
         return [Section(title, float(end)) for title, end in zip(titles, ends, strict=True)]
-
-
-def _corners(box: SolidBox) -> Array:
-    """Return the corners of a box in world, shape (8, 3)."""
-    signs = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(8, 3)
-    return signs * box.half_width @ box.pose[:3, :3].T + box.pose[:3, 3]

@@ -7,13 +7,13 @@ from fastapi import APIRouter, Path, Query, Response
 from fastapi.responses import HTMLResponse
 
 from service.api.dependencies import JobsDep
-from service.api.responses import passed_on, problems
+from service.api.responses import HTML_PAGE, passed_on, problems
 from service.api.strict_route import StrictRoute
 from service.plans.dependencies import PlanJob
 from service.plans.exports.formats import FORMATS
 from service.plans.exports.series import Series
 from service.plans.models.trajectory import Trajectory
-from service.plans.resource import delivered_work, motion_of, work_of
+from service.plans.resource import delivered_work, motion_of, plot_work, work_of
 from service.plans.tasks import (
     EXPORT,
     PLOT,
@@ -22,7 +22,6 @@ from service.plans.tasks import (
     SAMPLE_TABLE,
     SERIES,
     ExportWork,
-    PlotWork,
     SampleWork,
     SeriesWork,
 )
@@ -110,7 +109,6 @@ _FILES = {
     form.media_type: {"schema": {"type": "string", "format": "binary", "description": form.told}}
     for form in FORMATS.values()
 }
-_HTML = {"schema": {"type": "string", "description": "A page that needs nothing else"}}
 
 
 @router.get(
@@ -159,7 +157,7 @@ async def get_trajectory(  # noqa: PLR0913  (one parameter per query)
     "/replay.html",
     operation_id="getReplay",
     response_class=HTMLResponse,
-    responses={200: {"content": {"text/html": _HTML}}, **problems(404, 409, 422, 429, 503)},
+    responses={200: HTML_PAGE, **problems(404, 409, 422, 429, 503)},
 )
 async def get_replay(job: PlanJob, jobs: JobsDep) -> HTMLResponse:
     """Replay the motion in 3-D: a self-contained page of Drake's Meshcat."""
@@ -175,11 +173,7 @@ async def get_replay(job: PlanJob, jobs: JobsDep) -> HTMLResponse:
 )
 async def get_plot(job: PlanJob, jobs: JobsDep, name: Chart) -> Response:
     """Draw the motion of a plan against its limits, or its clearance, over time."""
-    request = work_of(job).request
-    work = PlotWork(
-        **dict(delivered_work(job)), name=name, retime=request.retime, margin=request.margin
-    )
-    drawing = await jobs.call(PLOT, work)
+    drawing = await jobs.call(PLOT, plot_work(job, name))
     return Response(drawing.svg, media_type="image/svg+xml")
 
 

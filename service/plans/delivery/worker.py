@@ -19,12 +19,14 @@ from service.plans.models.trajectory import Polynomial, Trajectory
 from service.plans.tasks import (
     EXPORT,
     PLOT,
+    PLOT_ALL,
     REPLAY,
     SAMPLE,
     SAMPLE_TABLE,
     SERIES,
     DeliveredWork,
     Drawing,
+    Drawings,
     ExportedFile,
     ExportWork,
     Page,
@@ -130,10 +132,21 @@ def plot(work: PlotWork, context: TaskContext) -> Drawing:
         InputError: The scene does not load any more.
         DeadlineExceeded: Its distances take too long.
     """
+    (svg,) = _drawn(work, context).values()
+    return Drawing(svg=svg)
+
+
+@PLOT_ALL.runs
+def plot_all(work: PlotWork, context: TaskContext) -> Drawings:
+    """Draw several charts of a motion; raises as `plot`."""
+    return Drawings(svg=_drawn(work, context))
+
+
+def _drawn(work: PlotWork, context: TaskContext) -> dict[str, str]:
     from service.plans.delivery.charts import OF_DISTANCES, draw  # noqa: PLC0415  (takes a second)
 
-    series = _series(work, context, distances=work.name in OF_DISTANCES)
-    return Drawing(svg=draw(work.name, series))
+    found = _series(work, context, distances=not OF_DISTANCES.isdisjoint(work.names))
+    return {name: draw(name, found) for name in work.names}
 
 
 @SERIES.runs

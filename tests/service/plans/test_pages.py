@@ -1,0 +1,134 @@
+"""Pages of failures, scenes and plans: complete in themselves, and with what they are about."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from planning.world.replay.replay_page import labelled
+
+
+@pytest.fixture(scope="module")
+def blocked(client, scene):
+    """A plan that failed: at its goal the hand is in the post."""
+    goal = {"type": "joint", "positions": [0.0] * 6}
+    request = {"scene": scene, "group": "arm", "goal": goal}
+    job = client.post("/v1/plans?wait=60", json=request).json()
+    assert (job["state"], job["failure"]["code"]) == ("failed", "goal_in_collision")
+    return job
+
+
+def page(client, path):
+    answer = client.get(path)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"].startswith("text/html")
+    assert not re.findall(r"""<(?:script|link|img|iframe)[^>]*(?:src|href)\s*=""", answer.text)
+    return answer.text
+
+
+def told(text):
+    """What the script of a 3-D page is told."""
+    return json.loads(re.search(r"const told = (\{.*\});$", text, re.MULTILINE)[1])
+
+
+def test_a_failure_shows_the_pair_and_says_why(client, blocked):
+    text = page(client, f"/v1/plans/{blocked['id']}/failure.html")
+    shown = told(text)
+    assert shown["title"] == f"{blocked['id']}: goal_in_collision"
+    assert shown["notes"][0] == blocked["failure"]["detail"]
+    assert any("post" in note and "overlap by" in note for note in shown["notes"])
+    assert "Shown: the goal, where it is least infeasible." in shown["notes"]
+    # Links in red have their names, others on request.
+    kinds = {label["text"]: label["kind"] for label in shown["labels"]}
+    in_red = {name for note in shown["notes"][1:] for name in re.findall(r"arm::(\w+)", note)}
+    assert in_red
+    assert {kinds[name] for name in in_red} == {"thing"}
+    assert kinds["base_link"] == "link"
+    # The nearest feasible configuration is drawn as a ghost, if there is one.
+    has_ghost = blocked["failure"]["evidence"]["nearest"] is not None
+    assert any("Green" in note for note in shown["notes"]) == has_ghost
+
+
+def test_a_start_in_collision_is_shown_where_it_starts(client, scene):
+    request = {"scene": scene, "group": "arm", "start": [0.0] * 6}
+    request["goal"] = {"type": "configuration", "name": "ready"}
+    job = client.post("/v1/plans?wait=60", json=request).json()
+    assert job["failure"]["code"] == "start_in_collision"
+    shown = told(page(client, f"/v1/plans/{job['id']}/failure.html"))
+    assert "Shown: the start." in shown["notes"]
+    assert any("overlap by" in note for note in shown["notes"])
+
+
+def test_a_plan_without_a_failure_has_no_picture_of_it(client, solved):
+    answer = client.get(f"/v1/plans/{solved['id']}/failure.html")
+    assert (answer.status_code, answer.json()["code"]) == (409, "no_trajectory")
+
+
+def test_a_scene_is_shown_without_a_motion(client, scene):
+    shown = told(page(client, f"/v1/scenes/{scene}/view.html"))
+    assert shown["title"] == "block"
+    assert {"block", "post", "above"} <= {label["text"] for label in shown["labels"]}
+    assert shown["sections"] == shown["tracks"] == []
+    assert client.get("/v1/scenes/scn_0/view.html").status_code == 404
+
+
+def test_a_replay_has_a_curve_for_each_joint(client, solved):
+    shown = told(page(client, f"/v1/plans/{solved['id']}/replay.html"))
+    trajectory = solved["result"]["trajectory"]
+    assert [track["name"] for track in shown["tracks"]] == trajectory["joint_names"]
+    for k, track in enumerate(shown["tracks"]):
+        assert track["times"][-1] == pytest.approx(trajectory["duration"], abs=1e-3)
+        ends = [trajectory["positions"][0][k], trajectory["positions"][-1][k]]
+        assert [track["values"][0], track["values"][-1]] == pytest.approx(ends, abs=1e-4)
+
+
+class _Text(HTMLParser):
+    """Collects text, and refuses tags that do not match."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.text, self.drawings = [], [], 0
+
+    def handle_starttag(self, tag, attrs):
+        self.drawings += tag == "svg"
+        if tag not in {"meta", "path", "use", "rect", "image"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in {"meta", "path", "use", "rect", "image"}:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def read(text):
+    parser = _Text()
+    parser.feed(text)
+    assert parser.open == []
+    return " ".join(parser.text), parser.drawings
+
+
+def test_a_report_has_request_versions_certificate_and_charts(client, solved):
+    text, drawings = read(page(client, f"/v1/plans/{solved['id']}/report.html"))
+    assert solved["digest"] in text
+    assert drawings == 6
+    for check in solved["result"]["certificate"]["checks"]:
+        assert check["name"] in text
+    for name, version in solved["versions"].items():
+        assert f"{name} {version}" in text
+    assert '"allowed_planning_time": 60.0' in text
+
+
+def test_a_report_of_a_failure_says_why(client, blocked):
+    text, drawings = read(page(client, f"/v1/plans/{blocked['id']}/report.html"))
+    assert drawings == 0
+    assert blocked["failure"]["detail"] in text
+
+
+def test_no_text_ends_the_script():
+    evil = "</script><script>alert(1)</script>"
+    text = labelled("<title>Drake MeshCat</title><body></body>", evil, [], notes=[evil])
+    assert evil not in text
+    assert told(text)["notes"] == [evil]
