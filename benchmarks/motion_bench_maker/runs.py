@@ -13,7 +13,7 @@ from benchmarks.motion_bench_maker.problems import Problem
 from benchmarks.motion_bench_maker.referee import Polynomials, Referee
 from benchmarks.motion_bench_maker.robots import ARM, RobotFiles, scene_of
 from planning.errors import PlanningFailure
-from planning.refine.objectives import MotionObjectives
+from planning.refine.motion.motion_objectives import MotionObjectives
 
 ALLOWED_SECONDS = 5.0
 # What a plan's timings also tell: all stages, and parts of the search.

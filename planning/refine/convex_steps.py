@@ -17,18 +17,22 @@ from planning.refine.cars.drive_refiner import refine_drive
 from planning.refine.curve_checks import curve_length
 from planning.refine.curves.chart import FlatChart, make_chart
 from planning.refine.model.penalty_qp import solver_name
+from planning.refine.motion.convex_program import ConvexProgram
+from planning.refine.motion.motion_refiner import STATIC_LOAD_REASON, refine_motion
 from planning.refine.multi_start import solve_multi_start
 from planning.refine.refine_method import Refined
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.request import RefineRequest
 from planning.world.world import World
 
-STATIC_LOAD_REASON = "the static torque exceeds an effort limit at the start or the goal"
-
 
 @dataclass(frozen=True)
 class ConvexSteps:
-    """Refiner by convex steps. It minimizes the duration, and the clearance objective's cost."""
+    """Refiner by convex steps.
+
+    It minimizes the duration and the clearance objective's cost by a curve that the retimer times,
+    and any other objective by a motion with its own time.
+    """
 
     def unsupported_reason(self, request: RefineRequest) -> str:
         """Return why a path cannot be refined, or ""."""
@@ -40,9 +44,13 @@ class ConvexSteps:
     def refine(
         self, world: World, request: RefineRequest, deadline: Deadline, report: RefineReport
     ) -> tuple[Refined, RefineReport]:
-        """Return a curve, for the retimer to time, that should take less time, if there is one."""
+        """Return a curve or a motion that should cost less, if there is one; and the report."""
         if steering_of(request.path.group):
             return refine_drive(world, request, deadline, report)
+        objective = request.options.objective
+        if objective is not None and not objective.is_duration_alone:
+            report = replace(report, solver=solver_name())
+            return refine_motion(world, request, deadline, report, ConvexProgram)
         return _refine_curve(world, request, deadline, report)
 
 

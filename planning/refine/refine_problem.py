@@ -168,7 +168,7 @@ class RefineProblem:
             num_samples,
             self.clearance_objective,
         )
-        trust_region = TrustRegion(model, guess)
+        trust_region = TrustRegion(model, model.evaluate(guess))
         best: CurveEvaluation | None = None
         reason, num_rejected = "the deadline passed during refinement", 0
         for evaluation in trust_region.run(_MAX_STEPS):
@@ -178,7 +178,10 @@ class RefineProblem:
                 if not reason:
                     best = evaluation
                 if len(violations):
-                    trust_region.add_samples(violations, best)
+                    # At a thin wall that the last step crossed, gradients point to either side:
+                    # back to a curve that was free, if there is one.
+                    model.add_samples(violations)
+                    trust_region.current = model.evaluate((best or trust_region.current).points)
             if (
                 self.deadline.is_over
                 or num_rejected >= _MAX_REJECTED_CURVES

@@ -41,6 +41,8 @@ def _validate_objective(
     fault = objective.fault_with(options.method)
     if not fault and options.clearance is not None:
         fault = "clearance is weighed against the duration in seconds; leave one of the two out"
+    if not fault and steering_of(group) and not objective.is_duration_alone:
+        fault = f"{group.name!r} has a car: of its drives only the duration is optimized"
     if not fault and objective.energy and not Manifold(group.joints).is_flat:
         fault = f"the energy of {group.name!r} is not known: a joint of it floats"
     if fault:

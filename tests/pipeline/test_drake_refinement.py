@@ -151,12 +151,6 @@ def test_a_motion_that_breaks_a_term_is_not_certified(puck):
 @pytest.mark.parametrize(
     ("options", "field", "message"),
     [
-        (RefineOptions("trajopt", objective=SMOOTH), "objective", "requires method 'drake'"),
-        (
-            RefineOptions("auto", objective=RefineObjective(1.0, path_length=1.0)),
-            "objective",
-            "path_length requires",
-        ),
         (RefineOptions("none", objective=RefineObjective(1.0)), "objective", "optimizes nothing"),
         (RefineOptions("drake", objective=RefineObjective()), "objective", "must be positive"),
         (

@@ -6,7 +6,7 @@ import pytest
 from planning.domain.request.options import RetimeOptions
 from planning.domain.request.refine_objective import RefineObjective
 from planning.domain.robot.payload import Payload
-from planning.refine.objectives import MotionObjectives
+from planning.refine.motion.motion_objectives import MotionObjectives
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import keep_timing, retime
 

@@ -136,7 +136,7 @@ def test_instants_that_the_audit_finds_are_added(make_puck):
     )
     unaudited = [
         evaluation
-        for evaluation in TrustRegion(model, guess).run(25)
+        for evaluation in TrustRegion(model, model.evaluate(guess)).run(25)
         if not problem.check_curve(evaluation)[0]
     ]
     assert best.duration < min(evaluation.duration for evaluation in unaudited) - 0.05

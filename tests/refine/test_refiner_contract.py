@@ -11,7 +11,7 @@ from planning.domain.request.options import RefineOptions, RetimeOptions
 from planning.domain.request.refine_objective import QUICKEST, RefineObjective
 from planning.domain.robot.manifold import Manifold
 from planning.domain.value import digest
-from planning.refine.objectives import MotionObjectives
+from planning.refine.motion.motion_objectives import MotionObjectives
 from planning.refine.refine_method import Refiner
 from planning.refine.refiner import REFINERS, refine
 from planning.retime.blend import blend_corners
@@ -25,6 +25,13 @@ FINE = np.linspace(0.0, 1.0, 1001)
 # Methods with each objective that they know.
 WAYS = {
     "trajopt": RefineOptions("trajopt"),
+    "trajopt, smooth": RefineOptions(
+        "trajopt", objective=RefineObjective(smoothness=1.0, max_duration=4.0)
+    ),
+    "trajopt, sum": RefineOptions(
+        "trajopt", objective=RefineObjective(1.0, 0.05, path_length=1.0, max_duration=4.0)
+    ),
+    "trajopt, short": RefineOptions("trajopt", objective=RefineObjective(path_length=1.0)),
     "drake": RefineOptions("drake"),
     "drake, smooth": RefineOptions(
         "drake", objective=RefineObjective(smoothness=1.0, max_duration=4.0)

@@ -159,7 +159,7 @@ class RefineOptions(Value):
             "auto", which is "trajopt" where the remaining time allows for it; or "none".
         clearance: Clearance objective that is weighed against the duration, for "trajopt" and
             "auto"; None for none.
-        objective: What is minimized; None for the duration. "trajopt" and "auto" know no other.
+        objective: What is minimized; None for the duration.
         terms: Costs and constraints that are added to Drake's program, for "drake".
     """
 

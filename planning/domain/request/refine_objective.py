@@ -47,6 +47,11 @@ class RefineObjective(Value):
         return self.smoothness > 0 or self.energy > 0
 
     @property
+    def is_duration_alone(self) -> bool:
+        """Whether nothing but the duration counts."""
+        return not (self.is_gentle or self.path_length)
+
+    @property
     def time_weight(self) -> float:
         """Weight of the duration; where only length counts, a small one that breaks ties [1/s]."""
         return self.duration or (0.0 if self.is_gentle else _TIE_BREAK * self.path_length)
@@ -60,13 +65,6 @@ class RefineObjective(Value):
         """Return why a method of refinement cannot minimize this, or ""."""
         if method == "none":
             return "method 'none' optimizes nothing: leave the objective out"
-        others = [name for name, weight in self.weights.items() if weight and name != "duration"]
-        if method != "drake" and (others or self.max_duration is not None):
-            what = " and ".join(others) or "max_duration"
-            return (
-                f"method {method!r} minimizes the duration alone, because the retimer that times "
-                f"its curves does; {what} requires method 'drake'"
-            )
         if not any(self.weights.values()):
             return "one weight at least must be positive"
         if self.is_gentle and not self.duration and self.max_duration is None:

@@ -12,7 +12,7 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.errors import RetimingFailed
 from planning.pipeline.timing.path_curves import PathCurve
-from planning.refine.objectives import MotionObjectives
+from planning.refine.motion.motion_objectives import MotionObjectives
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import keep_timing, retime
 from planning.world.world import World

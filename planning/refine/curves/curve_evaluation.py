@@ -48,7 +48,12 @@ class CurveEvaluation:
             else self.loads.load_linearizations(self.path_velocity, self.duration)
         )
 
-    @cached_property
+    @property
+    def merit_scale(self) -> float:
+        """Scale of the merit: the duration [s]."""
+        return self.duration
+
+    @property
     def merit(self) -> float:
         """Merit, which the optimization minimizes [s].
 

@@ -15,17 +15,15 @@ from pydrake.solvers import SnoptSolver, SolverOptions
 
 from planning.domain.arrays import Array
 from planning.domain.request.drake_term import DrakeTerm
-from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_basis import ORDER, make_bspline
 from planning.refine.drake.autodiff import constraint_evaluator, cost_evaluator
-from planning.refine.drake.motion_cost import MotionCost
-from planning.refine.drake.rows import LoadRows, MarginRows
-from planning.refine.drake.spline_matrices import rate_maps, split
-from planning.refine.drake.spline_motion import SplineMotion
-from planning.refine.refine_problem import RefineProblem
+from planning.refine.drake.margin_rows import MarginRows
+from planning.refine.motion.load_rows import LoadRows
+from planning.refine.motion.motion_program import OUT_OF_TIME, MotionTask, Solution
+from planning.refine.motion.spline_matrices import rate_maps, split
+from planning.refine.motion.spline_motion import SplineMotion
 
 SOLVER_NAME = "SNOPT"
-OUT_OF_TIME = "the deadline passed during refinement"
 # Iterations, not seconds, end a solve, so that the same request gives the same bytes.
 _SNOPT_OPTIONS = {
     "Major iterations limit": 60,
@@ -47,30 +45,17 @@ class DrakeProgram:
     """The program of one problem, but for the instants at which margins are kept.
 
     Attributes:
-        problem: Path, limits, distances and deadline.
-        bounds: Bounds on rates, as they are proven.
-        cost: What is minimized.
-        num_rest_points: Control points at either end that are fixed.
+        task: What is optimized.
         plant: The scene's `MultibodyPlant`, for terms.
         terms: Costs and constraints of the user.
     """
 
-    problem: RefineProblem
-    bounds: RateBounds
-    cost: MotionCost
-    num_rest_points: int
+    task: MotionTask
     plant: Any
     terms: tuple[DrakeTerm, ...] = ()
 
-    def solve(
-        self, guess: SplineMotion, instants: Float64[np.ndarray, " m"]
-    ) -> tuple[SplineMotion, str]:
-        """Return the motion where SNOPT ended, optimal or not, and why it did if it is not.
-
-        Args:
-            guess: The motion to begin with.
-            instants: In (0, 1), at which margins and path constraints are kept.
-        """
+    def solve(self, guess: SplineMotion, instants: Float64[np.ndarray, " m"]) -> Solution:
+        """Return the motion where SNOPT ended; `MotionProgram` says more."""
         trajopt: Any = KinematicTrajectoryOptimization(make_bspline(guess.points, guess.duration))
         variables = np.append(trajopt.control_points().T.ravel(), trajopt.duration())
         self._add_ends(trajopt)
@@ -84,37 +69,42 @@ class DrakeProgram:
             solution = SplineMotion(*split(x, len(guess.points)))
         except OutOfTimeError:
             solution, ending = latest[-1], OUT_OF_TIME
-        return solution.with_ends_of(self.problem.waypoints, self.num_rest_points), ending
+        task = self.task
+        motion = solution.with_ends_of(task.problem.waypoints, task.num_rest_points)
+        return Solution(motion, ending, 1)
 
     def _add_ends(self, trajopt: Any) -> None:
         """Add rest at the path's ends; without acceleration where there are three rest points."""
-        zero = np.zeros(self.problem.waypoints.shape[1])
+        zero = np.zeros(self.task.problem.waypoints.shape[1])
         for s, row in ((0.0, 0), (1.0, -1)):
-            end = self.problem.waypoints[row]
+            end = self.task.problem.waypoints[row]
             trajopt.AddPathPositionConstraint(end, end, s)
             trajopt.AddPathVelocityConstraint(zero, zero, s)
-            if self.num_rest_points >= ORDER - 1:
+            if self.task.num_rest_points >= ORDER - 1:
                 trajopt.AddPathAccelerationConstraint(zero, zero, s)
 
     def _add_bounds(self, trajopt: Any) -> None:
         """Add bounds on positions, velocities, accelerations, jerks and the duration."""
-        limits, ends = self.problem.chart_limits, self.problem.waypoints[[0, -1]]
+        limits, ends = self.task.problem.chart_limits, self.task.problem.waypoints[[0, -1]]
         trajopt.AddPositionBounds(
             np.minimum(limits.lower, ends.min(axis=0)), np.maximum(limits.upper, ends.max(axis=0))
         )
-        bounds, reserve = self.bounds, 1 - _RATE_RESERVE
+        bounds, reserve = self.task.bounds, 1 - _RATE_RESERVE
         trajopt.AddVelocityBounds(-reserve * bounds.velocity, reserve * bounds.velocity)
         low, high = reserve * bounds.acceleration_range * bounds.acceleration
         trajopt.AddAccelerationBounds(low, high)
         if bounds.jerk is not None:
             trajopt.AddJerkBounds(-reserve * bounds.jerk, reserve * bounds.jerk)
-        longest = self.cost.objective.max_duration
+        longest = self.task.cost.objective.max_duration
         trajopt.AddDurationConstraint(_LEAST_DURATION, np.inf if longest is None else longest)
 
     def _add_rows(self, program: Any, variables: Array, instants: Array) -> None:
         """Add margins at instants, and loads."""
-        count, num_coordinates = self.cost.num_control_points, self.problem.waypoints.shape[1]
-        margins = MarginRows.at(instants, self.problem.distance_query, count)
+        count, num_coordinates = (
+            self.task.cost.num_control_points,
+            self.task.problem.waypoints.shape[1],
+        )
+        margins = MarginRows.at(instants, self.task.problem.distance_query, count)
         binding = program.AddConstraint(
             constraint_evaluator(margins),
             lb=np.zeros(margins.num_rows),
@@ -122,7 +112,7 @@ class DrakeProgram:
             vars=variables,
         )
         binding.evaluator().SetGradientSparsityPattern(margins.sparsity(num_coordinates))
-        for load in self.bounds.loads:
+        for load in self.task.bounds.loads:
             rows = LoadRows.of(load, count)
             num_rows = rows.num_rows(num_coordinates)
             lower, upper = np.full(num_rows, -np.inf), np.full(num_rows, 1 - _RATE_RESERVE)
@@ -136,7 +126,7 @@ class DrakeProgram:
         it needs a few steps instead of hundreds.
         """
         program, points = trajopt.get_mutable_prog(), trajopt.control_points().T
-        rates_of, points_of = rate_maps(len(guess.points), self.cost.rate_order)
+        rates_of, points_of = rate_maps(len(guess.points), self.task.cost.rate_order)
         at_guess = rates_of @ guess.points
         size = max(float(np.sqrt((at_guess**2).mean())), 1e-9)
         rates = program.NewContinuousVariables(*at_guess.shape, "rate")
@@ -148,13 +138,13 @@ class DrakeProgram:
                 np.concatenate([points[:, j], rates[:, j]]),
             )
         offset = guess.points - points_of @ at_guess
-        latest, scale = [guess], 1 / max(self.cost.value(guess.points, guess.duration), 1e-9)
+        latest, scale = [guess], 1 / max(self.task.cost.value(guess.points, guess.duration), 1e-9)
 
         def scaled(x: Array) -> tuple[float, Array]:
             self._check_time()
             at = offset + size * (points_of @ x[:-1].reshape(at_guess.shape))
             latest[0] = SplineMotion(at, float(x[-1]))
-            value, by_points, by_time = self.cost.gradient(at, latest[0].duration)
+            value, by_points, by_time = self.task.cost.gradient(at, latest[0].duration)
             by_rates = size * (points_of.T @ by_points)
             return scale * value, scale * np.append(by_rates.ravel(), by_time)
 
@@ -168,7 +158,7 @@ class DrakeProgram:
         Raises:
             OutOfTimeError: It is.
         """
-        if self.problem.deadline.is_over:
+        if self.task.problem.deadline.is_over:
             raise OutOfTimeError
 
 

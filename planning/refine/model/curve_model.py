@@ -26,6 +26,7 @@ from planning.refine.curves.path_velocity import (
     duration_of,
     path_grid,
 )
+from planning.refine.model.distance_rows import distance_rows, reachable_distances
 from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
@@ -146,7 +147,13 @@ class CurveModel:
         if len(evaluation.distances.sample_indices):
             penalty = DISTANCE_PENALTY / evaluation.duration
             rows.append(
-                self._distance_rows(evaluation.distances, self._distance_weights, radii, penalty)
+                distance_rows(
+                    layout.control_points,
+                    evaluation.distances,
+                    self._distance_weights,
+                    radii,
+                    penalty,
+                )
             )
         if self._clearance_objective is not None and evaluation.clearances is not None:
             shortfalls = self._layout.shortfalls
@@ -231,29 +238,14 @@ class CurveModel:
         columns = np.concatenate([points, path_velocity], axis=-1)
         return np.broadcast_to(columns[:, :, None], (*points.shape[:2], 2, 4 + num_path_velocities))
 
-    def _distance_rows(
-        self, distances: DistanceRows, weights: BasisWeights, radii: Array, penalty: float
-    ) -> PenaltyRows:
-        """Return rows of distances that a step within the box could make too short."""
-        active = np.flatnonzero(
-            distances.signed_margins < np.abs(distances.gradients * radii).sum(axis=1)
-        )
-        samples, slopes = distances.sample_indices[active], distances.gradients[active] * radii
-        values = weights.values[samples][:, :, None] * slopes[:, None]
-        columns = self._layout.control_points[weights.control_points[samples]]
-        size = len(active), values[0].size if len(active) else 0
-        return PenaltyRows(
-            columns.reshape(size), values.reshape(size), -distances.signed_margins[active], penalty
-        )
-
     def _clearance_rows(
         self, clearances: DistanceRows, distance: float, radii: Array, penalty: float
     ) -> PenaltyRows:
         """Return rows of target distances minus the shortfall variables, over the distance."""
-        rows = self._distance_rows(clearances, self._clearance_weights, radii, penalty)
-        active = np.flatnonzero(
-            clearances.signed_margins < np.abs(clearances.gradients * radii).sum(axis=1)
+        rows = distance_rows(
+            self._layout.control_points, clearances, self._clearance_weights, radii, penalty
         )
+        active = reachable_distances(clearances, radii)
         shortfalls = self._layout.shortfalls[clearances.sample_indices[active]]
         return replace(
             rows,

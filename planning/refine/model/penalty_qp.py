@@ -121,6 +121,9 @@ class PenaltyQp:
             _TOLERANCE,
             _MAX_STEPS,
         )
+        if not np.isfinite(x).all():
+            # Rows of very different size, as those of jerks, may exceed the kernel's precision.
+            return self._solve_with_clarabel(starts, entries, values, lower_bounds, penalties)
         return x
 
     def _solve_with_clarabel(

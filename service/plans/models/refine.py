@@ -73,9 +73,8 @@ class Refine(RequestModel):
 
     method: Literal["trajopt", "drake", "auto", "none"] = Field(
         default="trajopt",
-        description="Optimise the duration by convex steps; optimise any objective by Drake's "
-        "KinematicTrajectoryOptimization; as trajopt, but only if at least half a second is left; "
-        "or leave the path as it is",
+        description="Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as "
+        "trajopt, but only if at least half a second is left; or leave the path as it is",
     )
     clearance: ClearanceObjective | None = Field(
         default=None,
@@ -83,8 +82,8 @@ class Refine(RequestModel):
     )
     objective: Annotated[RefineObjective | None, ADDED] = Field(
         default=None,
-        description="What to minimise; null for the duration, beside which `trajopt` and `auto` "
-        "know nothing. With it, or with `drake`, the report has all objectives, before and after",
+        description="What to minimise; null for the duration, the only objective for cars. With "
+        "it, or with `drake`, the report has all objectives, before and after",
     )
 
     @model_validator(mode="after")

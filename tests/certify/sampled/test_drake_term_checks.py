@@ -14,7 +14,7 @@ from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
 from planning.pipeline.certification import certify_request
 from planning.refine.curves.chart import FlatChart
-from planning.refine.drake.spline_motion import SplineMotion
+from planning.refine.motion.spline_motion import SplineMotion
 from planning.world.world import World
 from tests.refine.conftest import puck_world
 

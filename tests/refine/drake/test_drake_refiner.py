@@ -9,9 +9,10 @@ from planning.domain.request.motion_limits import MotionLimits
 from planning.domain.request.options import RefineOptions
 from planning.domain.request.refine_objective import RefineObjective
 from planning.refine.constraints.request_bounds import exact_rate_bounds
-from planning.refine.drake.motion_cost import MotionCost
-from planning.refine.drake.program import OUT_OF_TIME, DrakeProgram
-from planning.refine.drake.spline_motion import fit_motion
+from planning.refine.drake.program import DrakeProgram
+from planning.refine.motion.motion_cost import MotionCost
+from planning.refine.motion.motion_program import OUT_OF_TIME, MotionTask
+from planning.refine.motion.spline_motion import fit_motion
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.world.mechanics.dynamics import GroupDynamics
@@ -93,18 +94,14 @@ def test_torque_limits_are_kept_by_the_program(pillar):
 def test_a_solution_keeps_the_margins_at_its_instants(thin_wall):
     problem = RefineProblem.of(thin_wall.world, thin_wall.request, no_hurry())
     objective = RefineObjective(smoothness=1.0, max_duration=4.0)
-    program = DrakeProgram(
-        problem,
-        exact_rate_bounds(thin_wall.request, ()),
-        MotionCost(objective, None, 24),
-        2,
-        thin_wall.world.drake.plant,
-    )
+    bounds, cost = exact_rate_bounds(thin_wall.request, ()), MotionCost(objective, None, 24)
+    program = DrakeProgram(MotionTask(problem, bounds, cost, 2), thin_wall.world.drake.plant)
     best = problem.optimize(problem.fit_path(0.15))[0]
     guess = fit_motion(best.points, best.path_velocity, 24, 2)
     instants = np.linspace(0.05, 0.95, 150)
-    motion, ending = program.solve(guess, instants)
-    assert ending == ""
+    solution = program.solve(guess, instants)
+    motion = solution.motion
+    assert solution.ending == ""
     rows = problem.distance_query.within(
         problem.chart.curve(motion.points).positions(instants), 0.1
     )

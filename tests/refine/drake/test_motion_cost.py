@@ -9,11 +9,13 @@ from planning.domain.curves.path import JointPath
 from planning.domain.request.refine_objective import RefineObjective
 from planning.refine.curves.bspline_basis import make_bspline
 from planning.refine.curves.chart import FlatChart
-from planning.refine.drake.motion_cost import MotionCost
-from planning.refine.drake.rows import LoadRows, MarginRows
-from planning.refine.drake.spline_matrices import rate_maps, split
-from planning.refine.drake.spline_motion import SplineMotion, fit_motion, rate_time_scaling
-from planning.refine.objectives import MotionObjectives
+from planning.refine.drake.margin_rows import MarginRows
+from planning.refine.motion.load_rows import LoadRows
+from planning.refine.motion.motion_cost import MotionCost
+from planning.refine.motion.motion_objectives import MotionObjectives
+from planning.refine.motion.motion_residuals import cost_residuals
+from planning.refine.motion.spline_matrices import rate_maps, split
+from planning.refine.motion.spline_motion import SplineMotion, fit_motion, rate_time_scaling
 from planning.refine.refine_problem import RefineProblem
 from planning.world.mechanics.dynamics import GroupDynamics
 from tests.clocks import no_hurry
@@ -62,6 +64,26 @@ def test_the_cost_is_what_the_report_measures(name, points):
     trajectory = motion.trajectory(FlatChart(JointPath(group, points)))
     measured = MotionObjectives.of(world, group, trajectory, OBJECTIVES[name], None)
     assert measured.cost() == pytest.approx(cost.value(motion.points, 1.7), rel=5e-3)
+
+
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_squares_of_residuals_have_the_gradient_of_the_cost(name, points):
+    """Of lengths they are an upper bound, that touches the cost."""
+    world, group = arm_of("ur5e")
+    objective = replace(OBJECTIVES[name], duration=0.0)
+    cost = MotionCost(objective, GroupDynamics(world, group), COUNT)
+    columns = np.arange(points.size).reshape(points.shape)
+    gradient, nq = np.zeros(points.size + 1), points.shape[1]
+    for part in cost_residuals(cost, points, 1.7):
+        at, entries, values = part.rows(columns, points.size, np.ones(nq))
+        np.add.at(gradient, at, 2 * values[:, None] * entries)
+    _, by_points, by_time = cost.gradient(points, 1.7)
+    tie_break = objective.time_weight
+    expected = np.append(by_points.ravel(), 1.7 * (by_time - tie_break))
+    size = np.abs(expected).max()
+    np.testing.assert_allclose(
+        gradient, expected, atol=(2e-2 if objective.path_length else 1e-6) * size
+    )
 
 
 @pytest.mark.parametrize("kind", ["torque", "both"])

@@ -13,7 +13,7 @@ import numpy as np
 from planning.domain.arrays import Array
 from planning.domain.request.refine_objective import RefineObjective
 from planning.refine.constraints.load import difference_quotients
-from planning.refine.drake.spline_matrices import SplineMatrices, quadrature
+from planning.refine.motion.spline_matrices import SplineMatrices, quadrature
 from planning.world.mechanics.dynamics import GroupDynamics
 
 # Nodes per span: exact for squares of derivatives; torques change little within a span.
@@ -54,7 +54,7 @@ class MotionCost:
             total += objective.path_length * float(at.weights @ _speeds(at, points)[1])
         if objective.energy:
             nodes = quadrature(self.num_control_points, _ENERGY_NODES)
-            squares = (self._efforts(*nodes.states(points, duration)) ** 2).sum(axis=1)
+            squares = (self.efforts(*nodes.states(points, duration)) ** 2).sum(axis=1)
             total += objective.energy * duration * float(nodes.weights @ squares)
         return total
 
@@ -95,8 +95,8 @@ class MotionCost:
     def _energy(self, points: Array, duration: float) -> tuple[float, Array, float]:
         at = quadrature(self.num_control_points, _ENERGY_NODES)
         q, v, vdot = at.states(points, duration)
-        efforts = self._efforts(q, v, vdot)
-        jacobians = difference_quotients(self._efforts, q, v, vdot)
+        efforts = self.efforts(q, v, vdot)
+        jacobians = difference_quotients(self.efforts, q, v, vdot)
         value = duration * float(at.weights @ (efforts**2).sum(axis=1))
         # d(cost)/d(tau), then through tau to q, v and vdot, shape (3, m, nq).
         slopes = 2 * duration * at.weights[:, None] * efforts
@@ -109,7 +109,8 @@ class MotionCost:
         slowing = float((by_state[1] * v).sum() + 2 * (by_state[2] * vdot).sum())
         return value, by_points, (value - slowing) / duration
 
-    def _efforts(self, q: Array, v: Array, vdot: Array) -> Array:
+    def efforts(self, q: Array, v: Array, vdot: Array) -> Array:
+        """Return the torques and forces of a motion at instants, shape (m, nq)."""
         if self.dynamics is None:
             return np.zeros_like(v)
         return self.dynamics.efforts(q, v, vdot)

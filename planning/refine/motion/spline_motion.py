@@ -11,7 +11,7 @@ from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_basis import basis_weights
 from planning.refine.curves.chart import Chart
 from planning.refine.curves.path_velocity import path_grid
-from planning.refine.drake.spline_matrices import matrices_at
+from planning.refine.motion.spline_matrices import matrices_at
 
 # Control points at either end that are the same: the motion rests there, ...
 NUM_REST_POINTS = 2

@@ -1,4 +1,4 @@
-"""Rows of Drake's program that are functions of this package: distances and loads at instants."""
+"""MarginRows: rows of Drake's program that keep distances at instants."""
 
 from dataclasses import dataclass
 
@@ -7,9 +7,8 @@ from jaxtyping import Float64
 
 from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.distance_query import DistanceQuery
-from planning.refine.constraints.load import Load
 from planning.refine.curves.bspline_basis import ORDER, BasisWeights, basis_weights
-from planning.refine.drake.spline_matrices import SplineMatrices, matrices_at, split
+from planning.refine.motion.spline_matrices import split
 
 # Signed margin above which pairs are ignored [m].
 _INFLUENCE_DISTANCE = 0.1
@@ -80,46 +79,3 @@ class MarginRows:
     def _columns(self, num_coordinates: int) -> Indices:
         first = self.weights.control_points[:, :1] * num_coordinates
         return first + np.arange(ORDER * num_coordinates)
-
-
-@dataclass(frozen=True)
-class LoadRows:
-    """Squared norms of a load's ratios at instants, which must not exceed 1.
-
-    Attributes:
-        load: Torques, or rates of frames.
-        num_control_points: Of the motion.
-        matrices: At the instants.
-    """
-
-    load: Load
-    num_control_points: int
-    matrices: SplineMatrices
-
-    @classmethod
-    def of(cls, load: Load, num_control_points: int) -> "LoadRows":
-        """Build the rows at the middle of every span and at every knot between."""
-        spans = num_control_points - ORDER + 1
-        instants = np.linspace(0.0, 1.0, 2 * spans + 1)[1:-1]
-        matrices = matrices_at(num_control_points, instants)
-        return cls(load, num_control_points, matrices)
-
-    def __call__(self, x: Float64[np.ndarray, " n"]) -> tuple[Array, Array]:
-        """Return the squared norms, and their gradients."""
-        points, duration = split(x, self.num_control_points)
-        q, v, vdot = self.matrices.states(points, duration)
-        ratios = self.load.load_ratios(q, v, vdot)
-        by_state = 2 * np.einsum("mbd,ambdk->ambk", ratios, self.load.derivatives(q, v, vdot))
-        by_time = -(by_state[1] * v[:, None] + 2 * by_state[2] * vdot[:, None]).sum(axis=-1)
-        scales = np.array([1.0, 1 / duration, 1 / duration**2])
-        by_points = np.einsum("a,amc,ambk->mbck", scales, self.matrices.by_order[:3], by_state)
-        values = (ratios**2).sum(axis=-1)
-        gradients = np.concatenate(
-            [by_points.reshape(values.size, -1), by_time.reshape(-1, 1) / duration], axis=1
-        )
-        return values.ravel(), gradients
-
-    def num_rows(self, num_coordinates: int) -> int:
-        """Return the number of rows."""
-        still = np.zeros((1, num_coordinates))
-        return self.matrices.by_order.shape[1] * self.load.load_ratios(still, still, still).shape[1]

@@ -47,10 +47,16 @@ def matrices_at(num_control_points: int, s: Float64[np.ndarray, " m"]) -> Spline
 def quadrature(num_control_points: int, nodes_per_span: int) -> SplineMatrices:
     """Return the matrices at Gauss-Legendre nodes of every span: integrals over s in [0, 1]."""
     spans = num_spans(num_control_points)
-    nodes, weights = np.polynomial.legendre.leggauss(nodes_per_span)
-    s = ((np.arange(spans)[:, None] + (nodes + 1) / 2) / spans).ravel()
-    found = matrices_at(num_control_points, s)
+    found = matrices_at(num_control_points, quadrature_nodes(num_control_points, nodes_per_span))
+    weights = np.polynomial.legendre.leggauss(nodes_per_span)[1]
     return SplineMatrices(found.by_order, np.tile(weights / (2 * spans), spans))
+
+
+def quadrature_nodes(num_control_points: int, nodes_per_span: int) -> Array:
+    """Return the nodes of `quadrature`, instants in (0, 1)."""
+    spans = num_spans(num_control_points)
+    nodes = np.polynomial.legendre.leggauss(nodes_per_span)[0]
+    return ((np.arange(spans)[:, None] + (nodes + 1) / 2) / spans).ravel()
 
 
 def _dense(num_control_points: int, s: Array, order: int) -> Array:

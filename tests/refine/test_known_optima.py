@@ -1,4 +1,4 @@
-"""Drake's program meets optima that are known in closed form."""
+"""Both methods meet optima that are known in closed form."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,10 +11,12 @@ from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RefineOptions
 from planning.domain.request.refine_objective import RefineObjective
 from planning.refine.constraints.request_bounds import exact_rate_bounds
-from planning.refine.drake.motion_cost import MotionCost
 from planning.refine.drake.program import DrakeProgram
-from planning.refine.drake.spline_motion import SplineMotion
-from planning.refine.objectives import MotionObjectives
+from planning.refine.motion.convex_program import ConvexProgram
+from planning.refine.motion.motion_cost import MotionCost
+from planning.refine.motion.motion_objectives import MotionObjectives
+from planning.refine.motion.motion_program import MotionTask
+from planning.refine.motion.spline_motion import SplineMotion
 from planning.refine.refine_problem import RefineProblem
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
@@ -42,14 +44,19 @@ def pendulum(tmp_path: Path) -> World:
     return load_world(parse_scene({"robots": [{"name": "pendulum", "model": str(file)}]}))
 
 
+@pytest.fixture(params=["trajopt", "drake"])
+def method(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
 def swing(
-    world: World, distance: float, objective: RefineObjective, **limits: float
+    world: World, method: str, distance: float, objective: RefineObjective, **limits: float
 ) -> RefineRequest:
     """Return the request for a swing from rest at 0; limits are ample unless given."""
     path = JointPath(world.group("pendulum"), np.array([[0.0], [distance]]))
     rates = {"velocity": AMPLE, "acceleration": AMPLE, "jerk": 1e6, **limits}
     bounds = {name: np.array([value]) for name, value in rates.items()}
-    options = RefineOptions("drake", objective=objective)
+    options = RefineOptions(method, objective=objective)
     return RefineRequest(
         path, replace(world.limits(path.group), **bounds), world.margins(), options
     )
@@ -61,9 +68,9 @@ def optimum(world: World, request: RefineRequest) -> TimedTrajectory:
     return curve
 
 
-def test_the_least_acceleration_between_rests_is_a_cubic(pendulum):
+def test_the_least_acceleration_between_rests_is_a_cubic(pendulum, method):
     objective = RefineObjective(smoothness=1.0, max_duration=2.0)
-    curve = optimum(pendulum, swing(pendulum, 1.0, objective))
+    curve = optimum(pendulum, swing(pendulum, method, 1.0, objective))
     assert curve.duration == pytest.approx(2.0, rel=1e-6)
     s = np.linspace(0.0, 1.0, 101)
     np.testing.assert_allclose(curve.positions(2.0 * s)[:, 0], 3 * s**2 - 2 * s**3, atol=1e-3)
@@ -73,10 +80,10 @@ def test_the_least_acceleration_between_rests_is_a_cubic(pendulum):
     assert measured.smoothness == pytest.approx(12 / 2.0**3, rel=1e-3)
 
 
-def test_the_least_jerk_between_rests_is_a_quintic(pendulum):
+def test_the_least_jerk_between_rests_is_a_quintic(pendulum, method):
     """Flash and Hogan, "The coordination of arm movements", 1985: 720 d^2 / T^5."""
     objective = RefineObjective(smoothness=1.0, derivative="jerk", max_duration=1.5)
-    curve = optimum(pendulum, swing(pendulum, 0.8, objective))
+    curve = optimum(pendulum, swing(pendulum, method, 0.8, objective))
     s = np.linspace(0.0, 1.0, 101)
     quintic = 0.8 * (10 * s**3 - 15 * s**4 + 6 * s**5)
     np.testing.assert_allclose(curve.positions(1.5 * s)[:, 0], quintic, atol=2e-3)
@@ -87,23 +94,25 @@ def test_the_least_jerk_between_rests_is_a_quintic(pendulum):
     assert 1.0 <= measured.smoothness / (720 * 0.8**2 / 1.5**5) < 1.02
 
 
-def test_the_least_duration_of_one_joint_is_bang_bang(pendulum):
+def test_the_least_duration_of_one_joint_is_bang_bang(pendulum, method):
     """2 sqrt(d / a). The refiner leaves a straight path alone: this asks the program itself."""
-    request = swing(pendulum, 1.0, RefineObjective(duration=1.0), acceleration=4.0)
+    request = swing(pendulum, method, 1.0, RefineObjective(duration=1.0), acceleration=4.0)
     problem = RefineProblem.of(pendulum, request, no_hurry(60.0))
     cost = MotionCost(request.options.objective, None, 24)
-    program = DrakeProgram(problem, exact_rate_bounds(request, ()), cost, 2, pendulum.drake.plant)
+    task = MotionTask(problem, exact_rate_bounds(request, ()), cost, 2)
+    drake = DrakeProgram(task, pendulum.drake.plant)
+    program = drake if method == "drake" else ConvexProgram(task)
     guess = SplineMotion(np.linspace(0.0, 1.0, 24)[:, None], 3.0)
-    motion, ending = program.solve(guess.with_ends_of(problem.waypoints, 2), np.array([0.5]))
-    assert ending == ""
-    assert 1.0 <= motion.duration < 1.01
+    solution = program.solve(guess.with_ends_of(problem.waypoints, 2), np.array([0.5]))
+    assert solution.ending == ""
+    assert 1.0 <= solution.motion.duration < 1.01
 
 
-def test_the_least_energy_of_a_small_swing_is_that_of_the_linear_pendulum(pendulum):
+def test_the_least_energy_of_a_small_swing_is_that_of_the_linear_pendulum(pendulum, method):
     """With tau = m l^2 (q'' + w^2 q) the least integral of tau^2 solves (D^2 + w^2)^2 q = 0."""
     duration, distance, omega = 1.2, 0.04, np.sqrt(GRAVITY / LENGTH)
     objective = RefineObjective(energy=1.0, max_duration=duration)
-    request = swing(pendulum, distance, objective)
+    request = swing(pendulum, method, distance, objective)
     # The duration as well: the program may choose a shorter one.
     curve = optimum(pendulum, request)
     t_end = curve.duration
