@@ -2,9 +2,10 @@
 
 `wayproof serve` runs as a user runs it. Clients ask it for plans of many kinds and move robots to
 and fro; meanwhile workers are killed and stopped, the server is killed and ended and started again
-on its data folder, the disk is full, the database is locked, and PostgreSQL is away. After each
-round a checker looks at every job, every event and every row. `docs/benchmarks.md` says what must
-hold. Prints a table and every violation, and ends with 1 if there is one.
+on its data folder, the disk is full, the database is locked, and PostgreSQL is away. Several
+servers may work on one PostgreSQL database, and clients talk to any of them. After each round a
+checker looks at every job, every event and every row. `docs/benchmarks.md` says what must hold.
+Prints a table and every violation, and ends with 1 if there is one.
 """
 
 import argparse
@@ -47,6 +48,7 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(description=__doc__)
     made.add_argument("--database", choices=[*_DATABASES, "both"], default="both")
     made.add_argument("--engine", choices=_ENGINES, default="process")
+    made.add_argument("--servers", type=int, default=1, help="on PostgreSQL; SQLite has one")
     made.add_argument("--jobs", type=int, default=200, help="on each database, about")
     made.add_argument("--rounds", type=int, default=4)
     made.add_argument("--seed", type=int, default=0)
@@ -63,7 +65,11 @@ def table(rounds: Iterable[Round], seed: int) -> Table:
         made.add_column(head, justify="right" if head in {"jobs", "s", "violations"} else "left")
     for one in rounds:
         again = {name: n for name, n in one.answers.items() if not name.startswith("2")}
-        faults = {**one.faults, "start refused": one.refused}
+        faults = {
+            **one.faults,
+            "start refused": one.refused,
+            "stood down": one.stood_down,
+        }
         cells = [one.name, str(one.jobs), f"{one.seconds:.0f}"]
         cells += [_counts(counts) for counts in (faults, one.outcomes, again)]
         made.add_row(*cells, str(len(one.violations)))
@@ -71,7 +77,8 @@ def table(rounds: Iterable[Round], seed: int) -> Table:
 
 
 def _on(database: str, options: argparse.Namespace, console: Console) -> Iterable[Round]:
-    with site(database, options.engine) as made:
+    num_servers = options.servers if database == "postgresql" else 1
+    with site(database, options.engine, num_servers) as made:
         if not (made.database.disk.is_real or options.json):
             what = "SQLite's files are limited instead, PostgreSQL's cannot be"
             console.print(f"no small file system may be mounted here: {what}")
@@ -84,7 +91,7 @@ def _on(database: str, options: argparse.Namespace, console: Console) -> Iterabl
             yield one
         if options.log is not None:
             with options.log.open("ab") as log:
-                log.write(made.log.read_bytes())
+                log.write(made.printed())
 
 
 def _counts(counts: dict[str, int]) -> str:
@@ -95,7 +102,8 @@ def _plain(one: Round) -> dict[str, object]:
     violations = [{"rule": v.rule, "job": v.job, "what": v.what} for v in one.violations]
     counters = {"faults": one.faults, "outcomes": one.outcomes, "answers": one.answers}
     plain = {name: dict(Counter(counter)) for name, counter in counters.items()}
-    head = {"name": one.name, "jobs": one.jobs, "seconds": one.seconds, "refused": one.refused}
+    names = ("name", "jobs", "seconds", "refused", "stood_down")
+    head = {name: getattr(one, name) for name in names}
     return {**head, **plain, "violations": violations}
 
 

@@ -36,7 +36,7 @@ class Reference:
 
     Attributes:
         job: The plan.
-        motion: sha256 of its trajectory's bytes; empty without one.
+        motion: sha256 of its numbers; empty without one.
     """
 
     job: dict[str, Any]
@@ -52,7 +52,7 @@ class Seen:
         job: As the API shows it.
         again: The id that its key gives when the request is sent again.
         events: All of them.
-        motion: sha256 of a plan's trajectory's bytes; empty without one.
+        motion: sha256 of a plan's numbers; empty without one.
         reference: Of a plan that came to its own end.
         trajectory: Of the plan that an execution carries out.
     """
@@ -139,6 +139,11 @@ def _known_reason(seen: Seen) -> Iterator[str]:
         yield f"was given up too early: {job['failure']}"
 
 
+def _poison_gives_nothing(seen: Seen) -> Iterator[str]:
+    if seen.asked.poison and seen.job["state"] == "succeeded":
+        yield f"is made to be {seen.asked.poison}, and succeeded"
+
+
 def _proven(seen: Seen) -> Iterator[str]:
     if seen.asked.kind == "plan" and seen.job["state"] == "succeeded":
         certificate = seen.job["result"]["certificate"]
@@ -155,8 +160,10 @@ def _same_bytes(seen: Seen) -> Iterator[str]:
     job, calm = seen.job, seen.reference.job
     if calm["state"] != "succeeded":
         yield f"succeeded, and is {calm['state']} in calm: {calm['failure']}"
-    elif (seen.motion, job["digest"]) != (seen.reference.motion, calm["digest"]):
+    elif job["digest"] != calm["digest"]:
         yield f"has the digest {job['digest']}; the same request gives {calm['digest']} in calm"
+    elif seen.motion != seen.reference.motion:
+        yield "has the digest that the same request gives in calm, and other numbers"
     elif job["result"]["certificate"] != calm["result"]["certificate"]:
         yield "has another certificate than in calm"
 
@@ -199,6 +206,7 @@ _RULES: dict[str, Rule] = {
     "a stream tells what the log has": _streamed_as_logged,
     "a key gives the same job": _same_key_same_job,
     "every end has a reason": _known_reason,
+    "what hangs or crashes gives nothing": _poison_gives_nothing,
     "what succeeds is proven": _proven,
     "the same request gives the same bytes": _same_bytes,
     "what succeeds came to its end": _came_to_its_end,

@@ -1,6 +1,8 @@
 """Databases under test: how each is locked, filled and read behind the server's back."""
 
 import shutil
+import subprocess
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,7 +11,11 @@ from typing import Any, Protocol
 from sqlalchemy import Engine, create_engine, text
 
 from benchmarks.chaos_rounds.disk import SmallDisk
+from benchmarks.serving.server import pause
 from tests.service.jobs.postgres import Cluster
+
+# Longer than any disk is full [s].
+_STARTS_WITHIN, _AGAIN = 60.0, 0.5
 
 
 class Database(Protocol):
@@ -117,7 +123,7 @@ class Postgresql:
         try:
             yield
         finally:
-            self._cluster.start()
+            self._start_again()
 
     def rows(self, query: str) -> list[tuple[Any, ...]]:
         """Return what a query gives."""
@@ -127,6 +133,19 @@ class Postgresql:
         """End it."""
         self._engine.dispose()
         self._cluster.stop()
+
+    def _start_again(self) -> None:
+        """Start it as soon as it can write what it has to: while the disk is full it cannot."""
+        until = time.monotonic() + _STARTS_WITHIN
+        while True:
+            try:
+                self._cluster.start()
+            except subprocess.CalledProcessError:
+                if time.monotonic() > until:
+                    raise
+                pause(_AGAIN)
+            else:
+                return
 
     def _keep_tables(self, cluster: Path, folder: Path) -> None:
         """Have new tables on the small disk; what a transaction writes ahead is not on it."""

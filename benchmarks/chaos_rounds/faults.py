@@ -4,7 +4,7 @@ import random
 import signal
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from enum import StrEnum
@@ -12,6 +12,7 @@ from enum import StrEnum
 from sqlalchemy.exc import DBAPIError
 
 from benchmarks.chaos_rounds.databases import Database
+from benchmarks.chaos_rounds.fleet import Fleet
 from benchmarks.chaos_rounds.keeper import Keeper
 from benchmarks.serving.processes import Process
 
@@ -26,6 +27,9 @@ class FaultKind(StrEnum):
     FORKSERVER_KILLED = "forkserver -9"
     HOST_KILLED = "host -9"
     SERVER_KILLED = "server -9"
+    LEADER_KILLED = "leader -9"
+    FOLLOWER_KILLED = "follower -9"
+    ALL_KILLED = "all servers -9"
     SERVER_TOLD = "server TERM"
     SERVER_HURRIED = "server TERM, -9"
     DISK_FULL = "disk full"
@@ -41,6 +45,9 @@ _WEIGHTS = {
     FaultKind.FORKSERVER_KILLED: 1,
     FaultKind.HOST_KILLED: 3,
     FaultKind.SERVER_KILLED: 2,
+    FaultKind.LEADER_KILLED: 2,
+    FaultKind.FOLLOWER_KILLED: 1,
+    FaultKind.ALL_KILLED: 1,
     FaultKind.SERVER_TOLD: 2,
     FaultKind.SERVER_HURRIED: 1,
     FaultKind.DISK_FULL: 3,
@@ -59,6 +66,15 @@ _LASTS = {
     FaultKind.LOCKED: (0.5, 14.0),
     FaultKind.AWAY: (0.0, 3.0),
 }
+# What can happen to one server alone, and to one of several.
+_TO_ONE = frozenset({FaultKind.SERVER_KILLED})
+_TOLD = frozenset({FaultKind.SERVER_TOLD, FaultKind.SERVER_HURRIED})
+_TO_SEVERAL = frozenset({
+    FaultKind.LEADER_KILLED,
+    FaultKind.FOLLOWER_KILLED,
+    FaultKind.ALL_KILLED,
+})
+_ROLES = {FaultKind.LEADER_KILLED: "leader", FaultKind.FOLLOWER_KILLED: "follower"}
 # How often a full disk is a limit on the server's files.
 _LIMITED = 0.5
 
@@ -71,7 +87,7 @@ class Fault:
         kind: What.
         after: How long after the one before [s].
         lasts: How long [s].
-        choice: Which of the processes there are then, or which way of it, 0 to 1.
+        choice: Which of the processes or servers there are then, or which way of it, 0 to 1.
     """
 
     kind: FaultKind
@@ -80,53 +96,62 @@ class Fault:
     choice: float
 
 
-def draw(rng: random.Random, count: int, database: str, engine: str = "process") -> list[Fault]:
-    """Return faults in the order in which they are to happen."""
-    weights = dict(_WEIGHTS)
-    # Elsewhere a host is what workers are forked by, and it is lost with them.
-    del weights[FaultKind.HOST_KILLED if engine == "process" else FaultKind.FORKSERVER_KILLED]
-    if database == "sqlite":
-        del weights[FaultKind.AWAY]
-    kinds = rng.choices(list(weights), list(weights.values()), k=count)
+def draw(rng: random.Random, count: int, kinds: Sequence[FaultKind]) -> list[Fault]:
+    """Return faults of some kinds in the order in which they are to happen."""
     found = []
-    for kind in kinds:
+    for kind in rng.choices(kinds, [_WEIGHTS[kind] for kind in kinds], k=count):
         lasts = rng.uniform(*_LASTS.get(kind, (0.0, 0.0)))
         found.append(Fault(kind, rng.expovariate(1.0), lasts, rng.random()))
     return found
 
 
+def kinds_of(database: str, engine: str = "process", num_servers: int = 1) -> list[FaultKind]:
+    """Return what can go wrong with servers of an engine on a database."""
+    left_out = _TO_ONE if num_servers > 1 else _TO_SEVERAL
+    # Elsewhere a host is what workers are forked by, and it is lost with them.
+    forked = FaultKind.HOST_KILLED if engine == "process" else FaultKind.FORKSERVER_KILLED
+    left_out |= {forked, *((FaultKind.AWAY,) if database == "sqlite" else ())}
+    return [kind for kind in FaultKind if kind not in left_out]
+
+
 class Havoc:
-    """Does faults to a server, some beside others, until told to stop.
+    """Does faults to servers, some beside others, until told to stop.
 
     Attributes:
         done: How often what has happened.
-        database: The name of the database's kind.
-        engine: Of the server.
     """
 
-    def __init__(self, keeper: Keeper, database: Database, engine: str = "process") -> None:
+    def __init__(self, fleet: Fleet, database: Database) -> None:
         """Do nothing yet."""
-        self.engine = engine
         self.done: Counter[FaultKind] = Counter()
-        self.database = database.name
-        self._keeper = keeper
+        self._fleet = fleet
         self._database = database
         self._end = threading.Event()
         self._lasting: list[threading.Thread] = []
         self._one = {kind: threading.Lock() for kind in FaultKind}
 
-    def run(self, faults: list[Fault]) -> None:
-        """Do one after another; those that last go on meanwhile."""
+    @contextmanager
+    def doing(self, faults: list[Fault]) -> Iterator[None]:
+        """Do one fault after another meanwhile; at the end, end what lasts and do no more."""
+        thread = threading.Thread(target=self._run, args=(faults,))
+        thread.start()
+        try:
+            yield
+        finally:
+            self._end.set()
+            thread.join()
+
+    def is_troubled(self) -> bool:
+        """Return whether a fault is there now that may keep a server from its start."""
+        return any(thread.is_alive() for thread in self._lasting)
+
+    def _run(self, faults: list[Fault]) -> None:
         for fault in faults:
             if self._end.wait(fault.after):
                 break
             self._do(fault)
         for thread in self._lasting:
             thread.join()
-
-    def stop(self) -> None:
-        """End what lasts, and begin nothing more."""
-        self._end.set()
 
     def _do(self, fault: Fault) -> None:
         match fault.kind:
@@ -135,24 +160,38 @@ class Havoc:
             case FaultKind.WORKER_CRASHED:
                 self._kill(fault.kind, self._chosen(fault), signal.SIGSEGV)
             case FaultKind.HOST_KILLED:
-                self._kill(fault.kind, _one_of(self._keeper.hosts(), fault))
+                self._kill(fault.kind, _one_of(self._fleet.hosts(), fault))
             case FaultKind.FORKSERVER_KILLED:
-                self._kill(fault.kind, self._keeper.forkserver())
-            case FaultKind.SERVER_KILLED | FaultKind.SERVER_TOLD | FaultKind.SERVER_HURRIED:
-                if fault.kind is FaultKind.SERVER_TOLD:
-                    self._keeper.end()
-                else:
-                    is_hurried = fault.kind is FaultKind.SERVER_HURRIED
-                    self._keeper.kill(fault.lasts if is_hurried else None)
-                self.done[fault.kind] += 1
-                self._keeper.start(self._is_troubled)
+                self._kill(fault.kind, self._keeper(fault).forkserver())
+            case kind if kind in _TO_ONE | _TO_SEVERAL | _TOLD:
+                self._end_servers(fault)
             case _:
                 thread = threading.Thread(target=self._last, args=(fault,), daemon=True)
                 self._lasting.append(thread)
                 thread.start()
 
-    def _is_troubled(self) -> bool:
-        return any(thread.is_alive() for thread in self._lasting)
+    def _end_servers(self, fault: Fault) -> None:
+        """End some servers, and start them again."""
+        found = self._servers(fault)
+        for keeper in found:
+            if fault.kind is FaultKind.SERVER_TOLD:
+                keeper.end()
+            else:
+                keeper.kill(fault.lasts if fault.kind is FaultKind.SERVER_HURRIED else None)
+        self.done[fault.kind] += bool(found)
+        for keeper in found:
+            keeper.start(self.is_troubled)
+
+    def _servers(self, fault: Fault) -> Sequence[Keeper]:
+        if fault.kind is FaultKind.ALL_KILLED:
+            return self._fleet.keepers
+        if role := _ROLES.get(fault.kind):
+            return self._fleet.by_role(role)
+        return [self._keeper(fault)]
+
+    def _keeper(self, fault: Fault) -> Keeper:
+        # Not by its first digit, which decides in which way a disk is full.
+        return self._fleet.keepers[int(100 * fault.choice) % len(self._fleet.keepers)]
 
     def _last(self, fault: Fault) -> None:
         lock = self._one[fault.kind]
@@ -174,7 +213,7 @@ class Havoc:
             case FaultKind.WORKER_STOPPED | FaultKind.WORKER_HUNG:
                 return stopped(self._chosen(fault))
             case FaultKind.DISK_FULL:
-                pid = self._keeper.pid
+                pid = self._keeper(fault).pid
                 return self._database.disk.full(pid, is_limit=fault.choice < _LIMITED)
             case FaultKind.LOCKED:
                 return _forgiving(self._database.locked)
@@ -190,7 +229,7 @@ class Havoc:
 
     def _chosen(self, fault: Fault) -> Process | None:
         """Return one of the processes that run tasks, or that help them."""
-        return _one_of(self._keeper.workers(), fault)
+        return _one_of(self._fleet.workers(), fault)
 
 
 def _one_of(found: list[Process], fault: Fault) -> Process | None:

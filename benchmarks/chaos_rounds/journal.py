@@ -5,10 +5,14 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchmarks.chaos_rounds.mix import HANGS, SEGFAULTS
+
 FINAL = {
     "plan": frozenset({"succeeded", "failed", "canceled"}),
     "execution": frozenset({"succeeded", "aborted", "canceled"}),
 }
+
+_POISONS: dict[Any, str] = {HANGS: "hanging", SEGFAULTS: "segfaulting"}
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,11 @@ class Asked:
     num_losses: int = 0
     streamed: list[Event] = field(default_factory=list)
     stood: tuple[list[float], list[float]] | None = None
+
+    @property
+    def poison(self) -> str:
+        """What a plan does to the process that makes it; empty for nothing."""
+        return _POISONS.get(self.body.get("seed"), "") if self.kind == "plan" else ""
 
     def see(self, job: dict[str, Any]) -> bool:
         """Note the state of an answer, and return whether it is final."""

@@ -16,6 +16,9 @@ _GONE_WITHIN = 10.0
 _AGAIN = 0.5
 # uvicorn ends in order, and then by the signal that it was sent.
 _AS_TOLD = (0, -signal.SIGTERM)
+_PROGRAM = "benchmarks.chaos_rounds.poisoned_server"
+# Another server has taken the database over (docs/operations.md).
+_TAKEN = 3
 
 
 def _never() -> bool:
@@ -28,6 +31,7 @@ class Keeper:
     Attributes:
         losses: How often it was killed.
         refused: How often it could not start, because of a fault that was there on purpose.
+        stood_down: How often it ended because another server had taken the database over.
     """
 
     def __init__(
@@ -37,6 +41,8 @@ class Keeper:
         environment: Mapping[str, str],
         journal: Journal,
         machines: Machines | None = None,
+        *,
+        is_shared: bool = False,
     ) -> None:
         """Run on a data folder; call `start`.
 
@@ -46,9 +52,12 @@ class Keeper:
             environment: More variables of the server.
             journal: Is told of what is left running, and of starts that fail.
             machines: Where its workers are; None for below it.
+            is_shared: Whether another server works on its database, which may take it over.
         """
         self.losses = 0
         self.refused = 0
+        self.stood_down = 0
+        self._as_told = (*_AS_TOLD, *((_TAKEN,) if is_shared else ()))
         self._folder = folder
         self._log = log
         self._environment = environment
@@ -56,6 +65,7 @@ class Keeper:
         self._machines = machines or OwnMachine()
         self._server: Server | None = None
         self._left: set[Process] = set()
+        self._below: set[Process] = set()
         self._lock = threading.Lock()
 
     @property
@@ -98,7 +108,7 @@ class Keeper:
         """
         while True:
             had_trouble = is_troubled()
-            server = Server(self._folder, self._log, self._environment)
+            server = Server(self._folder, self._log, self._environment, _PROGRAM)
             try:
                 server.listen()
             except NotStarted as fault:
@@ -126,9 +136,28 @@ class Keeper:
         """Have the server end by itself."""
         with self._lock:
             code = self._take().end()
-        if code not in _AS_TOLD:
+        if code not in self._as_told:
             what = f"the server ended with {code} after SIGTERM"
             self._journal.blame("a server ends when it is told to", "server", what)
+
+    def revive(self, is_troubled: Callable[[], bool] = _never) -> None:
+        """Start the server again if it has ended by itself; raises as `start`."""
+        with self._lock:
+            server = self._server
+            if server is None:
+                return
+            if (code := server.code) is None:
+                self._below = {process for process, _ in descendants(server.pid)}
+                return
+            self._take()
+            server.kill()
+            self.losses += 1
+            if code == _TAKEN and code in self._as_told:
+                self.stood_down += 1
+            else:
+                what = f"the server ended with {code}: {server.printed[-500:]}"
+                self._journal.blame("a server ends when it is told to", "server", what)
+            self.start(is_troubled)
 
     def open_files(self) -> dict[str, int]:
         """Return how many pipes and the like the server has open, which are for its workers."""
@@ -150,9 +179,10 @@ class Keeper:
         """Return the server, which clients do not find any more."""
         server = self._server
         assert server is not None
-        self._left |= {process for process, _ in descendants(server.pid)}
+        # One that has ended by itself has none below it any more.
+        self._left |= {process for process, _ in descendants(server.pid)} | self._below
         self._left |= {*self._machines.workers(server.pid), *self._machines.hosts(server.pid)}
-        self._server = None
+        self._server, self._below = None, set()
         return server
 
 

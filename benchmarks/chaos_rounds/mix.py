@@ -17,12 +17,16 @@ _WALLED = {
 }
 _NONE = {"method": "none"}
 _PATIENT = {"allowed_planning_time": 60.0}
+_SHORT = {"allowed_planning_time": 2.0}
+_UPRIGHT = {"group": "arm", "goal": {"type": "configuration", "name": "upright"}}
 # There is no way through the wall, which no planner knows: it is searched for until it is canceled.
 ENDLESS = {
     "group": "body",
     "goal": {"type": "joint", "positions": [0.3, -0.3, 0.0]},
     "search": {"allowed_planning_time": 600.0, "attempts": 100, "solve_time": 2.0},
 }
+# Seeds of plans that hang in native code, and that break the process that makes them (`poison`).
+HANGS, SEGFAULTS = 2**31 + 1, 2**31 + 2
 CONFIGURATIONS = ("home", "ready", "upright")
 # An arm that reaches through the table.
 _INSIDE = [0.0, 0.4, 0.4, 0.0, 0.0, 0.0]
@@ -52,12 +56,15 @@ def kinds() -> list[tuple[int, Kind]]:
     joint = {"type": "joint", "positions": _INSIDE}
     return [
         (4, Kind("arm", {"group": "arm", "goal": _named("ready"), "refine": _NONE})),
-        (3, Kind("arm", {"group": "arm", "goal": _named("upright")})),
+        (3, Kind("arm", _UPRIGHT)),
         (2, Kind("arm", {"group": "arm", "goal": _named("ready"), "retime": {"method": "ruckig"}})),
         (2, Kind("ur5e_pickup", {"group": "arm", "goal": pick, "refine": _NONE})),
         (2, Kind("maze_2d", {"group": "body", "goal": _named("exit"), "refine": _NONE})),
         (1, Kind("ur5e_pickup", {"group": "arm", "goal": joint})),
         (2, Kind("walled", ENDLESS, is_endless=True)),
+        (1, Kind("arm", {**_UPRIGHT, "seed": HANGS, "search": _SHORT})),
+        (1, Kind("arm", {**_UPRIGHT, "seed": HANGS}, is_endless=True)),
+        (1, Kind("arm", {**_UPRIGHT, "seed": SEGFAULTS})),
     ]
 
 

@@ -3,35 +3,31 @@
 import random
 import shutil
 import tempfile
-import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from benchmarks.chaos_rounds.caller import Caller, GaveUp
+from benchmarks.chaos_rounds.calm import all_ready, check_open_files, settled
 from benchmarks.chaos_rounds.checker import check
-from benchmarks.chaos_rounds.clients import Client
 from benchmarks.chaos_rounds.databases import Database, Postgresql, Sqlite
 from benchmarks.chaos_rounds.disk import SmallDisk
-from benchmarks.chaos_rounds.faults import FaultKind, Havoc, draw
+from benchmarks.chaos_rounds.faults import Fault, FaultKind, Havoc, draw, kinds_of
+from benchmarks.chaos_rounds.fleet import Fleet
 from benchmarks.chaos_rounds.journal import Journal, Violation
 from benchmarks.chaos_rounds.keeper import Keeper
 from benchmarks.chaos_rounds.machines import Machines, OwnMachine, RayMachines
 from benchmarks.chaos_rounds.mix import scenes
 from benchmarks.chaos_rounds.records import check_files, check_rows
+from benchmarks.chaos_rounds.shifts import work
 from benchmarks.chaos_rounds.survey import Survey
 
 _MEGABYTES = 256
-_PLANNERS, _ROBOTS = 2, 2
 # Faults for each job.
 _RATE = 0.4
-# What a server may have open besides what it has when it is new: connections of its database.
-_POOL = 16
-_SETTLE_WITHIN = 20.0
 
 
 @dataclass(frozen=True)
@@ -43,6 +39,7 @@ class Round:
         jobs: How many were accepted.
         faults: How often what was done.
         refused: How often a server could not start while something was wrong.
+        stood_down: How often one ended because another one had taken the database over.
         outcomes: How many jobs ended how: `plan succeeded`, `plan worker_crashed`, and so on.
         answers: How many answers there were by status and code.
         violations: Of what must hold.
@@ -53,6 +50,7 @@ class Round:
     jobs: int
     faults: Counter[FaultKind]
     refused: int
+    stood_down: int
     outcomes: Counter[str]
     answers: Counter[str]
     violations: list[Violation]
@@ -64,17 +62,18 @@ class Site:
 
     Attributes:
         database: Of the servers.
-        data: Their data folder.
-        log: What they printed.
+        data: The data folder of each.
         machines: Where their workers are.
     """
 
-    def __init__(self, database: Database, data: Path, log: Path, machines: Machines) -> None:
-        """Begin without jobs."""
+    def __init__(
+        self, database: Database, data: Sequence[Path], logs: Path, machines: Machines
+    ) -> None:
+        """Begin without jobs; each server has a log of its own in the folder `logs`."""
         self.machines = machines
         self.database = database
         self.data = data
-        self.log = log
+        self._logs = logs
         self._ends: dict[str, str] = {}
         self._rest: set[Path] = set()
         self._earlier: dict[str, list[str]] = {"plan": [], "execution": []}
@@ -88,47 +87,82 @@ class Site:
             seed: Of the faults, and of what is asked for.
         """
         began = time.monotonic()
-        engine = "" if self.machines.name == "process" else f" {self.machines.name}"
-        name = f"{self.database.name}{engine} {number}"
+        name = f"{self._name} {number}"
         journal = Journal()
-        environment = {"WAYPROOF_PLAN_SLOTS": "2", **self.database.environment}
-        environment |= self.machines.environment
-        keeper = Keeper(self.data, self.log, environment, journal, self.machines)
-        keeper.start()
+        fleet = self._fleet(journal)
+        fleet.start()
         try:
-            done, outcomes = self._in_server(keeper, journal, f"{seed} {name}", num_jobs)
+            done, outcomes = self._in_servers(fleet, journal, f"{seed} {name}", num_jobs)
         finally:
-            if keeper.url:
-                keeper.end()
-            keeper.check_gone()
+            fleet.end()
         journal.violations += check_rows(self.database, self._ends)
         kills = sum(done[kind] for kind in FaultKind if kind.endswith(("-9", "-11")))
-        journal.violations += check_files(self.data, self._rest, kills)
-        seconds = time.monotonic() - began
-        answers, violations = journal.answers, journal.violations
-        jobs = len(journal.asked)
-        return Round(name, jobs, done, keeper.refused, outcomes, answers, violations, seconds)
+        for folder in self.data:
+            journal.violations += check_files(folder, self._rest, kills)
+        return Round(
+            name=name,
+            jobs=len(journal.asked),
+            faults=done,
+            refused=fleet.refused,
+            stood_down=fleet.stood_down,
+            outcomes=outcomes,
+            answers=journal.answers,
+            violations=journal.violations,
+            seconds=time.monotonic() - began,
+        )
 
-    def _in_server(
-        self, keeper: Keeper, journal: Journal, seed: str, num_jobs: int
+    def printed(self) -> bytes:
+        """Return what the servers have printed, one after the other."""
+        return b"".join(log.read_bytes() for log in sorted(self._logs.glob("server-*.log")))
+
+    @property
+    def _name(self) -> str:
+        engine = "" if self.machines.name == "process" else f" {self.machines.name}"
+        return f"{self.database.name}{engine}" + (f" x{n}" if (n := len(self.data)) > 1 else "")
+
+    def _fleet(self, journal: Journal) -> Fleet:
+        environment = {"WAYPROOF_PLAN_SLOTS": "2", **self.database.environment}
+        environment |= self.machines.environment
+        return Fleet([
+            Keeper(
+                folder,
+                self._logs / f"server-{number}.log",
+                environment,
+                journal,
+                self.machines,
+                is_shared=len(self.data) > 1,
+            )
+            for number, folder in enumerate(self.data, 1)
+        ])
+
+    def _in_servers(
+        self, fleet: Fleet, journal: Journal, seed: str, num_jobs: int
     ) -> tuple[Counter[FaultKind], Counter[str]]:
-        havoc, outcomes = Havoc(keeper, self.database, self.machines.name), Counter[str]()
-        caller = Caller(keeper, journal)
+        havoc, outcomes = Havoc(fleet, self.database), Counter[str]()
+        faults = self._faults(seed, num_jobs)
+        caller = Caller(fleet, journal)
         try:
-            ids = {
-                name: caller.ask("POST", "/v1/scenes", document).json()["id"]
-                for name, document in scenes().items()
-            }
-            new = _settled(keeper)
-            work(keeper, journal, havoc, seed=seed, num_jobs=num_jobs, ids=ids)
-            caller.get("/readyz")
-            outcomes = self._look(caller, journal)
-            _check_files_of_process(keeper, journal, new)
+            with fleet.watched(havoc.is_troubled):
+                ids = {
+                    name: caller.ask("POST", "/v1/scenes", document).json()["id"]
+                    for name, document in scenes().items()
+                }
+                new = [settled(keeper) for keeper in fleet.keepers]
+                with havoc.doing(faults):
+                    work(fleet, journal, seed=seed, num_jobs=num_jobs, ids=ids)
+                all_ready(fleet, journal)
+                outcomes = self._look(caller, journal)
+                for keeper, before in zip(fleet.keepers, new, strict=True):
+                    check_open_files(keeper, journal, before)
         except GaveUp:
             pass  # it is in the journal
         finally:
             caller.close()
         return havoc.done, outcomes
+
+    def _faults(self, seed: str, num_jobs: int) -> list[Fault]:
+        kinds = kinds_of(self.database.name, self.machines.name, len(self.data))
+        return draw(random.Random(seed), max(1, round(_RATE * num_jobs)), kinds)
 
     def _look(self, caller: Caller, journal: Journal) -> Counter[str]:
         """Look at every job of the round, and note how it ended."""
@@ -142,7 +176,7 @@ class Site:
         outcomes: Counter[str] = Counter()
         for one in seen:
             code = (one.job["failure"] or {"code": one.job["state"]})["code"]
-            outcomes[f"{one.asked.kind} {code}"] += 1
+            outcomes[f"{one.asked.poison} {one.asked.kind} {code}".lstrip()] += 1
             self._ends[one.asked.id] = one.job["state"]
         for identifier in survey.extra:
             self._ends[identifier] = caller.get(f"/v1/plans/{identifier}")["state"]
@@ -152,12 +186,13 @@ class Site:
 
 
 @contextmanager
-def site(name: str, engine: str = "process") -> Iterator[Site]:
-    """Have a database of a kind, on a small disk, and a data folder for a while.
+def site(name: str, engine: str = "process", num_servers: int = 1) -> Iterator[Site]:
+    """Have a database of a kind, on a small disk, and data folders for a while.
 
     Args:
         name: Of the kind: "sqlite" or "postgresql".
-        engine: Of the server: "process" or "ray".
+        engine: Of the servers: "process" or "ray".
+        num_servers: On the database; SQLite has one.
     """
     with ExitStack() as stack:
         folder = Path(tempfile.mkdtemp(prefix="wp-chaos-"))
@@ -166,103 +201,15 @@ def site(name: str, engine: str = "process") -> Iterator[Site]:
         folder.chmod(0o711)
         disk = SmallDisk(folder / "disk", _MEGABYTES)
         stack.callback(disk.close)
-        data = disk.folder / "data"
+        data = [disk.folder / f"data-{number}" for number in range(1, num_servers + 1)]
         if name == "sqlite":
-            database: Database = Sqlite(data, disk)
+            database: Database = Sqlite(data[0], disk)
         else:
             database = Postgresql(folder / "cluster", disk)
         stack.callback(database.close)
         machines: Machines = RayMachines() if engine == "ray" else OwnMachine()
         stack.callback(machines.close)
-        yield Site(database, data, folder / "server.log", machines)
-
-
-def work(
-    keeper: Keeper, journal: Journal, havoc: Havoc, *, seed: str, num_jobs: int, ids: dict[str, str]
-) -> None:
-    """Let clients work while faults happen, until all that was asked for has ended.
-
-    Args:
-        keeper: Of the server.
-        journal: Of what clients ask.
-        havoc: Does the faults.
-        seed: Of all that is decided by chance.
-        num_jobs: About as many are asked for.
-        ids: Of the scenes that all plan in, by name.
-    """
-    faults = draw(
-        random.Random(seed), max(1, round(_RATE * num_jobs)), havoc.database, havoc.engine
-    )
-    num_plans = max(1, num_jobs // (2 * _PLANNERS))
-    # A motion is a plan and an execution.
-    num_motions = max(1, num_jobs // (4 * _ROBOTS))
-    shifts: list[Callable[[Client], None]] = [
-        *[partial(_plan_on, ids=ids, count=num_plans)] * _PLANNERS,
-        *[partial(_move_on, count=num_motions)] * _ROBOTS,
-    ]
-    clients = [
-        threading.Thread(target=_client, args=(keeper, journal, f"{seed} client {i}", shift))
-        for i, shift in enumerate(shifts)
-    ]
-    troubles = threading.Thread(target=havoc.run, args=(faults,))
-    for thread in (troubles, *clients):
-        thread.start()
-    for thread in clients:
-        thread.join()
-    havoc.stop()
-    troubles.join()
-
-
-def _client(keeper: Keeper, journal: Journal, name: str, shift: Callable[[Client], None]) -> None:
-    """Do what a client does, and put its own faults into the journal."""
-    caller = Caller(keeper, journal)
-    try:
-        shift(Client(name, caller, journal, lambda: keeper.losses))
-    except GaveUp:
-        pass  # it is in the journal
-    except Exception as fault:
-        journal.blame("a client can work", name, repr(fault))
-        raise
-    finally:
-        caller.close()
-
-
-def _plan_on(client: Client, ids: dict[str, str], count: int) -> None:
-    for _ in range(count):
-        client.plan(ids)
-
-
-def _move_on(client: Client, count: int) -> None:
-    scene = client.scene()
-    for i in range(count):
-        client.move(scene, 1 + i)
-
-
-def _settled(keeper: Keeper) -> dict[str, int]:
-    """Return what a new server has open once all its workers are there."""
-    before, now = {}, keeper.open_files()
-    while now != before:
-        threading.Event().wait(1.0)
-        before, now = now, keeper.open_files()
-    return now
-
-
-def _check_files_of_process(keeper: Keeper, journal: Journal, new: dict[str, int]) -> None:
-    """Blame a server that has more open than a new one, once what it did has been put away."""
-    until = time.monotonic() + _SETTLE_WITHIN
-    allowed = {"pipe": 0, "anon_inode": 0, "socket": _POOL}
-    while True:
-        now = keeper.open_files()
-        more = {
-            kind: now[kind] - new[kind] for kind in now if now[kind] - new[kind] > allowed[kind]
-        }
-        if not more:
-            return
-        if time.monotonic() > until:
-            what = f"has {more} more open than when it was new"
-            journal.blame("nothing is left behind", "server", what)
-            return
-        threading.Event().wait(0.2)
+        yield Site(database, data, folder, machines)
 
 
 @contextmanager

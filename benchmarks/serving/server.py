@@ -32,7 +32,11 @@ class Server:
     """
 
     def __init__(
-        self, folder: Path, log: Path, environment: Mapping[str, str] | None = None
+        self,
+        folder: Path,
+        log: Path,
+        environment: Mapping[str, str] | None = None,
+        program: str = "service",
     ) -> None:
         """Start it on a free port; `listen` waits for it.
 
@@ -40,11 +44,12 @@ class Server:
             folder: Its data folder.
             log: What it prints comes after what is there.
             environment: More variables, `WAYPROOF_*`.
+            program: The module that is run.
         """
         self.url = ""
         self._log = log
         self._skip = self._log.stat().st_size if self._log.exists() else 0
-        command = [sys.executable, "-m", "service", "serve", "--port", "0", "--leashed"]
+        command = [sys.executable, "-m", program, "serve", "--port", "0", "--leashed"]
         command += ["--data-dir", str(folder)]
         with log.open("ab") as out:
             self._process = subprocess.Popen(
@@ -78,6 +83,11 @@ class Server:
     def pid(self) -> int:
         """The number of its process."""
         return self._process.pid
+
+    @property
+    def code(self) -> int | None:
+        """What it has ended with; None while it runs."""
+        return self._process.poll()
 
     @property
     def printed(self) -> str:

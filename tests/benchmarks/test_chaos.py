@@ -10,8 +10,10 @@ import pytest
 
 from benchmarks.chaos import main, parser, table
 from benchmarks.chaos_rounds import keeper
-from benchmarks.chaos_rounds.faults import FaultKind, draw, stopped
+from benchmarks.chaos_rounds.faults import FaultKind, draw, kinds_of, stopped
+from benchmarks.chaos_rounds.fleet import Fleet
 from benchmarks.chaos_rounds.journal import Journal, Violation
+from benchmarks.chaos_rounds.mix import HANGS, SEGFAULTS
 from benchmarks.chaos_rounds.rounds import Round
 from benchmarks.serving.processes import descendants
 from tests.profiles import only_campaign, seeds
@@ -28,13 +30,49 @@ def test_nothing_is_violated(database: str, seed: int) -> None:
     assert main(["--database", database, "--jobs", "20", "--rounds", "1", "--seed", str(seed)]) == 0
 
 
-def test_a_seed_always_gives_the_same_faults_of_every_kind() -> None:
-    first, again = (draw(random.Random(3), 300, "postgresql") for _ in range(2))
+OF_SEVERAL = {FaultKind.LEADER_KILLED, FaultKind.FOLLOWER_KILLED, FaultKind.ALL_KILLED}
+OF_ONE = {FaultKind.SERVER_KILLED}
+
+
+@pytest.mark.parametrize(
+    ("database", "engine", "num_servers", "left_out"),
+    [
+        ("postgresql", "process", 1, OF_SEVERAL | {FaultKind.HOST_KILLED}),
+        ("postgresql", "ray", 1, OF_SEVERAL | {FaultKind.FORKSERVER_KILLED}),
+        ("postgresql", "process", 2, OF_ONE | {FaultKind.HOST_KILLED}),
+        ("sqlite", "process", 1, OF_SEVERAL | {FaultKind.HOST_KILLED, FaultKind.AWAY}),
+    ],
+)
+def test_a_seed_always_gives_the_same_faults_of_every_kind(
+    database: str, engine: str, num_servers: int, left_out: set[FaultKind]
+) -> None:
+    kinds = kinds_of(database, engine, num_servers)
+    first, again = (draw(random.Random(3), 300, kinds) for _ in range(2))
     assert first == again
-    assert {fault.kind for fault in first} == set(FaultKind) - {FaultKind.HOST_KILLED}
-    of_hosts = {fault.kind for fault in draw(random.Random(3), 300, "postgresql", "ray")}
-    assert of_hosts == set(FaultKind) - {FaultKind.FORKSERVER_KILLED}
-    assert FaultKind.AWAY not in {fault.kind for fault in draw(random.Random(3), 300, "sqlite")}
+    assert {fault.kind for fault in first} == set(FaultKind) - left_out
+
+
+# Each in a process of its own, which a thread of Python's ends as soon as one may run.
+POISONED = f"""
+import os, signal, threading
+from types import SimpleNamespace
+from benchmarks.chaos_rounds.poison import plan_or_break
+for seed in ({HANGS}, {SEGFAULTS}):
+    if (child := os.fork()) == 0:
+        threading.Timer(0.05, os._exit, [7]).start()
+        plan_or_break(SimpleNamespace(seed=seed))
+    threading.Event().wait(0.3)
+    os.kill(child, signal.SIGINT)
+    threading.Event().wait(0.3)
+    os.kill(child, signal.SIGKILL)
+    print(os.WTERMSIG(os.waitpid(child, 0)[1]))
+"""
+
+
+def test_poison_lets_nothing_of_python_run_or_breaks_the_process() -> None:
+    command = [sys.executable, "-c", POISONED]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert done.stdout.split() == [str(int(signal.SIGKILL)), str(int(signal.SIGSEGV))]
 
 
 def test_a_process_is_stopped_and_goes_on_and_its_end_is_seen() -> None:
@@ -72,6 +110,58 @@ def test_a_process_that_outlives_its_server_is_blamed(tmp_path, monkeypatch) -> 
     assert [one.rule for one in blamed] == ["nothing is left running"]
 
 
+class Stopped(Ended):
+    """A server that has ended by itself."""
+
+    printed = "why"
+    url = "http://127.0.0.1:1"
+
+    def __init__(self, code: int) -> None:
+        self.code = code
+
+    def listen(self) -> None:
+        self.code = None
+
+    def kill(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("code", "is_shared", "is_blamed"),
+    [(3, True, False), (3, False, True), (1, True, True), (0, True, True)],
+)
+def test_a_server_that_ends_by_itself_is_started_again(
+    tmp_path, monkeypatch, code: int, is_shared: bool, is_blamed: bool
+) -> None:
+    monkeypatch.setattr(keeper, "Server", lambda *_: Stopped(0))
+    journal = Journal()
+    kept = keeper.Keeper(tmp_path, tmp_path / "log", {}, journal, is_shared=is_shared)
+    kept._server = Stopped(code)
+    kept.revive()
+    assert kept.url
+    assert [one.rule for one in journal.violations] == (
+        ["a server ends when it is told to"] if is_blamed else []
+    )
+    assert kept.stood_down == (not is_blamed)
+    kept.revive()
+    assert kept.losses == 1
+
+
+class Somewhere:
+    """A server's place: it is there, or it is not."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+        self.losses = 1
+
+
+def test_clients_talk_to_each_server_that_is_there() -> None:
+    fleet = Fleet([Somewhere("a"), Somewhere(""), Somewhere("b")])
+    assert {fleet.url for _ in range(2)} == {"a", "b"}
+    assert fleet.losses == 3
+    assert Fleet([Somewhere("")]).url == ""
+
+
 def test_a_process_that_ends_with_its_server_is_not_blamed(tmp_path) -> None:
     journal = Journal()
     kept = keeper.Keeper(tmp_path, tmp_path / "log", {}, journal)
@@ -88,7 +178,8 @@ def test_the_table_has_what_happened() -> None:
     assert parser().parse_args([]).jobs == 200
     violation = Violation("none is lost", "pln_1", "was accepted, and is not in the list")
     counts = {FaultKind.SERVER_KILLED: 2}
-    made = table([Round("sqlite 1", 9, counts, 1, {"plan succeeded": 9}, {}, [violation], 3.0)], 4)
+    ended = {"plan succeeded": 9}
+    made = table([Round("sqlite 1", 9, counts, 1, 0, ended, {}, [violation], 3.0)], 4)
     cells = [next(iter(column.cells)) for column in made.columns]
     assert cells[0] == "sqlite 1"
     assert "2 server -9" in cells[3]

@@ -11,6 +11,7 @@ from benchmarks.chaos_rounds.checker import Reference, Seen, check
 from benchmarks.chaos_rounds.databases import Sqlite
 from benchmarks.chaos_rounds.disk import SmallDisk
 from benchmarks.chaos_rounds.journal import Asked, Event, Glimpse
+from benchmarks.chaos_rounds.mix import HANGS, SEGFAULTS
 from benchmarks.chaos_rounds.records import check_files, check_rows
 from planning.errors import Canceled
 from service.jobs.dispatch.leadership.leader import DispatcherLock
@@ -98,6 +99,8 @@ WRONG = [
     ("every end has a reason", told(0, state="failed", failure={"code": "internal_error"})),
     ("every end has a reason", told(0, state="failed", failure=CRASHED)),
     ("every end has a reason", told(1, state="aborted", failure={"code": "tracking_lost"})),
+    ("what hangs or crashes gives nothing", asked(0, body={"seed": HANGS})),
+    ("what hangs or crashes gives nothing", asked(0, body={"seed": SEGFAULTS})),
     ("what succeeds is proven", told(0, result={"certificate": {**CERTIFICATE, "proven": False}})),
     (
         "what succeeds is proven",
