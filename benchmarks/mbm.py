@@ -56,6 +56,12 @@ def parser() -> argparse.ArgumentParser:
     )
     reader.add_argument("--refine", choices=["none", "trajopt", "auto", "drake"], default="none")
     reader.add_argument(
+        "--jerk",
+        type=_positive,
+        metavar="J",
+        help="limit every joint to J rad/s^3 and 15 rad/s^2, and time by ruckig",
+    )
+    reader.add_argument(
         "--drake",
         type=int,
         default=14,

@@ -32,7 +32,10 @@ def bench(
     """
     file = options.problems or data_folder() / f"problems_{options.robot}.json"
     problems = round_robin(read_problems(file, options.robot))[: options.limit]
-    files = robot_files(options.models or data_folder() / "models", ROBOTS[options.robot])
+    spec = ROBOTS[options.robot]
+    if options.jerk:
+        spec = spec.with_jerk(options.jerk)
+    files = robot_files(options.models or data_folder() / "models", spec)
     with tempfile.TemporaryDirectory() as folder:
         library = robot_library(files, problems[0].joints, Path(folder))
         arm = Bench(files, library, options.refine, clock)
@@ -43,7 +46,8 @@ def bench(
         print(json.dumps(document(done, drake)))
         return
     head = (
-        f"{options.robot}, {len(problems)} problems, refine {options.refine}, core {core}, "
+        f"{options.robot}, {len(problems)} problems, refine {options.refine}, "
+        f"jerk {options.jerk or 'not limited'}, core {core}, "
         f"kernel {kernel_name()}; the "
         "first plans of the process warmed up and are not counted; failed plans count in total"
     )

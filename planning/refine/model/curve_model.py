@@ -28,7 +28,7 @@ from planning.refine.curves.path_velocity import (
 )
 from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows, ProductRows
 from planning.refine.model.variable_layout import make_variable_layout
 
 # Signed margin above which pairs are ignored [m].
@@ -143,11 +143,10 @@ class CurveModel:
             load_linearization.rows(layout.control_points, layout.path_velocity, radii)
             for load_linearization in evaluation.load_linearizations
         ]
-        if len(evaluation.distances.sample_indices):
-            penalty = DISTANCE_PENALTY / evaluation.duration
-            rows.append(
-                self._distance_rows(evaluation.distances, self._distance_weights, radii, penalty)
-            )
+        penalty = DISTANCE_PENALTY / evaluation.duration
+        distances = self._distance_rows(
+            evaluation.distances, self._distance_weights, radii, penalty
+        )
         if self._clearance_objective is not None and evaluation.clearances is not None:
             shortfalls = self._layout.shortfalls
             cost_per_sample = self._clearance_objective.weight / (
@@ -163,7 +162,7 @@ class CurveModel:
                     _PENALTY_RATIO * cost_per_sample,
                 )
             )
-        return PenaltyQp(c, q, lower, upper, tuple(rows))
+        return PenaltyQp(c, q, lower, upper, tuple(rows), distances)
 
     def _acceleration_rows(self, evaluation: CurveEvaluation, radii: Array) -> PenaltyRows:
         """Return rows that bound r'' b + r' u in both signs, by interval, coordinate and end."""
@@ -233,24 +232,25 @@ class CurveModel:
 
     def _distance_rows(
         self, distances: DistanceRows, weights: BasisWeights, radii: Array, penalty: float
-    ) -> PenaltyRows:
+    ) -> ProductRows:
         """Return rows of distances that a step within the box could make too short."""
         active = np.flatnonzero(
             distances.signed_margins < np.abs(distances.gradients * radii).sum(axis=1)
         )
         samples, slopes = distances.sample_indices[active], distances.gradients[active] * radii
-        values = weights.values[samples][:, :, None] * slopes[:, None]
-        columns = self._layout.control_points[weights.control_points[samples]]
-        size = len(active), values[0].size if len(active) else 0
-        return PenaltyRows(
-            columns.reshape(size), values.reshape(size), -distances.signed_margins[active], penalty
+        return ProductRows(
+            self._layout.control_points[weights.control_points[samples], 0],
+            weights.values[samples],
+            slopes,
+            -distances.signed_margins[active],
+            penalty,
         )
 
     def _clearance_rows(
         self, clearances: DistanceRows, distance: float, radii: Array, penalty: float
     ) -> PenaltyRows:
         """Return rows of target distances minus the shortfall variables, over the distance."""
-        rows = self._distance_rows(clearances, self._clearance_weights, radii, penalty)
+        rows = self._distance_rows(clearances, self._clearance_weights, radii, penalty).expanded
         active = np.flatnonzero(
             clearances.signed_margins < np.abs(clearances.gradients * radii).sum(axis=1)
         )
