@@ -77,6 +77,12 @@ def parser() -> argparse.ArgumentParser:
         help="by which plans are timed and have their 5 s; cpu: processor time, on a busy machine",
     )
     reader.add_argument(
+        "--jerk",
+        type=_positive,
+        metavar="J",
+        help="limit every joint to J rad/s^3 and 15 rad/s^2, and time by ruckig",
+    )
+    reader.add_argument(
         "--drake",
         type=int,
         default=14,

@@ -35,7 +35,10 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
     """
     file = options.problems or data_folder() / f"problems_{options.robot}.json"
     problems = round_robin(read_problems(file, options.robot))[: options.limit]
-    files = robot_files(options.models or data_folder() / "models", ROBOTS[options.robot])
+    spec = ROBOTS[options.robot]
+    if options.jerk:
+        spec = spec.with_jerk(options.jerk)
+    files = robot_files(options.models or data_folder() / "models", spec)
     with tempfile.TemporaryDirectory() as folder:
         library = robot_library(files, problems[0].joints, Path(folder))
         methods: list[Method] = list(options.refine)
@@ -51,7 +54,8 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
         return
     head = (
         f"{options.robot}, {len(problems)} problems, refine {', '.join(methods)}, objective "
-        f"{options.objective or 'duration'}, core {core}, {options.clock} clock, "
+        f"{options.objective or 'duration'}, jerk {options.jerk or 'not limited'}, core {core}, "
+        f"{options.clock} clock, "
         f"kernel {kernel_name()}; the "
         "first plans of the process warmed up and are not counted; failed plans count in total"
     )

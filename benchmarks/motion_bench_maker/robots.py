@@ -1,6 +1,6 @@
 """The arms of the problems, their limits, and each problem as a scene for the planner."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,8 @@ import planning
 from benchmarks.motion_bench_maker.problems import DataMissing, Obstacle, Problem
 
 ARM = "arm"
+# Acceleration of every joint where jerk is limited [rad/s^2].
+_WITH_JERK = 15.0
 
 
 @dataclass(frozen=True)
@@ -23,12 +25,19 @@ class RobotSpec:
         tool: The link whose pose is the pose goal.
         velocity: Limit per joint [rad/s].
         acceleration: Limit per joint [rad/s^2].
+        jerk: Limit per joint [rad/s^3]; None for none.
     """
 
     name: str
     tool: str
     velocity: tuple[float, ...]
     acceleration: tuple[float, ...]
+    jerk: tuple[float, ...] | None = None
+
+    def with_jerk(self, jerk: float) -> "RobotSpec":
+        """Return the robot under cuRobo's limits: 15 rad/s^2, and a jerk, for every joint."""
+        count = len(self.acceleration)
+        return replace(self, acceleration=(_WITH_JERK,) * count, jerk=(jerk,) * count)
 
 
 ROBOTS = {
@@ -99,7 +108,7 @@ def robot_library(
     for file in files.urdf.parent.iterdir():
         (home / file.name).symlink_to(file.resolve())
     rates = zip(files.spec.velocity, files.spec.acceleration, strict=True)
-    card = {
+    card: dict[str, Any] = {
         "name": home.name,
         "file": files.urdf.name,
         "base": files.root_link,
@@ -111,6 +120,8 @@ def robot_library(
         },
         "allowed_collisions": [list(pair) for pair in files.disabled_pairs],
     }
+    for joint, jerk in zip(joints, files.spec.jerk or (), strict=False):
+        card["limits"][joint]["jerk"] = jerk
     card_file = home / "robot.yaml"
     card_file.unlink(missing_ok=True)
     card_file.write_text(yaml.safe_dump(card), "utf-8")

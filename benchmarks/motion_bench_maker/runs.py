@@ -7,6 +7,7 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
+import ruckig
 
 import planning
 from benchmarks.motion_bench_maker.problems import Problem
@@ -18,6 +19,8 @@ from planning.refine.motion.motion_objectives import MotionObjectives
 ALLOWED_SECONDS = 5.0
 # What a plan's timings also tell: all stages, and parts of the search.
 _NO_STAGES = {"total", "setup", "solve"}
+# Ruckig's cycle [s], which only its online mode uses.
+_CYCLE_TIME = 0.01
 # The tool's pose is asked for exactly.
 _EXACT = np.zeros(3)
 
@@ -152,6 +155,7 @@ class Bench:
             start=np.array(problem.start),
             search=planning.SearchOptions(allowed_planning_time=ALLOWED_SECONDS),
             refine=refine,
+            retime=planning.RetimeOptions("ruckig" if self.files.spec.jerk else "toppra"),
         )
         failure, detail, plan = "", "", None
         cpu, began = time.process_time(), self.clock()
@@ -180,7 +184,10 @@ class Bench:
             and referee.is_from_start_to_goal(motion, pose=goal == "pose"),
             improved=plan.stages.refine.improved,
             lower_bound=least_duration(
-                samples[-1] - samples[0], limits.velocity, limits.acceleration
+                samples[-1] - samples[0],
+                limits.velocity,
+                limits.acceleration,
+                limits.jerk if self.files.spec.jerk else None,
             ),
             smoothness=costs.smoothness or 0.0,
             energy=costs.energy or 0.0,
@@ -196,18 +203,40 @@ class Bench:
         return planning.PoseGoal((target,), f"robot::{self.files.spec.tool}", _EXACT, _EXACT)
 
 
-def least_duration(moved: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> float:
+def least_duration(
+    moved: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    jerk: np.ndarray | None = None,
+) -> float:
     """Return the time of the slowest joint from rest to rest, each by itself.
 
     Args:
         moved: From start to goal [rad], shape (n,).
         velocity: Limits [rad/s], shape (n,).
         acceleration: Limits [rad/s^2], shape (n,).
+        jerk: Limits [rad/s^3], shape (n,), or None for none.
     """
     distance = np.abs(moved)
+    if jerk is not None:
+        return _least_duration_with_jerk(distance, velocity, acceleration, jerk)
     ramps = 2 * np.sqrt(distance / acceleration)
     trapezoid = distance / velocity + velocity / acceleration
     return float(np.where(distance < velocity**2 / acceleration, ramps, trapezoid).max())
+
+
+def _least_duration_with_jerk(
+    distance: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray, jerk: np.ndarray
+) -> float:
+    """Return the same by ruckig, which is time-optimal from rest to rest."""
+    count = len(distance)
+    wanted, found = ruckig.InputParameter(count), ruckig.Trajectory(count)
+    wanted.synchronization = ruckig.Synchronization.No
+    wanted.target_position = distance.tolist()
+    wanted.max_velocity, wanted.max_acceleration = velocity.tolist(), acceleration.tolist()
+    wanted.max_jerk = jerk.tolist()
+    ruckig.Ruckig(count, _CYCLE_TIME).calculate(wanted, found)
+    return float(max(found.independent_min_durations))
 
 
 def polynomials_of(plan: planning.MotionPlan) -> Polynomials:

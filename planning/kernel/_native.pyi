@@ -220,6 +220,7 @@ def peak(coefficients: _Doubles, tolerance: float) -> tuple[float, int, float]: 
 def solve_penalty_qp(
     variables: tuple[_Doubles, _Doubles, _Doubles, _Doubles],
     rows: tuple[_Integers, _Integers, _Doubles],
+    products: tuple[_Integers, _Doubles, _Doubles],
     least: _Doubles,
     price: _Doubles,
     tolerance: float,

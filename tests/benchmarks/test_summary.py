@@ -78,6 +78,17 @@ def test_the_slowest_joint_bounds_the_duration() -> None:
     assert least_duration(moved / 4, velocity, acceleration) == pytest.approx(2 * (0.75 / 4) ** 0.5)
 
 
+def test_jerk_bounds_the_duration_too() -> None:
+    moved, velocity, acceleration = np.array([1.0, 0.1]), np.full(2, 10.0), np.full(2, 1e3)
+    # From rest to rest by four phases of constant jerk: d = 2 j (T / 4)^3.
+    wanted = 4 * (1.0 / (2 * 500.0)) ** (1 / 3)
+    found = least_duration(moved, velocity, acceleration, np.full(2, 500.0))
+    assert found == pytest.approx(wanted)
+    assert least_duration(moved, velocity, acceleration, np.full(2, 1e9)) == pytest.approx(
+        least_duration(moved, velocity, acceleration), rel=1e-2
+    )
+
+
 def test_ratio_is_taken_on_the_same_problems() -> None:
     ours = [run("a", 1, 10.0), run("b", 1, 20.0), run("a", 2, 9000.0)]
     theirs = [run("a", 1, 50.0), run("b", 1, 100.0)]

@@ -165,7 +165,8 @@ def with_curve(function: Callable[..., Any], **given: Any) -> Any:
 def with_program(function: Callable[..., Any], **given: Any) -> Any:
     variables = tuple(given.pop(name) for name in ("c", "q_diagonal", "lower", "upper"))
     rows = tuple(given.pop(name) for name in ("starts", "columns", "values"))
-    return function(variables=variables, rows=rows, **given)
+    products = tuple(given.pop(name) for name in ("point_columns", "weights", "slopes"))
+    return function(variables=variables, rows=rows, products=products, **given)
 
 
 def calls() -> dict[str, Call]:
@@ -176,7 +177,7 @@ def calls() -> dict[str, Call]:
     resolution = {"resolution": (0.1, SCALAR)}
     geometry = _geometry(0)
     rules = (INDEX, EXACT, KIND, EXACT, ROWS, ROWS, ROWS, ROWS, EXACT)
-    zeros, ones = np.zeros(2), np.ones(2)
+    ones = np.ones(2)
     return {
         "Scene": call(module.Scene, num_positions=(3, ANY), num_velocities=(3, ANY)),
         "Scene.add_link": call(
@@ -257,8 +258,10 @@ def calls() -> dict[str, Call]:
             partial(with_program, module.solve_penalty_qp), c=(ones, SIZING),
             q_diagonal=(ones, EXACT), lower=(-ones, EXACT), upper=(ones, EXACT),
             starts=(np.array([0, 1, 2]), OBJECT),
-            columns=(np.array([0, 1]), INDICES), values=(ones, EXACT), least=(zeros, SIZING),
-            price=(ones, EXACT), tolerance=(1e-6, ANY), max_steps=(20, ANY),
+            columns=(np.array([0, 1]), INDICES), values=(ones, EXACT),
+            point_columns=(np.array([[0]]), OBJECT), weights=(ones[None, :1], SIZING),
+            slopes=(ones[None], ANY), least=(np.zeros(3), SIZING),
+            price=(np.ones(3), EXACT), tolerance=(1e-6, ANY), max_steps=(20, ANY),
         ),
     }  # fmt: skip
 

@@ -144,17 +144,13 @@ class CurveModel:
             load_linearization.rows(layout.control_points, layout.path_velocity, radii)
             for load_linearization in evaluation.load_linearizations
         ]
-        if len(evaluation.distances.sample_indices):
-            penalty = DISTANCE_PENALTY / evaluation.duration
-            rows.append(
-                distance_rows(
-                    layout.control_points,
-                    evaluation.distances,
-                    self._distance_weights,
-                    radii,
-                    penalty,
-                )
-            )
+        distances = distance_rows(
+            layout.control_points,
+            evaluation.distances,
+            self._distance_weights,
+            radii,
+            DISTANCE_PENALTY / evaluation.duration,
+        )
         if self._clearance_objective is not None and evaluation.clearances is not None:
             shortfalls = self._layout.shortfalls
             cost_per_sample = self._clearance_objective.weight / (
@@ -170,7 +166,7 @@ class CurveModel:
                     _PENALTY_RATIO * cost_per_sample,
                 )
             )
-        return PenaltyQp(c, q, lower, upper, tuple(rows))
+        return PenaltyQp(c, q, lower, upper, tuple(rows), distances)
 
     def _acceleration_rows(self, evaluation: CurveEvaluation, radii: Array) -> PenaltyRows:
         """Return rows that bound r'' b + r' u in both signs, by interval, coordinate and end."""
@@ -244,7 +240,7 @@ class CurveModel:
         """Return rows of target distances minus the shortfall variables, over the distance."""
         rows = distance_rows(
             self._layout.control_points, clearances, self._clearance_weights, radii, penalty
-        )
+        ).expanded
         active = reachable_distances(clearances, radii)
         shortfalls = self._layout.shortfalls[clearances.sample_indices[active]]
         return replace(

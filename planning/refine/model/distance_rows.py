@@ -5,7 +5,7 @@ import numpy as np
 from planning.domain.arrays import Array, Indices
 from planning.refine.constraints.distance_query import DistanceRows
 from planning.refine.curves.bspline_basis import BasisWeights
-from planning.refine.model.penalty_qp import PenaltyRows
+from planning.refine.model.penalty_qp import ProductRows
 
 
 def reachable_distances(distances: DistanceRows, radii: Array) -> Indices:
@@ -26,11 +26,12 @@ def distance_rows(
     weights: BasisWeights,
     radii: Array,
     penalty: float,
-) -> PenaltyRows:
+) -> ProductRows:
     """Return the rows of the reachable distances, for control points in units of the box.
 
     Args:
-        point_columns: Columns of the control points; -1 for those that are fixed, shape (k, nq).
+        point_columns: Columns of the control points, of each one after another; -1 for those that are fixed,
+            shape (k, nq).
         distances: Distances at instants.
         weights: Weights of the control points at these instants.
         radii: Half of the box's sides, shape (nq,).
@@ -38,9 +39,10 @@ def distance_rows(
     """
     active = reachable_distances(distances, radii)
     samples, slopes = distances.sample_indices[active], distances.gradients[active] * radii
-    values = weights.values[samples][:, :, None] * slopes[:, None]
-    columns = point_columns[weights.control_points[samples]]
-    size = len(active), values[0].size if len(active) else 0
-    return PenaltyRows(
-        columns.reshape(size), values.reshape(size), -distances.signed_margins[active], penalty
+    return ProductRows(
+        point_columns[weights.control_points[samples], 0],
+        weights.values[samples],
+        slopes,
+        -distances.signed_margins[active],
+        penalty,
     )

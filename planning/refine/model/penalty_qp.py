@@ -5,6 +5,7 @@ minimize  c . x + 1/2 sum_i q_i x_i^2 + sum_k penalty_k max(0, l_k - a_k . x), l
 The native kernel has an interior-point solver for it; without the kernel Clarabel solves it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from planning.kernel.native import native
 # Residuals and gap, relative to the cost, at which the interior-point method ends.
 _TOLERANCE = 1e-7
 _MAX_STEPS = 40
+_NO_PRODUCTS = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0)), np.zeros((0, 0))
 # Rows per block: Drake takes dense blocks, which are mostly zeros if they are large.
 _BLOCK_SIZE = 64
 
@@ -84,6 +86,38 @@ class PenaltyRows:
 
 
 @dataclass(frozen=True)
+class ProductRows:
+    """Rows a_k . x >= l_k whose entries are products: a_k = sum_ij weights_ki slopes_kj e_kij.
+
+    e_kij is the unit vector of column columns_ki + j, or 0 if columns_ki is -1.
+
+    Attributes:
+        columns: First columns of the entries of each weight, shape (m, points).
+        weights: Shape (m, points).
+        slopes: Shape (m, coordinates).
+        lower_bounds: l_k, shape (m,).
+        penalty: Penalty per unit of violation, for each row.
+    """
+
+    columns: Int[np.ndarray, "m points"]
+    weights: Float64[np.ndarray, "m points"]
+    slopes: Float64[np.ndarray, "m coordinates"]
+    lower_bounds: Float64[np.ndarray, " m"]
+    penalty: float
+
+    @property
+    def expanded(self) -> PenaltyRows:
+        """The same rows with all their entries."""
+        columns = self.columns[:, :, None] + np.arange(self.slopes.shape[1])
+        columns[self.columns < 0] = -1
+        values = self.weights[:, :, None] * self.slopes[:, None]
+        size = len(values), values.shape[1] * values.shape[2]
+        return PenaltyRows(
+            columns.reshape(size), values.reshape(size), self.lower_bounds, self.penalty
+        )
+
+
+@dataclass(frozen=True)
 class PenaltyQp:
     """Penalty QP of the module's docstring; c, q, lower and upper have shape (n,)."""
 
@@ -92,32 +126,36 @@ class PenaltyQp:
     lower: Float64[np.ndarray, " n"]
     upper: Float64[np.ndarray, " n"]
     rows: tuple[PenaltyRows, ...]
+    products: ProductRows | None = None
 
     def cost(self, x: Float64[np.ndarray, " n"]) -> float:
         """Return the objective at x."""
         smooth_cost = float(self.c @ x + self.q @ (x * x) / 2)
-        return smooth_cost + sum(rows.penalty_at(x) for rows in self.rows)
+        return smooth_cost + sum(rows.penalty_at(x) for rows in self._expanded_rows)
+
+    @property
+    def _expanded_rows(self) -> tuple[PenaltyRows, ...]:
+        return self.rows if self.products is None else (*self.rows, self.products.expanded)
 
     def solve(self, *, use_kernel: bool = True) -> Array:
         """Return the minimizer, shape (n,)."""
-        is_entry = [rows.columns >= 0 for rows in self.rows]
-        counts = np.concatenate([mask.sum(axis=1) for mask in is_entry])
-        starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-        masked = list(zip(self.rows, is_entry, strict=True))
-        entries = np.concatenate([rows.columns[mask] for rows, mask in masked])
-        values = np.concatenate([rows.values[mask] for rows, mask in masked])
-        lower_bounds = np.concatenate([rows.lower_bounds for rows in self.rows])
-        penalties = np.concatenate([
-            np.full(len(rows.lower_bounds), rows.penalty) for rows in self.rows
-        ])
         module: Any = native() if use_kernel else None
         if module is None:
-            return self._solve_with_clarabel(starts, entries, values, lower_bounds, penalties)
+            everything = (
+                self.rows if self.products is None else (*self.rows, self.products.expanded)
+            )
+            return self._solve_with_clarabel(*_compressed(everything), *_bounds_of(everything))
+        of_products, penalized = _NO_PRODUCTS, list[PenaltyRows | ProductRows](self.rows)
+        if self.products is not None:
+            products = self.products
+            columns = np.ascontiguousarray(products.columns, dtype=np.int64)
+            of_products = columns, products.weights, np.ascontiguousarray(products.slopes)
+            penalized.append(products)
         x, _, _ = module.solve_penalty_qp(
             (self.c, self.q, self.lower, self.upper),
-            (starts, entries.astype(np.int64), values),
-            lower_bounds,
-            penalties,
+            _compressed(self.rows),
+            of_products,
+            *_bounds_of(penalized),
             _TOLERANCE,
             _MAX_STEPS,
         )
@@ -146,6 +184,24 @@ class PenaltyQp:
                 coefficients, lower_bounds[block], upper_bounds, np.concatenate([x, slack[block]])
             )
         return np.array(ClarabelSolver().Solve(program).GetSolution(x))
+
+
+def _compressed(rows: Sequence[PenaltyRows]) -> tuple[Any, Any, Array]:
+    """Return rows as compressed sparse rows: starts, columns and values."""
+    masks = [part.columns >= 0 for part in rows]
+    counts = np.concatenate([mask.sum(axis=1) for mask in masks])
+    masked = list(zip(rows, masks, strict=True))
+    return (
+        np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        np.concatenate([part.columns[mask] for part, mask in masked]).astype(np.int64),
+        np.concatenate([part.values[mask] for part, mask in masked]),
+    )
+
+
+def _bounds_of(rows: Sequence[PenaltyRows | ProductRows]) -> tuple[Array, Array]:
+    """Return the lower bounds and penalties of rows."""
+    penalties = [np.full(len(part.lower_bounds), part.penalty) for part in rows]
+    return np.concatenate([part.lower_bounds for part in rows]), np.concatenate(penalties)
 
 
 def solver_name() -> str:

@@ -166,13 +166,11 @@ class MotionModel:
         rows = [*self._residual_rows(residuals, radii, radius)]
         rows += [self._rate_rows(motion, order, radii, radius) for order in self._rate_maps]
         rows += [self._load_rows(load, motion, radii, radius) for load in self._loads]
-        rows.append(
-            distance_rows(
-                layout.points, evaluation.distances, self._weights, radii, _DISTANCE_PENALTY
-            )
+        distances = distance_rows(
+            layout.points, evaluation.distances, self._weights, radii, _DISTANCE_PENALTY
         )
         rows = tuple(part for part in rows if len(part.lower_bounds))
-        return PenaltyQp(c, q, lower, upper, rows)
+        return PenaltyQp(c, q, lower, upper, rows, distances)
 
     def _residual_rows(
         self, residuals: list[Residuals], radii: Array, radius: float

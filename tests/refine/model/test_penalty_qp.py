@@ -1,11 +1,13 @@
 """The native solver and Clarabel answer alike, and as one would by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
+from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows, ProductRows
 from tests.profiles import num_cases
 
 NATIVELY = pytest.mark.parametrize("natively", [True, False])
@@ -76,3 +78,39 @@ def test_rows_between_bounds_keep_a_sum_within_them(seed):
     # In units of the bound that is exceeded.
     excess = np.maximum(np.maximum(sums / high, sums / low) - 1, 0).sum()
     assert rows.penalty_at(x) == pytest.approx(2.0 * excess)
+
+
+def random_products(seed: int, num_variables: int, num_rows: int) -> ProductRows:
+    """Return rows in blocks of equal columns and weights; one weight of each may have no column."""
+    rng = np.random.default_rng(seed)
+    blocks = np.sort(rng.integers(0, 4, num_rows))
+    columns = np.sort(rng.integers(0, (num_variables - 3) // 3, (4, 2)) * 3, axis=1)
+    columns[:, 0][columns[:, 0] == columns[:, 1]] = -1
+    return ProductRows(
+        columns[blocks],
+        rng.normal(size=(4, 2))[blocks],
+        rng.normal(size=(num_rows, 3)),
+        rng.normal(size=num_rows),
+        0.7,
+    )
+
+
+@settings(max_examples=num_cases(6))
+@given(seed=st.integers(0, 2**32 - 1), num_rows=st.integers(0, 40))
+def test_rows_of_products_are_those_with_all_their_entries(seed, num_rows):
+    program = random_program(seed, 15, 20)
+    products = random_products(seed, 15, num_rows)
+    compact = replace(program, products=products)
+    expanded = replace(program, rows=(*program.rows, products.expanded))
+    x = np.random.default_rng(seed).uniform(program.lower, program.upper)
+    for k, row in enumerate(products.columns):
+        entries = [
+            products.weights[k, i] * products.slopes[k, j] * x[column + j]
+            for i, column in enumerate(row)
+            for j in range(3)
+            if column >= 0
+        ]
+        violation = products.lower_bounds[k] - sum(entries)
+        assert products.expanded.violations(x)[k] == pytest.approx(violation)
+    assert compact.cost(x) == expanded.cost(x)
+    np.testing.assert_allclose(compact.solve(), expanded.solve(), atol=1e-6)

@@ -10,13 +10,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "qp/product_rows.hpp"
+
 namespace wayproof {
 
 struct PenaltyQp {
   int num_variables = 0;
   std::vector<double> c, q, lower, upper;
   std::vector<std::int64_t> starts, columns;  // of the rows' entries, as in compressed sparse rows
-  std::vector<double> values, least, price;
+  std::vector<double> values;
+  ProductRows products;              // more rows, after those
+  std::vector<double> least, price;  // of all rows
 };
 
 struct PenaltySolution {

@@ -1,4 +1,4 @@
-// RowBlocks: sparse rows, in blocks of consecutive rows with the same columns.
+// RowBlocks: the rows of a penalty QP; the sparse ones in blocks of consecutive rows with the same columns.
 #pragma once
 
 #include <cstddef>
@@ -39,6 +39,8 @@ class RowBlocks {
   std::vector<Block> blocks_;
   int widest_ = 0;
   std::vector<double> local_, square_;
+  std::size_t num_sparse_;
+  ProductBlocks products_;
 };
 
 }  // namespace wayproof
