@@ -22,7 +22,15 @@ from sqlalchemy import (
 
 from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.event_bus import EventBatch
-from service.jobs.job import BatchMember, Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.job import (
+    BatchMember,
+    BatchSummary,
+    Job,
+    JobSpec,
+    JobSummary,
+    JobText,
+    LoggedEvent,
+)
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 from service.jobs.store.tables import bodies, events, jobs, makers, summaries
@@ -51,6 +59,17 @@ _OF_TYPE = _OF_JOB.where(events.c.type == bindparam("of_type"))
 _NEWEST = _OF_TYPE.order_by(events.c.number.desc()).limit(1)
 
 
+_BATCH_STATES = (
+    select(
+        jobs.c.batch,
+        jobs.c.state,
+        func.count(),
+        func.min(jobs.c.created_at),
+        func.max(jobs.c.finished_at),
+    )
+    .where(jobs.c.batch.in_(bindparam("ids", expanding=True)))
+    .group_by(jobs.c.batch, jobs.c.state)
+)
 _OPEN = [state.value for state in JobState if not state.is_final]
 _MARKS = select(jobs.c.id, jobs.c.state, jobs.c.is_cancel_requested).order_by(jobs.c.sequence)
 
@@ -133,6 +152,36 @@ class JobQueries:
         with self._engine.connect() as connection:
             rows = connection.execute(query)
             return [BatchMember(**with_values({**row})) for row in rows.mappings()]
+
+    def batches(
+        self,
+        queue: str,
+        wanted: Mapping[str, str | None],
+        *,
+        before: int | None = None,
+        limit: int = 50,
+    ) -> list[BatchSummary]:
+        """Return batches of jobs, newest first; the jobs themselves are not read.
+
+        Args:
+            queue: Of their jobs.
+            wanted: What fields of one of their jobs hold, by name; None for whatever.
+            before: The sequence numbers of their first jobs are below it.
+            limit: Largest number of batches.
+        """
+        conditions = [jobs.c[name] == content for name, content in wanted.items() if content]
+        first = func.min(jobs.c.sequence)
+        query = select(jobs.c.batch, first).where(jobs.c.batch.is_not(None)).group_by(jobs.c.batch)
+        if conditions:
+            such = select(jobs.c.batch).where(jobs.c.queue == queue, *conditions)
+            query = query.where(jobs.c.batch.in_(such.where(jobs.c.batch.is_not(None))))
+        query = query if before is None else query.having(first < before)
+        with self._engine.connect() as connection:
+            rows = connection.execute(query.order_by(first.desc()).limit(limit)).all()
+            states = connection.execute(_BATCH_STATES, {"ids": [row[0] for row in rows]}).all()
+        return [
+            BatchSummary.of(*row, [one[1:] for one in states if one[0] == row[0]]) for row in rows
+        ]
 
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, oldest first."""
