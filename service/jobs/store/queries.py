@@ -1,6 +1,7 @@
 """JobQueries: reads the record of jobs; no query waits for what writes."""
 
 import json
+from collections import defaultdict
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -178,10 +179,11 @@ class JobQueries:
         query = query if before is None else query.having(first < before)
         with self._engine.connect() as connection:
             rows = connection.execute(query.order_by(first.desc()).limit(limit)).all()
-            states = connection.execute(_BATCH_STATES, {"ids": [row[0] for row in rows]}).all()
-        return [
-            BatchSummary.of(*row, [one[1:] for one in states if one[0] == row[0]]) for row in rows
-        ]
+            states = defaultdict[str, list[Any]](list)
+            for name, *state in connection.execute(_BATCH_STATES, {"ids": [r[0] for r in rows]}):
+                states[name].append(state)
+        # One that was deleted between both looks has no states.
+        return [BatchSummary.of(name, n, states[name]) for name, n in rows if name in states]
 
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, oldest first."""
