@@ -2,8 +2,9 @@
 
 import importlib
 import multiprocessing.forkserver
+from collections.abc import Mapping, Sequence
 
-from service.jobs.worker.process import forkserver
+from service.jobs.worker.forkserver import forkserver
 
 # What the forkserver imports once, so that every worker has Drake and OMPL from its birth.
 # What draws is left out: matplotlib takes a second, and few ask for a plot.
@@ -39,6 +40,30 @@ def import_tasks() -> None:
 
 
 def start_to_import() -> None:
-    """Have the forkserver import while this process imports the web: both take seconds."""
+    """Have the forkserver import while this process imports the web: both take seconds.
+
+    It has no effect once the forkserver runs.
+    """
     forkserver(PRELOAD)
     multiprocessing.forkserver.ensure_running()
+
+
+def serves_with_processes(arguments: Sequence[str], environment: Mapping[str, str]) -> bool:
+    """Return whether a command line serves, with workers that are processes of this machine.
+
+    That can be said before there are settings, which take a third of a second. Where it is wrong,
+    `serve` starts the forkserver itself, or has one that nothing is forked off.
+
+    Args:
+        arguments: Of the command `wayproof`.
+        environment: With settings.
+    """
+    if arguments[:1] != ["serve"] or "--help" in arguments:
+        return False
+    engine = environment.get("WAYPROOF_ENGINE", "process")
+    for argument, following in zip(arguments, [*arguments[1:], ""], strict=True):
+        if argument == "--engine":
+            engine = following
+        elif argument.startswith("--engine="):
+            engine = argument.partition("=")[2]
+    return engine == "process"

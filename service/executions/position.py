@@ -5,15 +5,12 @@ import math
 from planning.domain.robot.joints import Joint, JointType
 from service.errors import RobotStateUnknown, StartMismatch
 from service.executions.models import ExecutionStatus
-from service.executions.tasks import ExecutionOutcome
+from service.executions.tasks import START_TOLERANCE, ExecutionOutcome
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.scenes.live import RobotStatus
 from service.scenes.models.summary import Group
 from service.scenes.store.records import SceneRecord
-
-# An execution ends within 0.005 of where it should [rad or m].
-TOLERANCE = 0.02
 
 
 def check_at_start(group: Group, start: list[float]) -> None:
@@ -24,7 +21,7 @@ def check_at_start(group: Group, start: list[float]) -> None:
     """
     positions: list[float] = group.positions
     distance = joint_distance(group, start, positions)
-    if distance > TOLERANCE:
+    if distance > START_TOLERANCE:
         message = (
             f"the motion starts {distance:.4g} rad or m from where {group.name} is; "
             "plan from `positions` instead"
@@ -33,7 +30,7 @@ def check_at_start(group: Group, start: list[float]) -> None:
             "start": start,
             "positions": positions,
             "distance": distance,
-            "bound": TOLERANCE,
+            "bound": START_TOLERANCE,
             "names": group.position_names,
         }
         raise StartMismatch(message, evidence)

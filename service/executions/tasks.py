@@ -15,6 +15,9 @@ from service.plans.tasks import DeliveredWork, Page
 from service.scenes.tasks import RequestWork, SceneWork
 from service.trajectories.models import CertifyMotionRequest
 
+# How far a robot may be from where a motion begins [rad or m]; executions end within 0.005.
+START_TOLERANCE = 0.02
+
 
 class ExecutionOutline(SceneWork):
     """The part of the work that lists show.

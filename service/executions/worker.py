@@ -17,9 +17,9 @@ from planning.execute.states import ExecutionState
 from service.executions.drivers import driver_of, sampling_reserve
 from service.executions.jitter import JitterLog
 from service.executions.models import Contact, ExecutionStatus, SamplingReserve
-from service.executions.position import TOLERANCE
 from service.executions.tasks import (
     EXECUTE,
+    START_TOLERANCE,
     Block,
     Bounds,
     Commands,
@@ -78,9 +78,9 @@ def _runner(world: World, work: ExecutionWork) -> tuple[Runner, SamplingReserve 
     driver = driver_of(work, world, group, trajectory)
     runner = Runner(Execution(trajectory, world.limits(group)), driver)
     error = runner.status.tracking_error
-    if error > TOLERANCE:  # a robot may be elsewhere than the scene says
+    if error > START_TOLERANCE:  # a robot may be elsewhere than the scene says
         runner.stop()
-        raise tracking_failure(error, TOLERANCE, 0.0)
+        raise tracking_failure(error, START_TOLERANCE, 0.0)
     runner.set_speed(work.speed)
     return runner, sampling
 

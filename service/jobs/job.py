@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
@@ -148,6 +148,40 @@ class BatchMember:
 
 
 @dataclass(frozen=True)
+class BatchSummary:
+    """A batch of jobs as lists have it.
+
+    Attributes:
+        id: Of the batch.
+        sequence: Of its first job that there is still.
+        counts: How many jobs there are, by state.
+        created_at: When the first one was asked for.
+        finished_at: When the last one ended; None while one has not.
+    """
+
+    id: str
+    sequence: int
+    counts: dict[JobState, int]
+    created_at: datetime
+    finished_at: datetime | None
+
+    @classmethod
+    def of(cls, identifier: str, sequence: int, states: Sequence[Sequence[Any]]) -> Self:
+        """Return a batch.
+
+        Args:
+            identifier: Its id.
+            sequence: Of its first job.
+            states: Of its jobs: the name of each, how many jobs, since when, until when.
+        """
+        counts = {JobState(state): count for state, count, _, _ in states}
+        begun = min(datetime.fromisoformat(created) for _, _, created, _ in states)
+        ends = [datetime.fromisoformat(end) for _, _, _, end in states if end]
+        is_over = all(state.is_final for state in counts)
+        return cls(identifier, sequence, counts, begun, max(ends) if is_over else None)
+
+
+@dataclass(frozen=True)
 class JobText:
     """A job whose result is passed on as it is: it may be megabytes, and is not read here.
 
@@ -182,3 +216,21 @@ class JobPage:
 
     jobs: list[JobSummary]
     following: int | None
+
+    @classmethod
+    def of(cls, found: list[JobSummary], limit: int) -> Self:
+        """Return a page of at most so many jobs, of what was found, which may be one more."""
+        return cls(found[:limit], found[limit - 1].sequence if len(found) > limit else None)
+
+
+@dataclass(frozen=True)
+class BatchPage:
+    """Some batches, newest first, and the number before which the next page begins."""
+
+    batches: list[BatchSummary]
+    following: int | None
+
+    @classmethod
+    def of(cls, found: list[BatchSummary], limit: int) -> Self:
+        """Return a page of at most so many batches, of what was found, which may be one more."""
+        return cls(found[:limit], found[limit - 1].sequence if len(found) > limit else None)

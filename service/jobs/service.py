@@ -16,7 +16,16 @@ from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.release import JobRelease
 from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
-from service.jobs.job import BatchMember, Job, JobPage, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.job import (
+    BatchMember,
+    BatchPage,
+    Job,
+    JobPage,
+    JobSpec,
+    JobSummary,
+    JobText,
+    LoggedEvent,
+)
 from service.jobs.states import JobState
 from service.jobs.store.deletion import delete_on_request
 from service.jobs.store.entries import Entries
@@ -165,14 +174,16 @@ class JobService(TaskCalls):
         batch: str | None = None,
     ) -> JobPage:
         """Return jobs of a queue, newest first, of those before a number of the list."""
+        wanted = {"state": state, "scene": scene, "batch": batch}
+        read = partial(self._store.page, queue, wanted, before=before, limit=limit + 1)
+        return JobPage.of(await to_thread.run_sync(read), limit)
 
-        def read() -> list[JobSummary]:
-            wanted = {"state": state, "scene": scene, "batch": batch}
-            return self._store.page(queue, wanted, before=before, limit=limit + 1)
-
-        found = await to_thread.run_sync(read)
-        following = found[limit - 1].sequence if len(found) > limit else None
-        return JobPage(found[:limit], following)
+    async def batches(
+        self, queue: str, limit: int, before: int | None, **wanted: str | None
+    ) -> BatchPage:
+        """Return batches, newest first, that have a job with what is wanted; else as `page`."""
+        read = partial(self._store.batches, queue, wanted, before=before, limit=limit + 1)
+        return BatchPage.of(await to_thread.run_sync(read), limit)
 
     async def newest(
         self, queue: str, *, scene: str | None = None, world_digest: str | None = None

@@ -5,23 +5,35 @@
 from collections.abc import AsyncIterator, Sequence
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Header, Path, Response
+from fastapi import APIRouter, Depends, Header, Path, Query, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from service.api.dependencies import JobsDep
 from service.api.event_stream import EVENTS
+from service.api.paging import Cursor, Limit, before, cursor_of
 from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.jobs.job import BatchMember
+from service.jobs.states import JobState
 from service.plans.batch_events import batch_events
 from service.plans.batches import batch_resource, cancel_batch, members_of, submit_batch
-from service.plans.models.batch import Batch, BatchRequest
+from service.plans.models.batch import Batch, BatchPage, BatchRequest, BatchSummary
 from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1", tags=["batches"])
 
 type BatchId = Annotated[str, Path(max_length=128, description="Id of a batch")]
+type WithPlanInState = Annotated[
+    JobState | None, Query(description="Only those with a plan in this state")
+]
+type WithPlanInScene = Annotated[
+    str | None,
+    Query(
+        max_length=128,
+        description="Only those with a plan in this scene; with `state`, one that is in both",
+    ),
+]
 type LastBatchEventId = Annotated[
     str | None,
     Header(
@@ -56,6 +68,20 @@ async def create_batch(
     members = await members_of(submission.jobs, batch)
     await submission.all_awaited([member.id for member in members], f"/v1/batches/{batch}")
     return batch_resource(batch, await members_of(submission.jobs, batch))
+
+
+@router.get("/batches", operation_id="listBatches", responses=problems(422))
+async def list_batches(
+    jobs: JobsDep,
+    state: WithPlanInState = None,
+    scene: WithPlanInScene = None,
+    limit: Limit = 50,
+    cursor: Cursor = None,
+) -> BatchPage:
+    """List batches, newest first, without the ids of their plans."""
+    page = await jobs.batches("plan", limit, before(cursor), state=state, scene=scene)
+    items = [BatchSummary.model_validate(batch) for batch in page.batches]
+    return BatchPage(items=items, next=cursor_of(page.following))
 
 
 @router.get("/batches/{batch}", operation_id="getBatch", responses=problems(404, 422))

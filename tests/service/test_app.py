@@ -9,6 +9,7 @@ import pytest
 
 import planning
 from service import app
+from service.workers import PRELOAD, serves_with_processes
 
 LIGHT = """
 import sys
@@ -49,10 +50,38 @@ def test_entry_point_imports_nothing_until_it_runs():
     assert run.stdout.split() == ["False", "False"]
 
 
-def test_what_workers_begin_with_has_no_database():
-    code = "import sys, service.jobs.worker.main; print('sqlalchemy' in sys.modules)"
+@pytest.mark.parametrize(
+    ("imports", "absent"),
+    [
+        ("service.workers, service.__main__", "asyncio pydantic numpy typer"),
+        ("service.jobs.worker.main", "sqlalchemy fastapi numpy"),
+        (", ".join(PRELOAD), "sqlalchemy alembic fastapi uvicorn service.jobs.service"),
+    ],
+)
+def test_what_workers_begin_with_is_light(imports, absent):
+    """All of it is imported at each start, before the server is ready."""
+    code = f"import sys, {imports}; print(*(n for n in {absent.split()} if n in sys.modules))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.split() == ["False"]
+    assert run.stdout.split() == []
+
+
+@pytest.mark.parametrize(
+    ("command", "environment", "expected"),
+    [
+        ("serve", {}, True),
+        ("serve --port 0", {"WAYPROOF_ENGINE": "process"}, True),
+        ("serve", {"WAYPROOF_ENGINE": "inline"}, False),
+        ("serve --engine process", {"WAYPROOF_ENGINE": "ray"}, True),
+        ("serve --engine=inline", {}, False),
+        ("serve --engine ray", {}, False),
+        ("serve --engine", {}, False),
+        ("serve --help", {}, False),
+        ("plan", {}, False),
+        ("", {}, False),
+    ],
+)
+def test_workers_begin_to_import_before_the_settings_are_read(command, environment, expected):
+    assert serves_with_processes(command.split(), environment) is expected
 
 
 def test_nothing_that_endpoints_are_handed_takes_a_thread():

@@ -28,6 +28,41 @@ class AsyncOperations(AsyncCaller):
         motion."""
         return await self.ask(Call("GET", "/readyz"), models.Readiness)
 
+    async def list_batches(
+        self,
+        *,
+        state: models.JobState | None = None,
+        scene: str | None = None,
+        limit: int | None = None,
+        cursor: str | None = None,
+    ) -> models.BatchPage:
+        """List batches, newest first, without the ids of their plans."""
+        return await self.ask(
+            Call(
+                "GET",
+                "/v1/batches",
+                query={"state": state, "scene": scene, "limit": limit, "cursor": cursor},
+            ),
+            models.BatchPage,
+        )
+
+    async def all_batches(
+        self,
+        *,
+        state: models.JobState | None = None,
+        scene: str | None = None,
+        limit: int | None = None,
+    ) -> AsyncIterator[models.BatchSummary]:
+        """List batches, newest first, without the ids of their plans: all pages."""
+        cursor: str | None = None
+        while True:
+            page = await self.list_batches(state=state, scene=scene, limit=limit, cursor=cursor)
+            for item in page.items:
+                yield item
+            cursor = page.next
+            if cursor is None:
+                return
+
     async def delete_batch(self, batch: str) -> None:
         """Delete all plans of a batch, once all have ended."""
         await self.ask_nothing(Call("DELETE", "/v1/batches/{batch}", inserted={"batch": batch}))

@@ -250,6 +250,28 @@ class BatchCounts(Answer):
     """Plans with a result."""
 
 
+class BatchPage(Answer):
+    """Batches, newest first."""
+
+    items: list[BatchSummary]
+    """On this page, without the ids of their plans."""
+    next: str | None
+    """Cursor of the next page; null on the last one."""
+
+
+class BatchSummary(Answer):
+    """A batch without the ids of its plans. Deleted plans are no part of it any more."""
+
+    counts: BatchCounts
+    """Plans by state."""
+    created_at: datetime
+    """When it was requested (UTC)."""
+    finished_at: datetime | None
+    """When the last plan ended (UTC); null while one waits or runs."""
+    id: str
+    """Of the batch."""
+
+
 class BestPath(Answer):
     """The best path that a search has found so far."""
 

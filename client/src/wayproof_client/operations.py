@@ -28,6 +28,41 @@ class Operations(Caller):
         motion."""
         return self.ask(Call("GET", "/readyz"), models.Readiness)
 
+    def list_batches(
+        self,
+        *,
+        state: models.JobState | None = None,
+        scene: str | None = None,
+        limit: int | None = None,
+        cursor: str | None = None,
+    ) -> models.BatchPage:
+        """List batches, newest first, without the ids of their plans."""
+        return self.ask(
+            Call(
+                "GET",
+                "/v1/batches",
+                query={"state": state, "scene": scene, "limit": limit, "cursor": cursor},
+            ),
+            models.BatchPage,
+        )
+
+    def all_batches(
+        self,
+        *,
+        state: models.JobState | None = None,
+        scene: str | None = None,
+        limit: int | None = None,
+    ) -> Iterator[models.BatchSummary]:
+        """List batches, newest first, without the ids of their plans: all pages."""
+        cursor: str | None = None
+        while True:
+            page = self.list_batches(state=state, scene=scene, limit=limit, cursor=cursor)
+            for item in page.items:
+                yield item
+            cursor = page.next
+            if cursor is None:
+                return
+
     def delete_batch(self, batch: str) -> None:
         """Delete all plans of a batch, once all have ended."""
         self.ask_nothing(Call("DELETE", "/v1/batches/{batch}", inserted={"batch": batch}))

@@ -30,8 +30,8 @@ def distance_rows(
     """Return the rows of the reachable distances, for control points in units of the box.
 
     Args:
-        point_columns: Columns of the control points, of each one after another; -1 for those that are fixed,
-            shape (k, nq).
+        point_columns: Columns of the control points, consecutive for each; -1 for those that are
+            fixed, shape (k, nq).
         distances: Distances at instants.
         weights: Weights of the control points at these instants.
         radii: Half of the box's sides, shape (nq,).

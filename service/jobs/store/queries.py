@@ -1,6 +1,7 @@
 """JobQueries: reads the record of jobs; no query waits for what writes."""
 
 import json
+from collections import defaultdict
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -22,7 +23,15 @@ from sqlalchemy import (
 
 from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.event_bus import EventBatch
-from service.jobs.job import BatchMember, Job, JobSpec, JobSummary, JobText, LoggedEvent
+from service.jobs.job import (
+    BatchMember,
+    BatchSummary,
+    Job,
+    JobSpec,
+    JobSummary,
+    JobText,
+    LoggedEvent,
+)
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 from service.jobs.store.entries import WAITS_FOR_ROBOTS, Entries, read_entries
@@ -52,6 +61,17 @@ _OF_TYPE = _OF_JOB.where(events.c.type == bindparam("of_type"))
 _NEWEST = _OF_TYPE.order_by(events.c.number.desc()).limit(1)
 
 
+_BATCH_STATES = (
+    select(
+        jobs.c.batch,
+        jobs.c.state,
+        func.count(),
+        func.min(jobs.c.created_at),
+        func.max(jobs.c.finished_at),
+    )
+    .where(jobs.c.batch.in_(bindparam("ids", expanding=True)))
+    .group_by(jobs.c.batch, jobs.c.state)
+)
 _OPEN = [state.value for state in JobState if not state.is_final]
 # By its index: it is asked again and again.
 _WAITING = _SUMMARY.where(
@@ -139,6 +159,37 @@ class JobQueries:
         with self._engine.connect() as connection:
             rows = connection.execute(query)
             return [BatchMember(**with_values({**row})) for row in rows.mappings()]
+
+    def batches(
+        self,
+        queue: str,
+        wanted: Mapping[str, str | None],
+        *,
+        before: int | None = None,
+        limit: int = 50,
+    ) -> list[BatchSummary]:
+        """Return batches of jobs, newest first; the jobs themselves are not read.
+
+        Args:
+            queue: Of their jobs.
+            wanted: What fields of one of their jobs hold, by name; None for whatever.
+            before: The sequence numbers of their first jobs are below it.
+            limit: Largest number of batches.
+        """
+        conditions = [jobs.c[name] == content for name, content in wanted.items() if content]
+        first = func.min(jobs.c.sequence)
+        query = select(jobs.c.batch, first).where(jobs.c.batch.is_not(None)).group_by(jobs.c.batch)
+        if conditions:
+            such = select(jobs.c.batch).where(jobs.c.queue == queue, *conditions)
+            query = query.where(jobs.c.batch.in_(such.where(jobs.c.batch.is_not(None))))
+        query = query if before is None else query.having(first < before)
+        with self._engine.connect() as connection:
+            rows = connection.execute(query.order_by(first.desc()).limit(limit)).all()
+            states = defaultdict[str, list[Any]](list)
+            for name, *state in connection.execute(_BATCH_STATES, {"ids": [r[0] for r in rows]}):
+                states[name].append(state)
+        # One that was deleted between both looks has no states.
+        return [BatchSummary.of(name, n, states[name]) for name, n in rows if name in states]
 
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, and waits for no robot, oldest first."""

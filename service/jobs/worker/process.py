@@ -1,11 +1,9 @@
 """WorkerProcess: the server's handle of one process that runs tasks."""
 
 import asyncio
-import multiprocessing
 import os
 import signal
 import socket
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
@@ -20,20 +18,6 @@ _PROCESSES = ThreadPoolExecutor(1, "worker-processes")
 type _Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 # A process that has closed its end is about to end; one that does not is made to.
 _LINGER = 0.5
-
-
-def forkserver(preload: Sequence[str]) -> Any:
-    """Return the context that forks workers off a server which has imported some modules.
-
-    There is one such server per process: the modules that are named first count.
-    """
-    context: Any = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([
-        "service.jobs.worker.disable_gc",
-        "service.jobs.worker.main",
-        *preload,
-    ])
-    return context
 
 
 class WorkerProcess:

@@ -19,9 +19,10 @@ from service.jobs.outcome import (
     returned,
 )
 from service.jobs.worker.assignment import Assignment, EventSink
+from service.jobs.worker.forkserver import forkserver
 from service.jobs.worker.main import Terms
 from service.jobs.worker.memory import MemoryWatch, resident
-from service.jobs.worker.process import WorkerProcess, forkserver
+from service.jobs.worker.process import WorkerProcess
 from service.jobs.worker.protocol import Message, MessageKind, load_error, two_parts
 from service.jobs.worker.termination import Termination
 

@@ -33,16 +33,28 @@ class BatchCounts(ResponseModel):
     canceled: int = Field(default=0, description="Plans whose end was requested")
 
 
-class Batch(ResponseModel):
-    """A batch; poll it until `finished_at` is there. Deleted plans are no part of it any more."""
+class BatchSummary(ResponseModel):
+    """A batch without the ids of its plans. Deleted plans are no part of it any more."""
 
     id: str = Field(description="Of the batch")
-    plans: list[str] = Field(
-        description="Ids of the plans, in the order of the problems; `GET /v1/plans?batch=` lists "
-        "them, newest first"
-    )
     counts: BatchCounts = Field(description="Plans by state")
     created_at: datetime = Field(description="When it was requested (UTC)")
     finished_at: datetime | None = Field(
         description="When the last plan ended (UTC); null while one waits or runs"
     )
+
+
+class Batch(BatchSummary):
+    """A batch; poll it until `finished_at` is there. Deleted plans are no part of it any more."""
+
+    plans: list[str] = Field(
+        description="Ids of the plans, in the order of the problems; `GET /v1/plans?batch=` lists "
+        "them, newest first"
+    )
+
+
+class BatchPage(ResponseModel):
+    """Batches, newest first."""
+
+    items: list[BatchSummary] = Field(description="On this page, without the ids of their plans")
+    next: str | None = Field(description="Cursor of the next page; null on the last one")

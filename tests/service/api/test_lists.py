@@ -10,10 +10,12 @@ ARM = {"name": "lists", "robots": [{"name": "arm", "model": "ur5e", "positions":
 
 @pytest.fixture(scope="module")
 def scene(client):
-    """The id of a scene with two plans, an execution and regions."""
+    """The id of a scene with two plans, a batch of one more, an execution and regions."""
     scene = client.post("/v1/scenes", json=ARM).json()["id"]
     request = {"scene": scene, "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     request["search"] = {"allowed_planning_time": 60.0}
+    batch = {"problems": [{**request, "seed": 1}]}
+    assert client.post("/v1/plans/batch?wait=60", json=batch).is_success
     plan = client.post("/v1/plans?wait=60", json=request).json()
     client.post(f"/v1/plans/{plan['id']}/reverse?wait=60")
     body = {"plan": plan["id"], "driver": "simulated", "speed": 100.0}
@@ -24,7 +26,15 @@ def scene(client):
     return scene
 
 
-@pytest.fixture(params=["/v1/plans", "/v1/executions", "/v1/scenes", "/v1/scenes/{scene}/regions"])
+@pytest.fixture(
+    params=[
+        "/v1/plans",
+        "/v1/batches",
+        "/v1/executions",
+        "/v1/scenes",
+        "/v1/scenes/{scene}/regions",
+    ]
+)
 def path(request, scene):
     return request.param.format(scene=scene)
 
@@ -64,7 +74,7 @@ def test_what_is_no_cursor_is_refused(client, path, cursor):
 @pytest.mark.parametrize(
     ("path", "state", "count"),
     [
-        ("/v1/plans?scene={scene}", "succeeded", 2),
+        ("/v1/plans?scene={scene}", "succeeded", 3),
         ("/v1/plans?scene={scene}", "failed", 0),
         ("/v1/executions?scene={scene}", "succeeded", 1),
         ("/v1/executions?scene={scene}", "aborted", 0),

@@ -192,3 +192,36 @@ def test_what_is_no_id_is_the_beginning(text):
 
 def test_an_id_that_claims_millions_is_not_believed():
     assert positions_of(".".join(["e*9999"] * 400), 3) == [0, 0, 0]
+
+
+def test_batches_are_listed_as_they_are_shown(client, ended):
+    shown = client.get(f"/v1/batches/{ended['id']}").json()
+    del shown["plans"]
+    listed = client.get("/v1/batches?limit=200").json()["items"]
+    assert [item for item in listed if item["id"] == ended["id"]] == [shown]
+
+
+def test_batches_are_listed_newest_first(client, problem):
+    body = {"problems": [problem]}
+    two = [client.post("/v1/plans/batch?wait=60", json=body).json()["id"] for _ in range(2)]
+    names = [item["id"] for item in client.get("/v1/batches?limit=200").json()["items"]]
+    assert [name for name in names if name in two] == two[::-1]
+
+
+def test_batches_are_found_by_what_one_plan_of_theirs_is(client, ended, blocked):
+    def found(query):
+        return [item["id"] for item in client.get(f"/v1/batches?limit=200&{query}").json()["items"]]
+
+    other = client.post("/v1/plans/batch", json={"problems": [blocked]}).json()
+    scene = blocked["scene"]
+    try:
+        assert ended["id"] in found("state=succeeded")
+        assert ended["id"] in found("state=failed")
+        assert ended["id"] not in found("state=canceled")
+        assert other["id"] not in found("state=failed")
+        assert found(f"scene={scene}") == [other["id"]]
+        assert found(f"scene={scene}&state=succeeded") == []
+        [listed] = client.get(f"/v1/batches?scene={scene}").json()["items"]
+        assert listed["finished_at"] is None
+    finally:
+        client.post(f"/v1/batches/{other['id']}/cancel")
