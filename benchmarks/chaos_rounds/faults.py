@@ -26,6 +26,7 @@ class FaultKind(StrEnum):
     WORKER_HUNG = "worker hung"
     FORKSERVER_KILLED = "forkserver -9"
     HOST_KILLED = "host -9"
+    NODE_KILLED = "node -9"
     SERVER_KILLED = "server -9"
     LEADER_KILLED = "leader -9"
     FOLLOWER_KILLED = "follower -9"
@@ -44,6 +45,7 @@ _WEIGHTS = {
     FaultKind.WORKER_HUNG: 1,
     FaultKind.FORKSERVER_KILLED: 1,
     FaultKind.HOST_KILLED: 3,
+    FaultKind.NODE_KILLED: 1,
     FaultKind.SERVER_KILLED: 2,
     FaultKind.LEADER_KILLED: 2,
     FaultKind.FOLLOWER_KILLED: 1,
@@ -74,6 +76,8 @@ _TO_SEVERAL = frozenset({
     FaultKind.FOLLOWER_KILLED,
     FaultKind.ALL_KILLED,
 })
+# What can happen to workers on other machines.
+_ELSEWHERE = frozenset({FaultKind.HOST_KILLED, FaultKind.NODE_KILLED})
 _ROLES = {FaultKind.LEADER_KILLED: "leader", FaultKind.FOLLOWER_KILLED: "follower"}
 # How often a full disk is a limit on the server's files.
 _LIMITED = 0.5
@@ -109,8 +113,8 @@ def kinds_of(database: str, engine: str = "process", num_servers: int = 1) -> li
     """Return what can go wrong with servers of an engine on a database."""
     left_out = _TO_ONE if num_servers > 1 else _TO_SEVERAL
     # Elsewhere a host is what workers are forked by, and it is lost with them.
-    forked = FaultKind.HOST_KILLED if engine == "process" else FaultKind.FORKSERVER_KILLED
-    left_out |= {forked, *((FaultKind.AWAY,) if database == "sqlite" else ())}
+    left_out |= _ELSEWHERE if engine == "process" else {FaultKind.FORKSERVER_KILLED}
+    left_out |= {FaultKind.AWAY} if database == "sqlite" else set()
     return [kind for kind in FaultKind if kind not in left_out]
 
 
@@ -161,6 +165,9 @@ class Havoc:
                 self._kill(fault.kind, self._chosen(fault), signal.SIGSEGV)
             case FaultKind.HOST_KILLED:
                 self._kill(fault.kind, _one_of(self._fleet.hosts(), fault))
+            case FaultKind.NODE_KILLED:
+                self._keeper(fault).lose_machine(fault.choice)
+                self.done[fault.kind] += 1
             case FaultKind.FORKSERVER_KILLED:
                 self._kill(fault.kind, self._keeper(fault).forkserver())
             case kind if kind in _TO_ONE | _TO_SEVERAL | _TOLD:

@@ -33,6 +33,17 @@ class Machines(Protocol):
         """Return the processes that own workers, but for the server itself."""
         ...
 
+    def lose(self, choice: float) -> list[Process]:
+        """End one of the machines without a word, have another one in its place.
+
+        Args:
+            choice: Which, 0 to 1.
+
+        Returns:
+            What ran on it.
+        """
+        ...
+
     def close(self) -> None:
         """End them."""
         ...
@@ -52,6 +63,10 @@ class OwnMachine:
         """Return none: the server itself owns them."""
         return []
 
+    def lose(self, choice: float) -> list[Process]:  # noqa: ARG002  (see `Machines`)
+        """Lose nothing: it is the machine of the server."""
+        return []
+
     def close(self) -> None:
         """Do nothing: they end with the server."""
 
@@ -62,7 +77,8 @@ class RayMachines:
     name = "ray"
 
     def __init__(self) -> None:
-        """Start the cluster."""
+        """Start the cluster; its nodes find the modules of poison where this process does."""
+        os.environ["PYTHONPATH"] = str(Path(__file__).parents[2])
         self._cluster = cluster(_NUM_HOSTS)
 
     @property
@@ -86,6 +102,16 @@ class RayMachines:
     def hosts(self, server: int) -> list[Process]:  # noqa: ARG002  (see `Machines`)
         """Return the actors."""
         return [one for one, _ in descendants(os.getpid()) if _is_host(one.pid)]
+
+    def lose(self, choice: float) -> list[Process]:
+        """End a node and what it runs by SIGKILL, and add one."""
+        nodes = self._cluster.nodes
+        node = nodes[int(choice * len(nodes))]
+        own = self._cluster.pids(node)
+        ran = {process for pid in own for process, _ in descendants(pid) if process.pid not in own}
+        self._cluster.lose(node)
+        self._cluster.add(_NUM_HOSTS)
+        return list(ran)
 
     def close(self) -> None:
         """End the cluster."""

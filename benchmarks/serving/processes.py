@@ -26,6 +26,20 @@ class Process:
         found = _stat(self.pid)
         return found is not None and found[1] == self.began and found[2] != "Z"
 
+    @property
+    def wants_to_run(self) -> bool:
+        """Whether it waits for nothing but a processor or a disk, if it is alive."""
+        found = _stat(self.pid)
+        return found is not None and found[2] in "RD"
+
+    @property
+    def cpu_seconds(self) -> float:
+        """The processor time that it has used [s]; 0 once it is gone."""
+        try:
+            return cpu_seconds(self.pid) if self.is_alive else 0.0
+        except OSError:
+            return 0.0
+
     def send(self, number: signal.Signals) -> None:
         """Send a signal; a process that is gone gets none."""
         if self.is_alive:

@@ -32,15 +32,16 @@ def test_nothing_is_violated(database: str, seed: int) -> None:
 
 OF_SEVERAL = {FaultKind.LEADER_KILLED, FaultKind.FOLLOWER_KILLED, FaultKind.ALL_KILLED}
 OF_ONE = {FaultKind.SERVER_KILLED}
+OF_MACHINES = {FaultKind.HOST_KILLED, FaultKind.NODE_KILLED}
 
 
 @pytest.mark.parametrize(
     ("database", "engine", "num_servers", "left_out"),
     [
-        ("postgresql", "process", 1, OF_SEVERAL | {FaultKind.HOST_KILLED}),
+        ("postgresql", "process", 1, OF_SEVERAL | OF_MACHINES),
         ("postgresql", "ray", 1, OF_SEVERAL | {FaultKind.FORKSERVER_KILLED}),
-        ("postgresql", "process", 2, OF_ONE | {FaultKind.HOST_KILLED}),
-        ("sqlite", "process", 1, OF_SEVERAL | {FaultKind.HOST_KILLED, FaultKind.AWAY}),
+        ("postgresql", "process", 2, OF_ONE | OF_MACHINES),
+        ("sqlite", "process", 1, OF_SEVERAL | OF_MACHINES | {FaultKind.AWAY}),
     ],
 )
 def test_a_seed_always_gives_the_same_faults_of_every_kind(

@@ -10,6 +10,7 @@ from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.calls import Call, CallResult, Calls
+from service.jobs.dispatch.leadership.join import join
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.leadership.lock_watch import LockWatch, Standby
 from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
@@ -23,13 +24,10 @@ from service.jobs.dispatch.scheduling.scheduler import QueueLoad, Scheduler
 from service.jobs.dispatch.shutdown import STOPPED, Shutdown
 from service.jobs.dispatch.uptake import Uptake
 from service.jobs.dispatch.waits import END_OF_STREAM, JobWaits
-from service.jobs.errors import DatabaseInUse
 from service.jobs.event_bus import EventBatch, EventBus
 from service.jobs.job import Job, JobSpec, JobSummary, JobText, LoggedEvent
 from service.jobs.store.job_store import JobStore
 
-# Between two looks at tables that another server is about to make [s].
-_LOOK = 0.1
 _log = logging.getLogger(__name__)
 
 
@@ -107,7 +105,7 @@ class Dispatcher:
             DatabaseTooNew: A newer version has changed it.
         """
         await asyncio.to_thread(self._store.refuse_newer)
-        is_first = await self._join()
+        is_first = await join(self._store, self._lock, self._timeouts)
         try:
             self._put_together()
             await self._scheduler.open(warm_up)
@@ -121,33 +119,6 @@ class Dispatcher:
             self._scheduler.spawn(self._uptake.run(self.leads.is_set, self._timeouts.poll))
         if not is_first:
             self._scheduler.spawn(self._stand_by())
-
-    async def _join(self) -> bool:
-        """Take the database and bring it up to date, or return that another server leads.
-
-        Raises:
-            DatabaseInUse: It cannot be shared, or that server is of another version.
-        """
-        until = asyncio.get_running_loop().time() + self._timeouts.tables
-        while True:
-            try:
-                await asyncio.to_thread(self._lock.take)
-                break
-            except DatabaseInUse:
-                if not self._store.is_shared:
-                    raise
-                if await asyncio.to_thread(self._store.is_up_to_date):
-                    return False
-            if asyncio.get_running_loop().time() > until:
-                raise self._lock.of_other_version()
-            await asyncio.sleep(_LOOK)
-        try:
-            self._store.set_epoch(self._lock.epoch)
-            await asyncio.to_thread(self._store.open)
-        except BaseException:
-            await asyncio.to_thread(self._lock.release)
-            raise
-        return True
 
     def _put_together(self) -> None:
         """Make what belongs to the running event loop."""

@@ -137,6 +137,11 @@ class Cluster:
             self._nodes[node.node_id] = node
         self._cluster.wait_for_nodes()
 
+    def pids(self, identifier):
+        """The numbers of a node's own processes; what it runs is below them."""
+        started = self._nodes[identifier].all_processes.values()
+        return {one.process.pid for some in started for one in some}
+
     def lose(self, identifier):
         """End a node without a word."""
         (whole,) = [known for known in self._nodes if known.startswith(identifier)]
