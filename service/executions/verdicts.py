@@ -74,6 +74,7 @@ async def _judge(
         verdict="conflict",
         action="stop" if stops else "ignore",
         check=block.check,
+        other=block.execution,
         pair=pair,
         time=block.time,
         seconds=max(0.0, block.time - since),
