@@ -1238,9 +1238,12 @@ class ExecutionVerdict(Answer):
     """What is done, as the execution's `on_conflict` says."""
     check: str | None = None
     """Check of the certificate that fails, mostly `clearance`; `undecided` if there was no
-    verdict in time, `request` if what the motion shall keep names what is gone."""
+    verdict in time, `request` if what the motion shall keep names what is gone, `beside` if it
+    may meet another execution."""
     fraction: float | None = None
     """Share of the path's length that is done there, 0 to 1."""
+    other: str | None = None
+    """Id of the execution that it may meet, if that is the check."""
     pair: tuple[str, str] | None = None
     """Full names of the bodies that come too near, if it is about two."""
     seconds: float | None = None
