@@ -82,6 +82,7 @@ async def _judge(
         verdict="conflict",
         action=work.request.on_conflict,
         check=block.check,
+        other=block.execution,
         pair=(block.pair[0], block.pair[1]) if block.pair else None,
         time=block.time,
         seconds=max(0.0, block.time - since),

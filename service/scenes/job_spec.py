@@ -1,5 +1,7 @@
 """spec_of(): a task about a scene as a job."""
 
+from typing import Any
+
 from pydantic import BaseModel
 
 from service.jobs.job import IdempotencyKey, JobSpec, Priority
@@ -10,9 +12,9 @@ from service.scenes.store.records import SceneBrief
 PREFIXES = {"plan": "pln", "execution": "exe", "regions": "reg"}
 
 
-def spec_of[In: BaseModel, Out: BaseModel](
-    task: Task[In, Out],
-    work: In,
+def spec_of(
+    task: Task[Any, Any],
+    work: BaseModel,
     scene: SceneBrief,
     key: IdempotencyKey,
     time_limit: float | None = None,
@@ -22,7 +24,7 @@ def spec_of[In: BaseModel, Out: BaseModel](
 
     Args:
         task: Of a queue of jobs.
-        work: What it is given.
+        work: What it is given, or what is known of that while it waits for its robots.
         scene: That it is about.
         key: By which a repeated request finds the same job.
         time_limit: Seconds after which it is told to end; None without one.

@@ -388,7 +388,7 @@ class Branch(Answer):
 
 
 class BusyEvidence(Answer):
-    """What moves in the scene."""
+    """What moves a robot, or waits for it."""
 
     execution: str
     """Its id."""
@@ -493,6 +493,10 @@ class CertificateEvidence(Answer):
     """Of executions, what it may be."""
     check: str | None = None
     """Of executions, the first of the checks."""
+    execution: str | None = None
+    """Of the check `beside`, id of the execution whose motion is in the way."""
+    other_time: float | None = None
+    """Of the check `beside`, when on the motion of that one [s]."""
     pair: list[str] | None = None
     """Of executions, the two bodies that come too near, if that is the check."""
     refused: list[str] | None = None
@@ -1132,6 +1136,8 @@ class Execution(Answer):
     for is done all the same."""
     delays: list[float] | None = None
     """When each of `plans` begins [s]; null for one motion."""
+    is_waiting: bool = False
+    """Whether it waits for its robots, and is proven once it begins."""
     sampling: SamplingReserve | None = None
     """Of a controller that samples the motion, once it has ended; null for others."""
     timings: Timings = Field(default={}, validate_default=True)
@@ -1246,6 +1252,10 @@ class ExecutionTerms(Answer):
     time, and the motion stays as it is."""
     title: str | None = None
     """Title of the motion in replays of the scene."""
+    when_busy: Literal["refuse", "wait"] | str = "refuse"
+    """What is done if another execution moves one of its robots, or waits for one: `refuse`
+    (409); `wait` begins once they are free, in the order of requests, and is proven then, from
+    where they are then."""
 
 
 class ExecutionVerdict(Answer):
@@ -1259,9 +1269,12 @@ class ExecutionVerdict(Answer):
     """What is done, as the execution's `on_conflict` says."""
     check: str | None = None
     """Check of the certificate that fails, mostly `clearance`; `undecided` if there was no
-    verdict in time, `request` if what the motion shall keep names what is gone."""
+    verdict in time, `request` if what the motion shall keep names what is gone, `beside` if it
+    may meet another execution."""
     fraction: float | None = None
     """Share of the path's length that is done there, 0 to 1."""
+    other: str | None = None
+    """Id of the execution that it may meet, if that is the check."""
     pair: tuple[str, str] | None = None
     """Full names of the bodies that come too near, if it is about two."""
     seconds: float | None = None
@@ -1323,7 +1336,10 @@ type Failure = Annotated[
         | HostLostFailure
         | MemoryLimitExceededFailure
         | ServerRestartedFailure
-        | InternalErrorFailure,
+        | InternalErrorFailure
+        | NotFoundFailure
+        | StartMismatchFailure
+        | RobotStateUnknownFailure,
         Field(discriminator="code"),
     ]
     | OtherFailure,
@@ -2827,6 +2843,23 @@ class NotCertifiedProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
+class NotFoundFailure(Answer):
+    """There is nothing of that id."""
+
+    code: Literal["not_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: UnknownResourceEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
 class NotFoundProblem(Answer):
     """There is nothing of that id."""
 
@@ -3057,6 +3090,8 @@ class PathBlockedEvidence(Answer):
     """Of the scene."""
     time: float
     """On the motion [s]."""
+    execution: str | None = None
+    """Of the check `beside`, id of the execution whose motion is in the way; null for others."""
 
 
 class PathBlockedFailure(Answer):
@@ -4472,7 +4507,7 @@ class RoadmapReport(Answer):
 
 
 class RobotBusyProblem(Answer):
-    """An execution moves something in this scene."""
+    """An execution moves one of these robots, or waits for one."""
 
     code: Literal["robot_busy"]
     """Stable machine-readable name of the kind."""
@@ -4532,6 +4567,23 @@ class RobotStateEvidence(Answer):
 
     robots: list[str]
     """Their names."""
+
+
+class RobotStateUnknownFailure(Answer):
+    """It is not known where a robot of this scene is."""
+
+    code: Literal["robot_state_unknown"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: RobotStateEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
 
 
 class RobotStateUnknownProblem(Answer):
@@ -5321,6 +5373,23 @@ class StartMismatchEvidence(Answer):
     """What it may be [rad or m]."""
     names: list[str] | None = None
     """Of the coordinates."""
+
+
+class StartMismatchFailure(Answer):
+    """The plan does not start where the robot is."""
+
+    code: Literal["start_mismatch"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: StartMismatchEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
 
 
 class StartMismatchProblem(Answer):

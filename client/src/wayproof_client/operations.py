@@ -136,8 +136,8 @@ class Operations(Caller):
         prefer: str | None = None,
         idempotency_key: str | None = None,
     ) -> models.Execution:
-        """Carry out a plan or a motion of your own, if it starts where the robot is and is
-        proven."""
+        """Carry out a motion that starts where its robots are and is proven, beside all that
+        moves."""
         return self.ask(
             Call(
                 "POST",

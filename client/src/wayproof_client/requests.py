@@ -271,6 +271,10 @@ class ExecutionRequest(TypedDict):
     trajectory: NotRequired[CertifyMotionRequest | None]
     """A motion of your own, as `POST /trajectories/certify` takes it, without `revision`: it is
     proven in the latest one, and refused (`not_certified`) if it is not."""
+    when_busy: NotRequired[Literal["refuse", "wait"]]
+    """What is done if another execution moves one of its robots, or waits for one: `refuse`
+    (409); `wait` begins once they are free, in the order of requests, and is proven then, from
+    where they are then."""
 
 
 class FkRequest(TypedDict):

@@ -218,31 +218,28 @@ class Dispatcher:
         return self._scheduler.faults()
 
     async def submit(self, spec: JobSpec) -> Job:
-        """Queue a job; it is durable when this returns; see `submit_all`."""
+        """Queue a job; see `submit_all`."""
         return (await self.submit_all([spec]))[0]
 
     async def submit_all(self, specs: Sequence[JobSpec]) -> list[Job]:
-        """Queue jobs of one queue, all of them or none; see `JobSubmission.submit_all`.
+        """Queue jobs of one queue, all or none; see `JobSubmission.submit_all`.
 
         Raises:
             QueueFull: Its queue would have more waiting jobs than it may.
             ServerStopping: The server is to end.
         """
         first = specs[0]
-        if first.key:
-            request = (first.queue, first.key, first.request_digest)
-            known = await asyncio.to_thread(self._store.find_by_key, *request)
-            if known:
-                return [known]
+        request = (first.queue, first.key or "", first.request_digest)
+        if first.key and (known := await asyncio.to_thread(self._store.find_by_key, *request)):
+            return [known]
         if self.is_draining:
             message = "the server is about to end and takes no more jobs; ask again when it is back"
             raise ServerStopping(message)
         self._scheduler.check_room(first.queue, first.client, len(specs))
-        waits = any(spec.waits for spec in specs)
-        if self.leads.is_set() and not waits:
+        if self.leads.is_set() and not first.waits:
             return await self._submission.submit_all(specs)
         jobs = await self._submission.pass_on_all(specs)
-        if self.leads.is_set() and not waits:  # meanwhile
+        if self.leads.is_set() and not first.waits:  # meanwhile
             self._uptake.note([job.id for job in jobs])
         return jobs
 

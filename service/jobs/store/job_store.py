@@ -90,13 +90,15 @@ class JobStore(Transactions):
 
         Args:
             drafts: The jobs, of one queue.
-            check: Called with the number of jobs that wait in it, if servers share the database;
-                it raises if that are too many.
+            check: Called with the number of jobs that wait in it, if not all of them are here: if
+                servers share the database, or for jobs that wait for their robots; it raises if
+                that are too many.
         """
         first, *others = drafts
         with self.transaction(is_durable=True) as connection:
             while (known := find_by_idempotency_key(connection, first.job)) is None:
-                if check is not None and self.is_shared:
+                is_told = self.is_shared or (first.entry is not None and first.entry.waits)
+                if check is not None and is_told:
                     check(count_queued(connection, first.job.queue, len(drafts)))
                 if (job := insert_job(connection, first)) is not None:
                     more = [insert_job(connection, drafted) for drafted in others]

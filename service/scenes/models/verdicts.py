@@ -20,7 +20,11 @@ class ExecutionVerdict(ResponseModel):
     check: str | None = Field(
         default=None,
         description="Check of the certificate that fails, mostly `clearance`; `undecided` if there "
-        "was no verdict in time, `request` if what the motion shall keep names what is gone",
+        "was no verdict in time, `request` if what the motion shall keep names what is gone, "
+        "`beside` if it may meet another execution",
+    )
+    other: str | None = Field(
+        default=None, description="Id of the execution that it may meet, if that is the check"
     )
     pair: tuple[str, str] | None = Field(
         default=None, description="Full names of the bodies that come too near, if it is about two"

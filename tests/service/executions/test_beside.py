@@ -130,7 +130,8 @@ def test_an_edit_by_which_two_may_not_meet_any_more_stops_both(client, scene):
     edited(client, scene, {"op": "allow", "pair": ["a::body", "b::body"]})
     one, two = moving(client, scene, "a"), moving(client, scene, "b")
     told = edited(client, scene, {"op": "forbid", "pair": ["a::body", "b::body"]})["executions"]
-    assert {(each["id"], each["check"]) for each in told} == {(one, "beside"), (two, "beside")}
+    found = {(each["id"], each["check"], each["other"]) for each in told}
+    assert found == {(one, "beside", two), (two, "beside", one)}
     for execution, other in ((one, two), (two, one)):
         failure = ended(client, execution)["failure"]
         assert (failure["code"], failure["evidence"]["execution"]) == ("path_blocked", other)

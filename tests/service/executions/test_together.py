@@ -112,6 +112,30 @@ def test_what_one_plan_was_asked_to_keep_is_kept(client, scene):
     assert execute(client, wait=60, plans=plans, speed=50).json()["state"] == "succeeded"
 
 
+def test_a_constraint_of_one_plan_is_kept_where_it_is_by_now(client, scene):
+    """A place that one robot keeps out of hangs a metre below a lamp, which is moved."""
+    lamp = box("lamp", [3.0, 3.0, 1.0])
+    lamp["object"]["movable"] = True
+    edited(client, scene, lamp)
+    below = {"size": [0.1, 0.1, 0.2], "pose": {"position": [0.0, 0.0, -1.0], "frame": "lamp"}}
+    keep_out = {"type": "keep_out", "frame": "a::body", "box": below}
+    plans = [planned(client, scene, "a", path_constraints=[keep_out]), planned(client, scene, "c")]
+    moved = {"op": "move", "object": "lamp", "pose": {"position": [0.0, 0.0, 1.0]}}
+    edited(client, scene, moved)
+    refused = execute(client, plans=plans)
+    assert (refused.status_code, refused.json()["code"]) == (409, "not_certified")
+    assert refused.json()["evidence"]["check"] != "clearance"
+    edited(client, scene, moved | {"pose": {"position": [3.0, 3.0, 1.0]}})
+    moving = execute(client, plans=plans, speed=0.02).json()["id"]
+    begun(client, moving)
+    [verdict] = edited(client, scene, moved)["executions"]
+    assert (verdict["verdict"], verdict["check"]) == (
+        "conflict",
+        refused.json()["evidence"]["check"],
+    )
+    assert ended(client, moving)["failure"]["code"] == "path_blocked"
+
+
 def test_faults_are_refused_at_their_place(client, scene, plans):
     twice = execute(client, plans=[*plans, planned(client, scene, "a")])
     assert (twice.status_code, twice.json()["code"]) == (422, "problem_invalid")

@@ -8,6 +8,7 @@ import pytest
 from planning.errors import Canceled
 from service.jobs.errors import IdempotencyConflict, Overtaken
 from service.jobs.job import JobSpec
+from service.jobs.store.drafts import draft
 from service.jobs.store.job_store import JobStore
 from service.jobs.store.release import release
 
@@ -68,6 +69,10 @@ def check_line(stores):
     one, two, three = (job.id for job in jobs)
     assert [job.id for job in others[0].waiting_for_robots()] == [one, two, three]
     assert {one, two, three}.isdisjoint(job.id for job in first.unfinished())
+    counted = []
+    last = first.insert_drafts([draft(waits(robots=("z",)))], counted.append)[0][0]
+    assert counted == [first.counts()["execution", "queued"] - 1]  # they fill the queue
+    first.cancel_queued(last.id, Canceled("over"))
     with pytest.raises(Overtaken):  # it is behind those that wait
         others[0].insert(execution(scene="line", robots=("c",)))
     with pytest.raises(Overtaken):

@@ -88,7 +88,7 @@ def test_a_key_used_by_many_at_once_names_one_job(store):
     assert sum(is_new for _, is_new in found) == 1
 
 
-def test_one_execution_of_a_scene_is_open_at_most(engine):
+def test_one_execution_of_a_robot_is_open_at_most(engine):
     engines = [engine, *(open_engine(str(engine.url)) for _ in range(NUM_SERVERS - 1))]
     check_one_at_a_time(engines)
     for other in engines[1:]:
