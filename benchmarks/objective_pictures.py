@@ -44,6 +44,8 @@ _ROWS = (
     "tool from above: y over x [m]",
     "tool from the side: z over x [m]",
 )
+# Ample on a busy machine: what a deadline cuts differs from run to run.
+_SECONDS = 200.0
 _NUM_SAMPLES = 400
 _SIZE, _DPI = (16.0, 15.0), 70
 
@@ -87,9 +89,10 @@ def plan(
         GROUP,
         planning.ConfigurationGoal("ready"),
         start=START,
+        search=planning.SearchOptions(allowed_planning_time=_SECONDS),
         refine=planning.RefineOptions(method, objective=objective),
     )
-    return planning.plan(problem, world, deadline=planning.Deadline.after(60.0, time.monotonic))
+    return planning.plan(problem, world, deadline=planning.Deadline.after(_SECONDS, time.monotonic))
 
 
 def sampled(world: planning.World, motion: planning.MotionPlan) -> Drawn:
