@@ -200,6 +200,7 @@ chaos: setup
 
 pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py
+	@$(PYTHON) benchmarks/objective_pictures.py
 
 # Pins every dependency with its hashes, without the address of an index.
 lock:

@@ -3758,12 +3758,11 @@ class Refine(Answer):
     clearance: ClearanceObjective | None = None
     """What the duration is weighed against; `none` and `drake` have no use for it."""
     method: Literal["trajopt", "drake", "auto", "none"] | str = "trajopt"
-    """Optimise the duration by convex steps; optimise any objective by Drake's
-    KinematicTrajectoryOptimization; as trajopt, but only if at least half a second is left; or
-    leave the path as it is."""
+    """Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as trajopt, but
+    only if at least half a second is left; or leave the path as it is."""
     objective: RefineObjective | None = None
-    """What to minimise; null for the duration, beside which `trajopt` and `auto` know nothing.
-    With it, or with `drake`, the report has all objectives, before and after."""
+    """What to minimise; null for the duration, the only objective for cars. With it, or with
+    `drake`, the report has all objectives, before and after."""
 
 
 class RefineObjective(Answer):

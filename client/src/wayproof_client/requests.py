@@ -682,12 +682,11 @@ class Refine(TypedDict):
     clearance: NotRequired[ClearanceObjective | None]
     """What the duration is weighed against; `none` and `drake` have no use for it."""
     method: NotRequired[Literal["trajopt", "drake", "auto", "none"]]
-    """Optimise the duration by convex steps; optimise any objective by Drake's
-    KinematicTrajectoryOptimization; as trajopt, but only if at least half a second is left; or
-    leave the path as it is."""
+    """Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as trajopt, but
+    only if at least half a second is left; or leave the path as it is."""
     objective: NotRequired[RefineObjective | None]
-    """What to minimise; null for the duration, beside which `trajopt` and `auto` know nothing.
-    With it, or with `drake`, the report has all objectives, before and after."""
+    """What to minimise; null for the duration, the only objective for cars. With it, or with
+    `drake`, the report has all objectives, before and after."""
 
 
 class RefineObjective(TypedDict):

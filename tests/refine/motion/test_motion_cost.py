@@ -1,4 +1,4 @@
-"""Costs and rows of Drake's program: gradients are those of their values."""
+"""Costs and rows of spline motions: gradients are those of their values."""
 
 from dataclasses import replace
 
