@@ -137,9 +137,21 @@ class Api(Client):
         found: dict[str, Any] = self._json("GET", f"/v1/plans/{plan}")
         return found
 
+    def succeeded_plans(self, scene: str, most: int) -> list[str]:
+        """Return ids of the newest plans of a scene that succeeded, newest first."""
+        query = {"scene": scene, "state": "succeeded", "limit": most}
+        return [item["id"] for item in self._json("GET", "/v1/plans", query=query)["items"]]
+
     def series(self, plan: str) -> Series:
         """Return what the motion of a plan does over time."""
         return Series(SeriesAnswer.model_validate(self._json("GET", f"/v1/plans/{plan}/series")))
+
+    def live_states(self, scene: str, rate: float) -> Iterator[dict[str, Any]]:
+        """Yield the live state of a scene, now and whenever it changes; ends with the scene."""
+        path = "/v1/scenes/{scene}/state/events"
+        call = Call("GET", path, inserted={"scene": scene}, query={"rate": rate})
+        for event in self.ask_raw_events(call):
+            yield event.data
 
     def control(self, execution: str, what: str, **body: float) -> None:
         """Pause, resume, cancel an execution, or set its speed."""

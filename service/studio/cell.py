@@ -54,6 +54,13 @@ class Cell:
         self.scene = self.api.shown(self.scene.id)
         self.group = self.scene.group(self.group.name)
         self.view.update(self.api.geometry(self.scene.id))
+        self.draw_frames()
+
+    def draw_frames(self) -> None:
+        """Draw the scene's named frames where they are."""
+        frames = [frame["name"] for frame in self.scene.document.get("frames", [])]
+        rows = self.api.poses(self.scene.id, self.group.name, self.positions, frames)
+        self.view.draw_frames({name: poses[0] for name, poses in rows.items()})
 
     def poses(self, positions: Array) -> dict[str, Array]:
         """Return X_WB of all moving bodies with the group at some positions, shape (7,)."""
@@ -87,8 +94,6 @@ def open_cell(api: Api, client: viser.ClientHandle, scene: str, group: str | Non
     view = SceneView(client, api.geometry(scene), mesh)
     cell = Cell(api, client, shown, chosen, view)
     cell.show(cell.positions)
-    frames = [frame["name"] for frame in shown.document.get("frames", [])]
-    for name, rows in api.poses(scene, chosen.name, cell.positions, frames).items():
-        view.draw_frame(name, rows[0])
+    cell.draw_frames()
     view.aim()
     return cell

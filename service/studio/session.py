@@ -1,6 +1,7 @@
 """Session: one browser: the scene that it looks at, and the panels beside it."""
 
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,18 +14,19 @@ from service.client.errors import ApiError
 from service.studio import texts
 from service.studio.api import Api, ByName, evidence_of
 from service.studio.cell import Cell, open_cell
-from service.studio.goals.goal_panel import GoalPanel
+from service.studio.cell_panels import CellPanels, Places
 from service.studio.motions.motion import load_motion
 from service.studio.motions.motion_panel import MotionPanel
 from service.studio.plans.failure_view import place_of, show_failure
 from service.studio.plans.plan_panel import PLANNING_TIME, PlanPanel
 from service.studio.plans.relaxations import Relaxation, relaxations_of
 from service.studio.robots.robot_panel import RobotPanel
+from service.studio.scene_list import SceneList
 
-_SUFFIX = ".scene.yaml"
-_FIRST = "ur5e_pickup"
 _BRAND = (29, 111, 184)
 _UNAUTHORIZED = 401
+# Between looks at which scenes and plans there are [s].
+_RENEWAL = 5.0
 
 
 @dataclass(frozen=True)
@@ -54,13 +56,15 @@ class Session:
             host: By which name the browser knows the server; empty for its address.
         """
         self._client, self._terms, self._host = client, terms, host
-        self._api = self._connect(terms.key)
+        self._key = terms.key
+        self._api = self._connect()
+        self._scenes: SceneList | None = None
         self._cell: Cell | None = None
-        self._own: str | None = None
-        self._goals: GoalPanel | None = None
+        self._panels: CellPanels | None = None
         self._motion: MotionPanel | None = None
-        self._folders: dict[str, viser.GuiFolderHandle] = {}
+        self._motion_folder: viser.GuiFolderHandle | None = None
         self._lock = threading.Lock()
+        self._closed = threading.Event()
         client.gui.configure_theme(
             show_logo=False, show_share_button=False, brand_color=_BRAND, control_width="medium"
         )
@@ -74,15 +78,15 @@ class Session:
 
     def close(self) -> None:
         """Stop what goes on, and forget the scene that was opened for this browser."""
+        self._closed.set()
         self._forget()
-        with suppress(ApiError, httpx.HTTPError):
-            if self._own is not None:
-                self._api.delete_scene(self._own)
+        if self._scenes is not None:
+            self._scenes.forget()
         self._api.__exit__(None, None, None)
 
-    def _connect(self, key: str | None) -> Api:
+    def _connect(self) -> Api:
         transport = ByName(self._host) if self._host else None
-        return Api(self._terms.server, key=key, transport=transport)
+        return Api(self._terms.server, key=self._key, transport=transport)
 
     def _ask_for_key(self) -> None:
         """Ask for an API key: the studio has no rights of its own."""
@@ -93,7 +97,8 @@ class Session:
 
         @enter.on_click
         def _(_: Any) -> None:
-            self._api = self._connect(text.value.strip())
+            self._key = text.value.strip()
+            self._api = self._connect()
             try:
                 self._api.scenes()
             except ApiError as fault:
@@ -103,45 +108,45 @@ class Session:
             self._begin()
 
     def _begin(self) -> None:
-        self._choices = self._scene_choices()
         gui = self._client.gui
-        first = next((name for name in self._choices if name == _FIRST), next(iter(self._choices)))
-        self._scene: Any = gui.add_dropdown("Scene", tuple(self._choices), initial_value=first)
+        self._scenes = SceneList(gui, self._api, self._terms.scenes)
         self._group: Any = gui.add_dropdown("Robot", ("",), hint="The group that is planned for")
-        self._folders["goal"] = gui.add_folder("Goal")
-        self._plans = PlanPanel(gui, self._plan)
-        self._robot = RobotPanel(gui, self._execute, self._tell)
-        self._scene.on_update(lambda event: self._open_scene() if event.client else None)
+        tabs = gui.add_tab_group()
+        self._plan_tab = tabs.add_tab("Plan", viser.Icon.ROUTE)
+        scene_tab = tabs.add_tab("Scene", viser.Icon.CUBE)
+        plans_tab = tabs.add_tab("Plans", viser.Icon.LIST)
+        with self._plan_tab:
+            goal = gui.add_folder("Goal")
+            self._plans = PlanPanel(gui, self._plan)
+            self._robot = RobotPanel(gui, self._execute, self._tell)
+        self._places = Places(gui, goal, scene_tab, plans_tab)
+        self._scenes.field.on_update(lambda event: self._open_scene() if event.client else None)
         self._group.on_update(lambda event: self._choose_group() if event.client else None)
         self._open_scene()
+        threading.Thread(target=self._renew, daemon=True).start()
 
-    def _scene_choices(self) -> dict[str, Path | str]:
-        """Return what can be opened: scenes that are copied for this browser, then the server's."""
-        files = sorted(self._terms.scenes.glob(f"*{_SUFFIX}"))
-        found: dict[str, Path | str] = {path.name.removesuffix(_SUFFIX): path for path in files}
-        for brief in self._api.scenes():
-            found[f"{brief['name']} · {brief['id']}"] = brief["id"]
-        return found
+    def _renew(self) -> None:
+        """Look for scenes and plans that came or went, as long as the browser is there."""
+        while not self._closed.wait(_RENEWAL):
+            if self._scenes is not None:
+                self._scenes.renew()
+            if self._panels is not None:
+                self._panels.plans.renew()
 
     def _open_scene(self) -> None:
-        chosen = self._choices[self._scene.value]
+        scenes = self._scenes
+        if scenes is None:
+            return
         with self._lock:
             self._forget()
             try:
-                if self._own is not None:
-                    with suppress(ApiError):
-                        self._api.delete_scene(self._own)
-                self._own = None
-                scene = chosen
-                if isinstance(chosen, Path):
-                    self._own = scene = self._api.add_scene(chosen.read_bytes()).id
-                self._cell = open_cell(self._api, self._client, str(scene))
+                self._cell = open_cell(self._api, self._client, scenes.open())
             except (ApiError, httpx.HTTPError) as fault:
                 self._tell(fault)
                 return
             names = tuple(group.name for group in self._cell.scene.groups)
             self._group.options, self._group.value = names, names[0]
-            self._show_goals()
+            self._show_panels(self._cell)
 
     def _choose_group(self) -> None:
         cell = self._cell
@@ -150,29 +155,28 @@ class Session:
         with self._lock:
             self._forget()
             self._cell = open_cell(self._api, self._client, cell.scene.id, self._group.value)
-            self._show_goals()
+            self._show_panels(self._cell)
 
-    def _show_goals(self) -> None:
-        if self._cell is None:
-            return
-        with self._folders["goal"]:
-            self._goals = GoalPanel(self._client.gui, self._cell, self._tell)
+    def _show_panels(self, cell: Cell) -> None:
+        self._panels = CellPanels(
+            self._places, cell, self._connect(), self._look_at_plan, self._tell
+        )
 
     def _plan(self) -> None:
-        cell, goals = self._cell, self._goals
-        if cell is None or goals is None:
+        cell, panels = self._cell, self._panels
+        if cell is None or panels is None:
             return
         self._ask({
             "scene": cell.scene.id,
             "group": cell.group.name,
-            "goal": goals.goal(),
+            "goal": panels.goals.goal(),
             "search": {"allowed_planning_time": PLANNING_TIME},
         })
 
     def _ask(self, request: dict[str, Any]) -> None:
         """Plan, and show what came of it."""
-        cell = self._cell
-        if cell is None or not self._plans.is_idle:
+        cell, scenes, panels = self._cell, self._scenes, self._panels
+        if cell is None or scenes is None or panels is None or not self._plans.is_idle:
             return
         self._close_motion()
         self._robot.clear()
@@ -183,33 +187,42 @@ class Session:
                 return
             if job["state"] == "succeeded":
                 self._show_motion(cell, job)
+                panels.plans.renew()
             elif job["failure"] is not None:
                 show_failure(cell, job["failure"])
-                removable = cell.object_names if cell.scene.id == self._own else ()
+                removable = cell.object_names if cell.scene.id == scenes.own else ()
                 relaxations = relaxations_of(job["failure"], request, removable)
                 self._plans.offer(relaxations, self._relax)
         except Exception as fault:  # noqa: BLE001  (told to the person at the browser)
             self._tell(fault)
 
     def _relax(self, relaxation: Relaxation) -> None:
-        cell = self._cell
-        if cell is None:
+        cell, panels = self._cell, self._panels
+        if cell is None or panels is None:
             return
         try:
             if relaxation.operations:
                 cell.edit(relaxation.operations)
-                if self._goals is not None:
-                    self._goals.look_again()
+                panels.look_again()
         except (ApiError, httpx.HTTPError) as fault:
             self._tell(fault)
             return
         self._ask(relaxation.request)
 
-    def _show_motion(self, cell: Cell, job: dict[str, Any]) -> None:
+    def _look_at_plan(self, job: Mapping[str, Any]) -> None:
+        """Show a plan of the table as the motion that can be carried out."""
+        cell = self._cell
+        if cell is None or job["request"]["group"] != cell.group.name:
+            return
+        self._close_motion()
+        self._show_motion(cell, job)
+
+    def _show_motion(self, cell: Cell, job: Mapping[str, Any]) -> None:
         cell.view.mark_pairs([], {})
         motion = load_motion(cell.api, cell.scene.id, cell.group, job, cell.view.moving)
-        folder = self._folders["motion"] = self._client.gui.add_folder("Motion")
-        with folder:
+        with self._plan_tab:
+            self._motion_folder = self._client.gui.add_folder("Motion")
+        with self._motion_folder:
             self._motion = MotionPanel(self._client.gui, cell, motion, self._tell)
         self._robot.offer(can_execute=True)
 
@@ -235,19 +248,16 @@ class Session:
         if self._motion is not None:
             self._motion.close()
         self._motion = None
-        self._remove("motion")
-
-    def _remove(self, name: str) -> None:
-        folder = self._folders.pop(name, None)
-        if folder is not None:
-            folder.remove()
+        if self._motion_folder is not None:
+            self._motion_folder.remove()
+        self._motion_folder = None
 
     def _forget(self) -> None:
         """Take away what belongs to the scene before."""
         self._close_motion()
-        if self._goals is not None:
-            self._goals.close()
-            self._goals = None
+        if self._panels is not None:
+            self._panels.close()
+            self._panels = None
             self._plans.clear()
             self._robot.clear()
 

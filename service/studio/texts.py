@@ -19,6 +19,11 @@ def told(text: str, kind: str = "plain") -> str:
     return f'<div style="{style}" data-kind="{kind}">{escape(text[:_MAX_TEXT])}</div>'
 
 
+def boxed(html: str) -> str:
+    """Return HTML of one's own, with nothing of a server in it that is not escaped."""
+    return f'<div style="{_BOX}">{html}</div>'
+
+
 def failure(code: str, detail: str) -> str:
     """Return why something failed: its code and the words."""
     return (

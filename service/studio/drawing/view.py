@@ -18,6 +18,7 @@ _RED = Paint(color=(230, 57, 70), opacity=0.75, grown=0.0015, casts_shadow=False
 _PALE_RED = Paint(color=(230, 57, 70), opacity=0.25, grown=0.0015, casts_shadow=False)
 _AMBER = Paint(color=(255, 183, 3), opacity=0.75, grown=0.0015, casts_shadow=False)
 _PALE_AMBER = Paint(color=(255, 183, 3), opacity=0.25, grown=0.0015, casts_shadow=False)
+_MARGIN = (255, 183, 3)
 _TRACE_THICKNESS = 0.008
 _FRAME_LENGTH, _FRAME_RADIUS = 0.07, 0.0025
 
@@ -46,7 +47,7 @@ class SceneView:
         self._poses: dict[str, Array] = {}
         self._ghost_paint = GHOST
         self._marks: list[viser.SceneNodeHandle] = []
-        self._frames: list[Array] = []
+        self._frames: dict[str, viser.FrameHandle] = {}
         self._num_updates = self._num_others = 0
         client.scene.reset()
         light(client)
@@ -76,9 +77,17 @@ class SceneView:
             changed = {n: body for n, body in now.items() if self._bodies.get(n) != body}
             self._bodies = now
             self._num_updates += 1
-            robot |= self._draw(f"robot/{self._num_updates}", changed, TRUE)
+            robot |= self._draw(f"edits/{self._num_updates}", changed, TRUE)
             self._poses |= _fixed_poses(changed)
             self._place("robot", self._poses)
+
+    def has(self, body: str) -> bool:
+        """Return whether a body is drawn."""
+        return body in self._poses
+
+    def pose_of(self, body: str) -> Array:
+        """Return where a body is drawn: X_WB, shape (7,)."""
+        return self._poses[body]
 
     def show(self, poses: Mapping[str, Array]) -> None:
         """Put the robots somewhere: X_WB of bodies, shape (7,)."""
@@ -153,24 +162,42 @@ class SceneView:
             f"/trace/{name}", segments, shades, thickness=_TRACE_THICKNESS
         )
 
-    def draw_frame(self, name: str, pose: Array) -> None:
-        """Draw a named frame as a small triad."""
-        self._frames.append(pose[:3])
-        self._client.scene.add_frame(
-            f"/frames/{name}",
-            axes_length=_FRAME_LENGTH,
-            axes_radius=_FRAME_RADIUS,
-            position=tuple(pose[:3]),
-            wxyz=tuple(pose[3:]),
-        )
-        self._client.scene.add_label(f"/frames/{name}/name", name, position=(0.0, 0.0, 0.0))
+    def draw_frames(self, poses: Mapping[str, Array]) -> None:
+        """Draw the named frames as small triads: X_WF by name, shape (7,); no others remain."""
+        with self._lock, self._client.atomic():
+            for name in [name for name in self._frames if name not in poses]:
+                self._frames.pop(name).remove()
+            for name, pose in poses.items():
+                if name not in self._frames:
+                    self._frames[name] = self._client.scene.add_frame(
+                        f"/frames/{name}", axes_length=_FRAME_LENGTH, axes_radius=_FRAME_RADIUS
+                    )
+                    self._client.scene.add_label(f"/frames/{name}/name", name)
+                self._frames[name].position = tuple(pose[:3])
+                self._frames[name].wxyz = tuple(pose[3:])
+
+    def show_frames(self, *, is_visible: bool) -> None:
+        """Show the named frames, or hide them."""
+        for frame in self._frames.values():
+            frame.visible = is_visible
+
+    def show_margin(self, margin: float) -> None:
+        """Show what is kept free around the bodies that never move [m]; 0 to hide it."""
+        with self._lock, self._client.atomic():
+            self._remove("margin")
+            if margin > 0:
+                fixed = {n: body for n, body in self._bodies.items() if body["pose"] is not None}
+                paint = Paint(color=_MARGIN, opacity=0.2, grown=margin, casts_shadow=False)
+                self._layers["margin"] = self._draw("margin", fixed, paint)
+                self._place("margin", self._poses)
 
     def aim(self) -> None:
         """Look at the robots and the frames from the front, past what stands around them."""
         robots = [self._poses[name][:3] for name in self.moving if name in self._poses]
         all_of_it = [pose[:3] for pose in self._poses.values()] or [np.zeros(3)]
+        frames = [np.array(frame.position) for frame in self._frames.values()]
         boxes = seen_boxes(list(self._bodies.values()))
-        camera, target = place_camera(np.array([*(robots or all_of_it), *self._frames]), boxes)
+        camera, target = place_camera(np.array([*(robots or all_of_it), *frames]), boxes)
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)
             self._client.camera.position = tuple(camera)

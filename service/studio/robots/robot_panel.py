@@ -66,7 +66,7 @@ class RobotPanel:
             self._show(is_moving=True)
             for event in cell.api.execution_events(execution.id):
                 if event.type == "status":
-                    self._follow(cell, event.data)
+                    self._follow(event.data)
                 elif event.type == "controls" and event.data.get("is_paused") is not None:
                     self._show_pause(is_paused=bool(event.data["is_paused"]))
             ended = cell.api.execution(execution.id)
@@ -94,9 +94,8 @@ class RobotPanel:
         self._tell(texts.told(text, "good" if is_there else "bad"))
         return is_there
 
-    def _follow(self, cell: Cell, data: dict[str, object]) -> None:
+    def _follow(self, data: dict[str, object]) -> None:
         status = {**data}
-        cell.show(np.array(status["positions"], dtype=float))
         progress = float(str(status["progress"]))
         self._bar.value = 100.0 * progress
         self._show_pause(is_paused=status["state"] == "paused")

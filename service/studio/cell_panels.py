@@ -1,0 +1,81 @@
+"""CellPanels: the panels that belong to one scene, and are made anew for the next one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import viser
+
+from service.studio.api import Api
+from service.studio.cell import Cell
+from service.studio.editing.edit_panel import EditPanel
+from service.studio.editing.overlay_panel import OverlayPanel
+from service.studio.goals.goal_panel import GoalPanel
+from service.studio.plans.plan_table import PlanTable
+from service.studio.robots.live import LiveRobots
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where panels stand.
+
+    Attributes:
+        gui: Of one browser.
+        goal: The folder of the goal.
+        scene: The tab of the scene.
+        plans: The tab of its plans.
+    """
+
+    gui: viser.GuiApi
+    goal: viser.GuiFolderHandle
+    scene: viser.GuiTabHandle
+    plans: viser.GuiTabHandle
+
+
+class CellPanels:
+    """Goal, objects, switches, plans and live robots of one scene."""
+
+    def __init__(
+        self,
+        places: Places,
+        cell: Cell,
+        live: Api,
+        on_plan: Callable[[Mapping[str, Any]], None],
+        on_fault: Callable[[Exception], None],
+    ) -> None:
+        """Show the panels of a cell.
+
+        Args:
+            places: Where they stand.
+            cell: The scene.
+            live: A connection for the live state, which is closed at the end.
+            on_plan: Called with a plan that was chosen from the table.
+            on_fault: Is told what goes wrong.
+        """
+        self._cell = cell
+        gui = places.gui
+        with places.goal:
+            self.goals = GoalPanel(gui, cell, on_fault)
+        with places.scene:
+            self._edits = EditPanel(gui, cell, self.look_again, on_fault)
+            self._overlays = OverlayPanel(gui, cell)
+        with places.plans:
+            self.plans = PlanTable(gui, cell, on_plan, on_fault)
+        self._live = LiveRobots(cell, live, self._see_edit)
+
+    def look_again(self) -> None:
+        """Show the scene as it is now, after an edit."""
+        self._edits.refresh()
+        self._overlays.refresh()
+        self.goals.look_again()
+
+    def close(self) -> None:
+        """Take the panels away."""
+        self._live.close()
+        for panel in (self._edits, self._overlays, self.plans, self.goals):
+            panel.close()
+
+    def _see_edit(self) -> None:
+        """Draw the scene as another browser, or another client, has changed it."""
+        self._cell.refresh()
+        self.look_again()

@@ -1,0 +1,184 @@
+"""EditPanel: objects of the scene: add, move by a gizmo, resize, delete, undo, save."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+import yaml
+
+from service.studio import texts
+from service.studio.cell import Cell
+from service.studio.editing.history import (
+    SHAPES,
+    Operation,
+    inverse,
+    new_object,
+    object_of,
+    replacement,
+)
+from service.studio.editing.sizes import sizes_of, with_size
+from service.studio.newest import Newest
+from service.studio.numbers import Array
+
+_NOTHING = "(click or choose)"
+_GIZMO = "/edit_gizmo"
+# Where new objects begin, beside what the robot does [m].
+_BESIDE = [0.4, -0.4, 0.3]
+_SMALLEST = 0.001
+
+
+class EditPanel:
+    """What can be done to the objects of a scene."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        cell: Cell,
+        on_edit: Callable[[], None],
+        on_fault: Callable[[Exception], None],
+    ) -> None:
+        """Show the objects of a cell.
+
+        Args:
+            gui: Where it is shown, in the container that is open.
+            cell: The scene.
+            on_edit: Called once the scene is another one.
+            on_fault: Is told what goes wrong.
+        """
+        self._cell, self._on_edit, self._on_fault = cell, on_edit, on_fault
+        self._newest = Newest(on_fault)
+        self._undone: list[list[Operation]] = []
+        self._folder = gui.add_folder("Objects")
+        with self._folder:
+            self._add = gui.add_button_group("Add", tuple(SHAPES))
+            self._object: Any = gui.add_dropdown("Object", (_NOTHING, *cell.object_names))
+            self._sizes = [
+                gui.add_number(f"Size {axis} [m]", 0.1, min=_SMALLEST, step=0.001, visible=False)
+                for axis in ("1", "2", "3")
+            ]
+            self._delete = gui.add_button("Delete", icon=viser.Icon.TRASH, color=texts.SOFT)
+            self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color=texts.SOFT)
+            self._save = gui.add_button("Save as YAML", icon=viser.Icon.DOWNLOAD, color=texts.SOFT)
+            self._told = gui.add_html(texts.told("Drag the gizmo of an object to move it."))
+        self._gizmo: Any = cell.client.scene.add_transform_controls(
+            _GIZMO, scale=0.2, depth_test=False, visible=False
+        )
+        self._delete.disabled = self._undo.disabled = True
+        self._listen()
+
+    def close(self) -> None:
+        """Take the panel away."""
+        self._newest.close()
+        self._gizmo.remove()
+        self._folder.remove()
+
+    def refresh(self) -> None:
+        """Show the objects that the scene has now."""
+        names = (_NOTHING, *self._cell.object_names)
+        chosen = self._object.value if self._object.value in names else _NOTHING
+        if names != self._object.options:
+            self._object.options, self._object.value = names, chosen
+        self._choose()
+
+    def _listen(self) -> None:
+        self._add.on_click(lambda _: self._newest.ask(self._add_object))
+        self._object.on_update(lambda event: self._choose() if event.client else None)
+        for size in self._sizes:
+            size.on_update(lambda event: self._resize() if event.client else None)
+        self._delete.on_click(lambda _: self._newest.ask(self._remove_object))
+        self._undo.on_click(lambda _: self._newest.ask(self._take_back))
+        self._save.on_click(lambda _: self._send_file())
+        self._gizmo.on_update(lambda _: self._drag())
+        self._gizmo.on_drag_end(lambda _: self._newest.ask(self._move_object))
+
+    @property
+    def _name(self) -> str | None:
+        return None if self._object.value == _NOTHING else str(self._object.value)
+
+    def _choose(self) -> None:
+        """Put the gizmo to the object, and show its sizes."""
+        name = self._name
+        is_held = name in self._cell.view.moving
+        self._gizmo.visible = name is not None and not is_held
+        self._delete.disabled = name is None or is_held
+        sizes = {} if name is None else sizes_of(object_of(self._cell.scene.document, name))
+        for slot, field in enumerate(self._sizes):
+            field.visible = slot < len(sizes)
+            if field.visible:
+                field.label, field.value = list(sizes.items())[slot]
+        if name is not None and not is_held:
+            pose = self._cell.view.pose_of(name)
+            self._gizmo.position, self._gizmo.wxyz = tuple(pose[:3]), tuple(pose[3:])
+
+    def _pose(self) -> Array:
+        return np.array([*self._gizmo.position, *self._gizmo.wxyz])
+
+    def _drag(self) -> None:
+        name = self._name
+        if name is not None:
+            self._cell.view.show({name: self._pose()})
+
+    def _add_object(self) -> None:
+        entry = new_object(self._cell.scene.document, str(self._add.value), _BESIDE)
+        self._carry_out([{"op": "add", "object": entry}])
+        self._object.options = (_NOTHING, *self._cell.object_names)
+        self._object.value = entry["name"]
+        self._choose()
+
+    def _move_object(self) -> None:
+        if self._name is not None:
+            row = [float(x) for x in self._pose()]
+            pose = {"position": row[:3], "quaternion": row[3:]}
+            self._carry_out([{"op": "move", "object": self._name, "pose": pose}])
+
+    def _resize(self) -> None:
+        values = [float(field.value) for field in self._sizes if field.visible]
+        self._newest.ask(lambda: self._resize_object(values))
+
+    def _resize_object(self, values: list[float]) -> None:
+        name, document = self._name, self._cell.scene.document
+        if name is None:
+            return
+        changed = with_size(object_of(document, name), values)
+        if changed == object_of(document, name):
+            return
+        try:
+            self._carry_out(replacement(document, name, changed))
+        except ValueError as fault:
+            self._told.content = texts.told(str(fault), "bad")
+            self._choose()
+
+    def _remove_object(self) -> None:
+        if self._name is not None:
+            self._carry_out([{"op": "remove", "object": self._name}])
+
+    def _take_back(self) -> None:
+        if self._undone:
+            self._carry_out(self._undone.pop(), can_be_undone=False)
+
+    def _carry_out(self, operations: list[Operation], *, can_be_undone: bool = True) -> None:
+        before = self._cell.scene.document
+        try:
+            self._cell.edit(operations)
+        except Exception:
+            self._cell.refresh()  # back to where the server has it
+            self.refresh()
+            raise
+        if can_be_undone:
+            self._undone.append(inverse(before, operations))
+        self._undo.disabled = not self._undone
+        words = ", ".join(f"{one['op']} {_subject(one)}" for one in operations)
+        self._told.content = texts.told(f"revision {self._cell.scene.revision}: {words}", "good")
+        self._on_edit()
+
+    def _send_file(self) -> None:
+        scene = self._cell.scene
+        content = yaml.safe_dump(scene.document, sort_keys=False, default_flow_style=None)
+        name = f"{scene.name}.scene.yaml"
+        self._cell.client.send_file_download(name, content.encode(), save_immediately=True)
+
+
+def _subject(operation: Operation) -> str:
+    about = operation.get("object") or operation.get("pair")
+    return str(about["name"] if isinstance(about, dict) else about)

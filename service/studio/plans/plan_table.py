@@ -1,0 +1,157 @@
+"""PlanTable: the plans of a scene side by side, each with its path in a colour of its own."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+
+from service.studio import texts
+from service.studio.cell import Cell
+from service.studio.newest import Newest
+from service.studio.numbers import Array
+
+_MOST = 8
+_COLORS = (
+    (29, 111, 184),
+    (224, 122, 31),
+    (122, 92, 199),
+    (194, 50, 91),
+    (42, 157, 143),
+    (140, 109, 70),
+    (75, 85, 99),
+    (181, 162, 27),
+)
+# Points of a path that are drawn.
+_NUM_POINTS = 40
+_NONE = "(choose)"
+
+
+@dataclass(frozen=True)
+class PlanRow:
+    """A plan in the table.
+
+    Attributes:
+        job: The plan, with its result.
+        number: By which the table calls it.
+        color: Of its path.
+    """
+
+    job: Mapping[str, Any]
+    number: int
+    color: tuple[int, int, int]
+
+    @property
+    def cells(self) -> list[str]:
+        """Duration, clearance, length of the tool's way, and whether it is proven."""
+        result = self.job["result"]
+        certificate = result["certificate"]
+        gap = certificate["min_clearance"]
+        return [
+            f"{result['trajectory']['duration']:.2f} s",
+            "" if gap is None else f"{1000 * gap:.1f} mm",
+            f"{sum(part['length'] for part in result['parts']):.2f} m",
+            "proven" if certificate["proven"] else "not proven",
+        ]
+
+
+class PlanTable:
+    """The newest plans of a scene that succeeded, of this browser and of all others."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        cell: Cell,
+        on_choose: Callable[[Mapping[str, Any]], None],
+        on_fault: Callable[[Exception], None],
+    ) -> None:
+        """Show the plans of a cell.
+
+        Args:
+            gui: Where it is shown, in the container that is open.
+            cell: The scene.
+            on_choose: Called with the plan that was chosen.
+            on_fault: Is told what goes wrong.
+        """
+        self._cell, self._on_choose = cell, on_choose
+        self._newest = Newest(on_fault)
+        self._rows: dict[str, PlanRow] = {}
+        self._traces: dict[str, viser.SceneNodeHandle] = {}
+        self._folder = gui.add_folder("Plans of this scene")
+        with self._folder:
+            self._table = gui.add_html(texts.told("There is none yet."))
+            self._chosen: Any = gui.add_dropdown("Look at", (_NONE,), visible=False)
+            self._paths = gui.add_checkbox("Paths in the scene", initial_value=True)
+        self._chosen.on_update(lambda event: self._choose() if event.client else None)
+        self._paths.on_update(lambda _: self._show_paths())
+        self.renew()
+
+    def renew(self) -> None:
+        """Look for plans that came."""
+        self._newest.ask(self._look)
+
+    def close(self) -> None:
+        """Take the table and its paths away."""
+        self._newest.close()
+        for trace in self._traces.values():
+            trace.remove()
+        self._folder.remove()
+
+    def _look(self) -> None:
+        cell = self._cell
+        names = cell.api.succeeded_plans(cell.scene.id, _MOST)
+        if all(name in self._rows for name in names):
+            return
+        for name in reversed(names):
+            if name not in self._rows:
+                job = cell.api.finished_plan(name)
+                number = len(self._rows) + 1
+                color = _COLORS[(number - 1) % len(_COLORS)]
+                self._rows[name] = row = PlanRow(job, number, color)
+                self._draw(name, row)
+        shown = [self._rows[name] for name in names]
+        self._table.content = table_of(shown)
+        self._chosen.options = (_NONE, *(f"plan {row.number}" for row in shown))
+        self._chosen.value = _NONE
+        self._chosen.visible = True
+        self._show_paths()
+
+    def _draw(self, name: str, row: PlanRow) -> None:
+        points = self._tool_points(row.job)
+        if points is not None:
+            colors = np.tile(np.array(row.color, dtype=float), (len(points), 1))
+            self._traces[name] = self._cell.view.draw_trace(f"plans/{row.number}", points, colors)
+
+    def _tool_points(self, job: Mapping[str, Any]) -> Array | None:
+        """Return the tool's way, p_WT [m], shape (n, 3); None of a group without a tool."""
+        cell, name = self._cell, job["request"]["group"]
+        group = next((group for group in cell.scene.groups if group.name == name), None)
+        if group is None or not group.tool_frames:
+            return None
+        positions = np.array(job["result"]["trajectory"]["positions"])
+        rows = np.unique(np.linspace(0, len(positions) - 1, _NUM_POINTS).astype(int))
+        tool = group.tool_frames[0]
+        return cell.api.poses(cell.scene.id, name, positions[rows], [tool])[tool][:, :3]
+
+    def _show_paths(self) -> None:
+        for trace in self._traces.values():
+            trace.visible = bool(self._paths.value)
+
+    def _choose(self) -> None:
+        chosen = self._chosen.value
+        for row in self._rows.values():
+            if chosen == f"plan {row.number}":
+                self._on_choose(row.job)
+
+
+def table_of(rows: list[PlanRow]) -> str:
+    """Return plans as an HTML table, newest first."""
+    head = "".join(f"<th>{name}</th>" for name in ("", "time", "clear", "way", ""))
+    body = "".join(
+        f'<tr><td><span style="color:rgb{row.color}">●</span> {row.number}</td>'
+        + "".join(f'<td style="text-align:right">{cell}</td>' for cell in row.cells)
+        + "</tr>"
+        for row in rows
+    )
+    return texts.boxed(f'<table style="width:100%"><tr>{head}</tr>{body}</table>')
