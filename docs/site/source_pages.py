@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import click
 import typer
 from pydantic_core import PydanticUndefined
 
@@ -62,7 +61,7 @@ def _file(title: str, name: str, guide: str, path: str) -> str:
 def _commands() -> str:
     group: Any = typer.main.get_command(app)
     parts = ["# Options of the commands", "[The command line](cli.md) says what they are for."]
-    for name in group.list_commands(click.Context(group)):
+    for name in group.list_commands(typer.Context(group)):
         parts += _command(f"wayproof {name}", group.commands[name])
     return "\n\n".join(parts) + "\n"
 
