@@ -29,7 +29,7 @@ CONFIGURE = $(VENV)/bin/cmake -S . -G Ninja -DSKBUILD_DATA_DIR=data \
 # Generators of clients, which only `make clients` needs.
 GENERATORS := build/generators
 
-.PHONY: demo test clients costs check format lint imports types tidy drake-only ray shapes golden record campaign sanitize setup lock \
+.PHONY: demo test clients costs check format lint imports types docs spell tidy drake-only ray shapes golden record campaign sanitize setup lock \
         bench bench-cars bench-execution bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
         chaos pictures serve clean
 
@@ -137,7 +137,7 @@ sanitize: setup
 	$(PYTHON) -m pytest -p no:cacheprovider tests/kernel \
 	  tests/certify/clearance/test_native_clearance.py tests/refine/constraints/test_distance_query.py tests/refine/model/test_penalty_qp.py
 
-check: format lint imports types tidy
+check: format lint imports types spell docs tidy
 
 format: setup
 	@$(VENV)/bin/ruff format --check .
@@ -150,6 +150,14 @@ lint: setup
 
 imports: setup
 	@$(VENV)/bin/lint-imports
+
+# The guide as a site in build/site; links that lead nowhere fail it. No network is needed.
+docs: setup
+	@mkdir -p build; NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build > build/site.log 2>&1 || \
+	  { cat build/site.log; exit 1; }
+
+spell: setup
+	@$(VENV)/bin/codespell
 
 types: setup
 	@$(VENV)/bin/basedpyright

@@ -180,8 +180,11 @@ def test_bundled_schemas_are_those_of_the_program():
     assert {file: file.read_text() for file in file_schemas.files()} == file_schemas.files()
 
 
-def test_bundled_scenes_name_their_schema():
-    for file in bundled_folder("scenes").glob("*.scene.yaml"):
+@pytest.mark.parametrize(
+    ("pattern", "folder"), [("*.scene.yaml", "scenes"), ("*/robot.yaml", "models")]
+)
+def test_bundled_files_name_their_schema(pattern, folder):
+    for file in bundled_folder(folder).glob(pattern):
         named = re.match(r"# yaml-language-server: \$schema=(\S+)\n", file.read_text())
         assert named
         assert (file.parent / named[1]).is_file()

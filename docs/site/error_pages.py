@@ -1,0 +1,68 @@
+"""A page for each error code: what it means, its usual cause, the fix, and its evidence.
+
+Meaning, stage, status and evidence are those of the classes; causes and fixes are `errors.yaml`.
+"""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import TypeAdapter
+
+from docs.site.schema_tables import cell
+from planning.errors import StageFailure, WayproofError
+from service.api.failures.table import EVIDENCE, failure_errors, problem_errors
+from service.api.failures.union import meaning
+from service.errors import status_of
+
+_TEXTS = Path(__file__).with_name("errors.yaml")
+_TYPE = "urn:wayproof:problem:"
+
+
+def texts() -> dict[str, dict[str, str]]:
+    """Return `cause` and `fix` of each code."""
+    found: dict[str, dict[str, str]] = yaml.safe_load(_TEXTS.read_text(encoding="utf-8"))
+    return found
+
+
+def error_pages() -> Iterator[tuple[str, str]]:
+    """Yield path and text of the page of each code, and of their list."""
+    written = texts()
+    rows = []
+    for error, evidence in EVIDENCE.items():
+        yield f"reference/errors/{error.code}.md", _page(error, evidence, written[error.code])
+        rows.append(f"| [`{error.code}`]({error.code}.md) | {meaning(error)} |")
+    yield (
+        "reference/errors/index.md",
+        "# Errors\n\n"
+        f"A page for each code. The `type` of a problem is `{_TYPE}` and the code: its page is"
+        " the one of that name. How errors travel is in [Failures](../../failures.md).\n\n"
+        "| code | meaning |\n|---|---|\n" + "\n".join(rows) + "\n",
+    )
+
+
+def _page(error: type[WayproofError], evidence: Any, text: Mapping[str, str]) -> str:
+    parts = [f"# {error.code}", meaning(error)]
+    facts = [f"- code: `{error.code}`"]
+    if issubclass(error, StageFailure) and error.stage:
+        facts.append(f"- stage: `{error.stage}`")
+    if error in problem_errors():
+        facts.append(f"- HTTP status: {status_of(error('x'))}")
+        facts.append(f"- problem `type`: `{_TYPE}{error.code}`")
+    if error in failure_errors():
+        facts.append("- met as: `failure` of a job or of an answer")
+    parts.append("\n".join(facts))
+    parts += [f"**Usual cause.** {text['cause']}", f"**Fix.** {text['fix']}"]
+    properties = TypeAdapter(evidence).json_schema().get("properties", {})
+    if properties:
+        rows = [
+            f"| `{name}` | {cell(field['description'])} |" for name, field in properties.items()
+        ]
+        parts.append("\n".join(["## Evidence\n", "| member | meaning |", "|---|---|", *rows]))
+    if error in failure_errors() and issubclass(error, StageFailure):
+        parts.append(
+            "`GET /v1/plans/{id}/failure.html` shows a failed plan in 3-D; its `bundle.zip` has all"
+            " that `wayproof replay` needs to make it fail again."
+        )
+    return "\n\n".join(parts) + "\n"
