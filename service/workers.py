@@ -17,6 +17,7 @@ PRELOAD = (
     "service.plans.worker",
     "service.executions.proof",
     "service.executions.recheck",
+    "service.executions.splice",
     "service.executions.replay_worker",
     "service.queries.worker",
     "service.queries.geometry_worker",

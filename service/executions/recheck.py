@@ -2,14 +2,13 @@
 
 import time
 from collections.abc import Sequence
-from typing import Any
 
-from planning import Deadline, RetimeOptions, certify_rest, certify_trajectory
+from planning import Deadline, certify_rest, certify_trajectory
 from planning.domain.curves.curve import TimedTrajectory
+from service.executions.demands import kept_by
 from service.executions.tasks import RECHECK, Block, Recheck, RecheckWork
 from service.jobs.context import TaskContext
 from service.scenes.world_cache import borrow_world
-from service.trajectories.demands import demands_of, options_of
 
 # A robot moves meanwhile: what is not decided by then counts as blocked [s].
 _ALLOWED = 1.0
@@ -28,7 +27,7 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
     since = min(work.since, trajectory.duration)
     deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
     with borrow_world(work) as world:
-        group, demands = _demands(work)
+        group, demands = kept_by(work.planned, work.own)
         margin = demands["margin"]
         rest = certify_rest(world, group, trajectory, since, deadline=deadline, margin=margin)
         back = certify_rest(
@@ -51,20 +50,6 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
         at = max(since, failed[0].time)
         return Recheck(block=_block(work, trajectory, failed[0].name, (), at), behind=since)
     return Recheck(block=None, behind=behind)
-
-
-def _demands(work: RecheckWork) -> tuple[str, dict[str, Any]]:
-    """Return the group that moves, and what its motion keeps."""
-    if work.own is not None:
-        options = options_of(work.own, limit_jerk=work.own.limit_jerk)
-        return work.own.group, dict(demands_of(work.own, options))
-    if work.planned is None:
-        message = "a motion is a plan's or the client's own"
-        raise AssertionError(message)
-    problem = work.planned.to_domain()
-    options: RetimeOptions = problem.retime
-    kept = {"options": options, "margin": problem.margin, "constraints": problem.constraints}
-    return problem.group, kept
 
 
 def _block(

@@ -47,11 +47,13 @@ class ExecutionTerms(RequestModel):
         description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
         "than real time, and the motion stays as it is",
     )
-    on_conflict: Annotated[Literal["stop", "slow", "ignore"], ADDED] = Field(
+    on_conflict: Annotated[Literal["stop", "slow", "replan", "ignore"], ADDED] = Field(
         default="stop",
         description="What is done while it moves if an edit of the scene is in its way: `stop` "
         "comes to rest on the path and ends (`path_blocked`); `slow` rests before the conflict, "
-        "and goes on by itself once a later edit has cleared the way; `ignore` only tells",
+        "and goes on by itself once a later edit has cleared the way; `replan` does so "
+        "too, and goes on with a new plan to the same configuration, without a rest where that is "
+        "proven; `ignore` only tells",
     )
     title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
         default=None, description="Title of the motion in replays of the scene"
@@ -83,6 +85,9 @@ class ExecutionRequest(ExecutionTerms):
             raise ValueError(message)
         if isinstance(self.driver, UrRtdeDriver) and self.speed > 1:
             message = "speed: a robot has no clock that could run faster, so it is 1 at most"
+            raise ValueError(message)
+        if isinstance(self.driver, UrRtdeDriver) and self.on_conflict == "replan":
+            message = "on_conflict: what sampling leaves of the clearance is known of one motion"
             raise ValueError(message)
         return self
 

@@ -85,13 +85,42 @@ class Bounds(TaskModel):
 
     Attributes:
         revision: Of the scene.
+        motion: Number of the motion that it is about.
         behind: Least place on the way back [s]; None if all of it holds.
         ahead: Where it does not hold any more on the way forwards; None if all of it holds.
+        leave: Where another motion is to leave it, so it is not passed before [s]; None for none.
     """
 
     revision: int
+    motion: int = 0
     behind: float | None = None
     ahead: Block | None = None
+    leave: float | None = None
+
+    @property
+    def until(self) -> float | None:
+        """Place that is not passed forwards [s]; None for none."""
+        places = [self.leave, None if self.ahead is None else self.ahead.time]
+        return min((place for place in places if place is not None), default=None)
+
+
+class NextMotion(TaskModel):
+    """A motion that an execution shall go on with.
+
+    Attributes:
+        number: Of the motion, 1 for the first one after that which was asked for.
+        revision: Of the scene that it is proven in.
+        plan: Id of the plan that it follows.
+        trajectory: All of it; one that is spliced has what is passed of the motion before it.
+        is_spliced: Whether it leaves the motion before it without a rest, at the same place on
+            both; if not, the robot rests where it begins.
+    """
+
+    number: int
+    revision: int
+    plan: str
+    trajectory: Polynomial
+    is_spliced: bool
 
 
 class Commands(TaskModel):
@@ -102,12 +131,32 @@ class Commands(TaskModel):
         speed: Seconds of the motion per second, negative backwards; None for what the request says.
         block: Why it shall come to rest and end; None for no reason.
         bounds: Between which places it shall stay; None for all of its path.
+        next: The motion that it shall go on with; None for none.
     """
 
     is_paused: bool = False
     speed: float | None = None
     block: Block | None = None
     bounds: Bounds | None = None
+    next: NextMotion | None = None
+
+
+class SpliceWork(SceneWork):
+    """A motion to be left at an instant, for another one.
+
+    Attributes:
+        planned: Request of the plan that it is of, which says what it keeps.
+        own: The request, if it is a motion of one's own.
+        running: The whole motion.
+        time: When it is left [s].
+        onto: The motion that is joined.
+    """
+
+    planned: PlanRequest | None
+    own: CertifyMotionRequest | None
+    running: Polynomial
+    time: float
+    onto: Polynomial
 
 
 class ProofWork(SceneWork):
@@ -174,6 +223,12 @@ class ProvenMotion(TaskModel):
     min_clearance: float | None
 
 
+class Spliced(TaskModel):
+    """A motion up to where it is left, and on from there without a rest; None if none is proven."""
+
+    trajectory: Polynomial | None
+
+
 class ShownWork(DeliveredWork):
     """A motion of a replay: what stands above it, and when it ended [s], if before its end."""
 
@@ -200,5 +255,6 @@ EXECUTE = Task(
 )
 PROVE = Task("prove_execution", ProofWork, Proof)
 RECHECK = Task("recheck_motion", RecheckWork, Recheck)
+SPLICE = Task("splice_execution", SpliceWork, Spliced)
 PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
 REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)

@@ -5,7 +5,9 @@ import logging
 from typing import Any
 
 from planning.errors import InputError, WayproofError
+from service.executions.current_motion import CurrentMotion, current_motion
 from service.executions.position import last_status
+from service.executions.replanning import Conflict, Replanner
 from service.executions.tasks import (
     RECHECK,
     Block,
@@ -23,11 +25,14 @@ from service.scenes.store.scene_store import SceneStore
 
 # In one scene; there are mostly none.
 _MOST = 100
+# Where a motion is left for another one: so far from where the robot is, if the motion holds so
+# long [s], and at this share of what holds of it. The rest is for turning away.
+_LEAD, _SHARE = 0.1, 0.4
 _log = logging.getLogger(__name__)
 
 
 async def judge(
-    record: SceneRecord, *, scenes: SceneStore, jobs: JobService
+    record: SceneRecord, *, scenes: SceneStore, jobs: JobService, replanner: Replanner
 ) -> list[ExecutionVerdict]:
     """Return for each execution of a scene whether it holds in a revision, and have it heed that.
 
@@ -35,37 +40,48 @@ async def judge(
         record: The scene after the edit.
         scenes: Has its document.
         jobs: Has the executions.
+        replanner: Looks for other motions of those that are to have one.
     """
     pages = [
         await jobs.page("execution", _MOST, None, state=state, scene=record.id)
         for state in (JobState.QUEUED, JobState.RUNNING)
     ]
     found = {job.id: job for page in pages for job in page.jobs}
-    verdicts = (_judge(job, record, scenes, jobs) for job in found.values())
+    verdicts = (_judge(job, record, scenes, jobs, replanner) for job in found.values())
     return list(await asyncio.gather(*verdicts))
 
 
 async def _judge(
-    brief: JobSummary, record: SceneRecord, scenes: SceneStore, jobs: JobService
+    brief: JobSummary,
+    record: SceneRecord,
+    scenes: SceneStore,
+    jobs: JobService,
+    replanner: Replanner,
 ) -> ExecutionVerdict:
     job = await jobs.job("execution", brief.id)
     work = ExecutionWork.model_validate(job.payload)
-    status = await last_status(jobs, brief)
-    # The robot may be further by now: what is looked at is a little more than what is left.
-    since = 0.0 if status is None else max(0.0, status.time)
-    found = await _recheck(work, since, record, scenes, jobs)
-    commands = await _commands(work, found, record, brief, jobs)
-    if commands:
-        try:
-            await jobs.control(brief, commands)
-        except WayproofError as fault:  # it has ended meanwhile
-            _log.info("execution %s does not heed an edit: %s", job.id, fault)
-    if (block := found.block) is None:
+    while True:
+        motion = await current_motion(jobs, brief, work)
+        since = await _place(brief, motion, jobs)
+        found = await _recheck(work, motion, since, record, scenes, jobs)
+        if (await current_motion(jobs, brief, work)).number == motion.number:
+            break  # else it has gone on with another one meanwhile
+    policy, block = work.request.on_conflict, found.block
+    bounds = Bounds(
+        revision=record.revision, motion=motion.number, behind=found.behind, ahead=block
+    )
+    if policy == "replan" and block is not None:
+        bounds = bounds.model_copy(update={"leave": _leave(since, block.time)})
+    replanner.drop(brief.id)
+    await _heed(work, bounds, brief, jobs)
+    if block is None:
         return ExecutionVerdict(id=job.id, verdict="unaffected")
+    if bounds.leave is not None:
+        replanner.begin(Conflict(brief, work, motion, bounds))
     return ExecutionVerdict(
         id=job.id,
         verdict="conflict",
-        action=work.request.on_conflict,
+        action=policy,
         check=block.check,
         pair=(block.pair[0], block.pair[1]) if block.pair else None,
         time=block.time,
@@ -74,17 +90,41 @@ async def _judge(
     )
 
 
+async def _heed(work: ExecutionWork, bounds: Bounds, job: JobSummary, jobs: JobService) -> None:
+    """Have an execution heed a verdict."""
+    if commands := await _commands(work, bounds, job, jobs):
+        try:
+            await jobs.control(job, commands)
+        except WayproofError as fault:  # it has ended meanwhile
+            _log.info("execution %s does not heed an edit: %s", job.id, fault)
+
+
+async def _place(job: JobSummary, motion: CurrentMotion, jobs: JobService) -> float:
+    """Return where on a motion the robot was last [s]; it may be further by now.
+
+    So a little more is looked at than what is left.
+    """
+    status = await last_status(jobs, job)
+    if status is None or status.motion != motion.number:
+        return motion.since
+    return max(0.0, status.time)
+
+
+def _leave(since: float, blocked: float) -> float:
+    """Return where a motion is to be left for another one [s]: before the half, but not at once."""
+    return min(blocked, since + max(_LEAD, _SHARE * (blocked - since)))
+
+
 async def _commands(
-    work: ExecutionWork, found: Recheck, record: SceneRecord, job: JobSummary, jobs: JobService
+    work: ExecutionWork, bounds: Bounds, job: JobSummary, jobs: JobService
 ) -> dict[str, Any]:
     """Return what an execution shall do about a verdict, as its request says."""
     policy = work.request.on_conflict
     if policy == "ignore":
         return {}
-    if found.block is not None and policy == "stop":
-        return {"block": found.block.model_dump()}
-    bounds = Bounds(revision=record.revision, behind=found.behind, ahead=found.block)
-    if found.block is None and found.behind is None:
+    if bounds.ahead is not None and policy == "stop":
+        return {"block": bounds.ahead.model_dump()}
+    if bounds.ahead is None and bounds.behind is None:
         set_before = await jobs.last_recorded(job, CONTROLS)
         if set_before is None or set_before.data.get("bounds") is None:
             return {}
@@ -93,6 +133,7 @@ async def _commands(
 
 async def _recheck(
     work: ExecutionWork,
+    motion: CurrentMotion,
     since: float,
     record: SceneRecord,
     scenes: SceneStore,
@@ -107,7 +148,7 @@ async def _recheck(
         scene=loaded.scene,
         planned=work.planned,
         own=work.own,
-        trajectory=work.trajectory,
+        trajectory=motion.trajectory,
         since=since,
         revision=record.revision,
     )
