@@ -229,6 +229,14 @@ class SamplingReserve(ResponseModel):
     )
 
 
+class Replanned(ResponseModel):
+    """A plan that is carried out instead of the motion that was asked for."""
+
+    plan: str = Field(description="Its id")
+    code: str = Field(description="Why: the code that the execution would have been refused with")
+    detail: str = Field(description="The same, for a person")
+
+
 class Execution(ResponseModel):
     """An execution of a motion; poll it until its state is final."""
 
@@ -245,6 +253,11 @@ class Execution(ResponseModel):
     scene: str = Field(description="Id of the scene it moves in")
     group: str = Field(description="Group that moves")
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
+    replanned: Replanned | None = Field(
+        default=None,
+        description="The plan that is carried out instead, as `on_not_certified` says; null if the "
+        "motion that was asked for held",
+    )
     motions: list[FollowedMotion] = Field(
         default=[],
         description="Motions that it went on with instead of the one asked for, in order",

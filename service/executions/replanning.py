@@ -17,13 +17,12 @@ import numpy as np
 from planning.errors import NotCertified, WayproofError
 from service.executions.current_motion import MOTION, CurrentMotion
 from service.executions.models import ExecutionStatus
+from service.executions.new_plan import KeptMotion, Terms, planned_anew
 from service.executions.tasks import SPLICE, Bounds, ExecutionWork, NextMotion, SpliceWork
-from service.jobs.job import IdempotencyKey, Job, JobSummary
+from service.jobs.job import Job, JobSummary
 from service.jobs.service import JobService
-from service.plans.models.goals import JointGoal
 from service.plans.models.request import PlanRequest
 from service.plans.resource import motion_of, work_of
-from service.plans.submit import plan_spec
 from service.scenes.store.scene_store import SceneStore
 from service.settings import Settings
 
@@ -32,17 +31,8 @@ _PERIOD, _PATIENCE, _LONGEST_REST = 0.02, 5.0, 60.0
 # Where a plan to be spliced in begins: at this share of what holds of the motion after it is left.
 # A robot that moves goes on along it for a while.
 _TURN = 0.6
-_MOST_SECONDS_OF_A_PLAN = 600.0
 _MAX_TRIES = 3
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class _Terms:
-    """With what plans are asked for."""
-
-    jobs: JobService
-    settings: Settings
 
 
 @dataclass(frozen=True)
@@ -75,7 +65,7 @@ class Replanner:
         """
         self._jobs = jobs
         self._scenes = scenes
-        self._terms = _Terms(jobs, settings)
+        self._terms = Terms(jobs, settings)
         self._tasks: dict[str, asyncio.Task[None]] = {}
 
     async def __aenter__(self) -> Self:
@@ -182,16 +172,7 @@ class Replanner:
             WayproofError: There is none.
         """
         request = _request(conflict, place)
-        key = IdempotencyKey(None, {})
-        job = await self._jobs.submit(await plan_spec(request, key, self._terms, self._scenes))
-        try:
-            await self._jobs.wait(job, _MOST_SECONDS_OF_A_PLAN)
-        except asyncio.CancelledError:
-            await self._jobs.cancel(job)
-            raise
-        found = await self._jobs.job("plan", job.id)
-        motion_of(found)  # raises if there is none
-        return found
+        return await planned_anew(request, self._terms, self._scenes)
 
     async def _place_at_rest(self, conflict: Conflict) -> float:
         """Return where on its path the robot rests.
@@ -234,23 +215,10 @@ def _request(conflict: Conflict, place: float) -> PlanRequest:
     """Return the request of a plan from a place of the motion to its end."""
     trajectory = conflict.motion.trajectory.to_domain()
     start = trajectory.positions(np.array([place]))[0].tolist()
-    goal = JointGoal(type="joint", positions=trajectory.end.tolist())
-    work = conflict.work
-    if work.planned is None:
-        own = work.own
-        kept = (
-            {} if own is None else {"path_constraints": own.path_constraints, "margin": own.margin}
-        )
-        asked = PlanRequest(scene=work.scene_id, group=work.group, goal=goal, **kept)
-    else:
-        asked = work.planned
+    work, goal = conflict.work, trajectory.end.tolist()
+    kept = KeptMotion(work.scene_id, work.group, goal, work.planned, work.own)
+    asked = kept.request(start)
     # A splice joins it in mid-motion, under limits on jerk; refinement takes longer than it gains.
     retime = asked.retime.model_copy(update={"method": "ruckig", "duration": None})
-    changes = {
-        "revision": None,
-        "start": start,
-        "goal": goal,
-        "retime": retime,
-        "refine": asked.refine.model_copy(update={"method": "none"}),
-    }
-    return asked.model_copy(update=changes)
+    refine = asked.refine.model_copy(update={"method": "none"})
+    return asked.model_copy(update={"retime": retime, "refine": refine})

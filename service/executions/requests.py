@@ -55,6 +55,13 @@ class ExecutionTerms(RequestModel):
         "too, and goes on with a new plan to the same configuration, without a rest where that is "
         "proven; `ignore` only tells",
     )
+    on_not_certified: Annotated[Literal["refuse", "replan"], ADDED] = Field(
+        default="refuse",
+        description="What is done if the plan's motion does not begin where the robot is, or is "
+        "not proven in the latest revision: `refuse` answers 409; `replan` waits for a new plan "
+        "from where the robot is to the same configuration (`replanned`), and answers 409 if there "
+        "is none",
+    )
     title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
         default=None, description="Title of the motion in replays of the scene"
     )
@@ -82,6 +89,9 @@ class ExecutionRequest(ExecutionTerms):
             raise ValueError(message)
         if self.trajectory is not None and self.trajectory.revision is not None:
             message = "trajectory.revision: leave it out, an execution is in the latest revision"
+            raise ValueError(message)
+        if self.trajectory is not None and self.on_not_certified == "replan":
+            message = "on_not_certified: only a plan can be made anew"
             raise ValueError(message)
         if isinstance(self.driver, UrRtdeDriver) and self.speed > 1:
             message = "speed: a robot has no clock that could run faster, so it is 1 at most"

@@ -47,6 +47,7 @@ async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
         scene=work.scene_id,
         group=work.group,
         status=None if status is None else status.model_copy(update={"state": state}),
+        replanned=work.replanned,
         motions=await followed(jobs, job),
         failure=failure,
         timings={} if ended is None else ended.timings,

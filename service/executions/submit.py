@@ -1,19 +1,21 @@
 """Queueing the execution of a motion, once it is known to hold."""
 
 import math
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
+from planning.errors import NotCertified
 from service.api.fingerprint import fingerprint
+from service.errors import StartMismatch
 from service.executions.controllers import address_of, check_driven
+from service.executions.instead import planned_instead
 from service.executions.motions import asked_motion
 from service.executions.position import require_at_rest, require_known
 from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, ExecutionWork
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
-from service.jobs.service import JobService
+from service.plans.submit import PlanTerms
 from service.scenes.job_spec import spec_of
 from service.scenes.live import joint_types
 from service.scenes.store.scene_store import SceneStore
@@ -23,8 +25,7 @@ async def submit_execution(
     request: ExecutionRequest,
     key: str | None,
     scenes: SceneStore,
-    jobs: JobService,
-    hosts: Mapping[str, str] | None = None,
+    terms: PlanTerms,
 ) -> Job:
     """Queue an execution in the latest revision of its motion's scene.
 
@@ -32,8 +33,7 @@ async def submit_execution(
         request: What is asked for.
         key: By which a repeated request finds the same job.
         scenes: Knows the scene.
-        jobs: Knows the plan and all executions.
-        hosts: Addresses of controllers, by their names in requests.
+        terms: Know the plan and all executions, and addresses of controllers.
 
     Raises:
         ProblemInvalid: The driver is of another kind of robot.
@@ -46,8 +46,9 @@ async def submit_execution(
         NotCertified: The motion cannot be proven in the latest revision.
         QueueFull: The queue is full.
     """
-    address = address_of(request, hosts or {})
-    asked = await asked_motion(request, jobs)
+    jobs = terms.jobs
+    address = address_of(request, terms.settings.ur_hosts)
+    asked, replanned = await asked_motion(request, jobs), None
     idempotency = IdempotencyKey(key, fingerprint(request))
     again = JobSpec(
         EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
@@ -63,7 +64,13 @@ async def submit_execution(
         group = asked.group_in(record)
         check_driven(request.driver, group)
         loaded = scenes.work(record)
-        proven = await asked.proven(loaded, group, jobs)
+        try:
+            proven = await asked.proven(loaded, group, jobs)
+        except (NotCertified, StartMismatch) as fault:
+            if request.on_not_certified == "refuse" or replanned is not None:
+                raise
+            asked, replanned = await planned_instead(asked, fault, terms, scenes)
+            continue
         work = ExecutionWork(
             library=loaded.library,
             scene=loaded.scene,
@@ -73,6 +80,7 @@ async def submit_execution(
             trajectory=proven.trajectory,
             speed=request.speed,
             joints=joint_types(group),
+            replanned=replanned,
             **asked.demands,
             address=address,
             clearance=_finite(proven.min_clearance),

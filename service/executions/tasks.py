@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from planning.domain.robot.joints import JointType
-from service.executions.models import ExecutionStatus, SamplingReserve
+from service.executions.models import ExecutionStatus, Replanned, SamplingReserve
 from service.executions.requests import ExecutionTerms
 from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
@@ -18,6 +18,8 @@ class ExecutionOutline(SceneWork):
     """The part of the work that lists show.
 
     Attributes:
+        replanned: The plan that is carried out instead of the motion that was asked for; None if
+            that held.
         joints: Types of the group's joints, by full name and in its order; older versions said
             nothing of them.
     """
@@ -26,6 +28,7 @@ class ExecutionOutline(SceneWork):
     scene_id: str
     group: str
     speed: float
+    replanned: Replanned | None = None
     joints: dict[str, JointType] = Field(default_factory=dict)
 
 

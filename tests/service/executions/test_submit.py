@@ -94,7 +94,8 @@ def scene(monkeypatch):
 
 
 def submitted(scene):
-    return asyncio.run(submit.submit_execution(ExecutionRequest(plan="pln_1"), None, scene, scene))
+    terms = SimpleNamespace(jobs=scene, settings=SimpleNamespace(ur_hosts={}))
+    return asyncio.run(submit.submit_execution(ExecutionRequest(plan="pln_1"), None, scene, terms))
 
 
 def test_a_motion_that_ends_while_it_is_looked_for_is_not_overlooked(scene):
