@@ -57,13 +57,14 @@ class KeptMotion:
         goal = JointGoal(type="joint", positions=self.goal)
         asked = self.planned
         if asked is None:
-            kept = {} if self.own is None else self._kept(self.own)
-            asked = PlanRequest(scene=self.scene, group=self.group, goal=goal, **kept)
+            asked = PlanRequest(
+                scene=self.scene,
+                group=self.group,
+                goal=goal,
+                path_constraints=[] if self.own is None else self.own.path_constraints,
+                margin=None if self.own is None else self.own.margin,
+            )
         return asked.model_copy(update={"revision": None, "start": start, "goal": goal})
-
-    @staticmethod
-    def _kept(own: CertifyMotionRequest) -> dict[str, object]:
-        return {"path_constraints": own.path_constraints, "margin": own.margin}
 
 
 async def planned_anew(request: PlanRequest, terms: PlanTerms, scenes: SceneStore) -> Job:

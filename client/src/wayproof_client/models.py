@@ -1099,6 +1099,11 @@ class Execution(Answer):
     """What has happened and the database does not hold yet, because it is full, locked or away:
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
+    motions: list[FollowedMotion] = Field(default=[], validate_default=True)
+    """Motions that it went on with instead of the one asked for, in order."""
+    replanned: Replanned | None = None
+    """The plan that is carried out instead, as `on_not_certified` says; null if the motion that
+    was asked for held."""
     sampling: SamplingReserve | None = None
     """Of a controller that samples the motion, once it has ended; null for others."""
     timings: Timings = Field(default={}, validate_default=True)
@@ -1116,7 +1121,13 @@ class OtherExecutionEvent(Answer):
 
 type ExecutionEvent = Annotated[
     Annotated[
-        QueuedEvent | StartedEvent | StageEvent | ControlsEvent | StatusEvent | FinishedEvent,
+        QueuedEvent
+        | StartedEvent
+        | StageEvent
+        | ControlsEvent
+        | StatusEvent
+        | MotionEvent
+        | FinishedEvent,
         Field(discriminator="event"),
     ]
     | OtherExecutionEvent,
@@ -1178,11 +1189,19 @@ class ExecutionStatus(Answer):
     """Time along the motion [s]."""
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
+    ahead: float | None = None
+    """Place that it does not pass, time along the motion [s]: it rests before it until an edit
+    of the scene clears the way; null for none."""
+    behind: float | None = None
+    """Place that it does not pass on the way back [s]; null for none."""
     jitter: Jitter | None = None
     """How late the ticks were so far; null if not recorded."""
     lateness: float | None = None
     """The longest so far that the controller was late to look at the clock [s]: what else runs
     on the machine makes the motion fall behind; null if not recorded."""
+    motion: int = 0
+    """Number of the motion that `time` and `progress` are about: 0 is the one that was asked
+    for, the others are in `motions`."""
     path_velocity: float | None = None
     """Seconds of the motion per second of the robot's clock, now; negative is backwards; null
     if not recorded."""
@@ -1197,9 +1216,15 @@ class ExecutionTerms(Answer):
 
     driver: DriverName | UrRtdeDriver = "simulated"
     """What moves."""
-    on_conflict: Literal["stop", "ignore"] | str = "stop"
+    on_conflict: Literal["stop", "slow", "replan", "ignore"] | str = "stop"
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
-    on the path and ends (`path_blocked`); `ignore` only tells."""
+    on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
+    itself once a later edit has cleared the way; `replan` does so too, and goes on with a new
+    plan to the same configuration, without a rest where that is proven; `ignore` only tells."""
+    on_not_certified: Literal["refuse", "replan"] | str = "refuse"
+    """What is done if the plan's motion does not begin where the robot is, or is not proven in
+    the latest revision: `refuse` answers 409; `replan` waits for a new plan from where the
+    robot is to the same configuration (`replanned`), and answers 409 if there is none."""
     plan: str | None = None
     """Id of a plan that succeeded; null for a motion of one's own."""
     speed: float = 1.0
@@ -1216,7 +1241,7 @@ class ExecutionVerdict(Answer):
     """Id of the execution."""
     verdict: Literal["unaffected", "conflict"] | str
     """Whether what is left of its motion is proven in this revision."""
-    action: Literal["stop", "ignore"] | str | None = None
+    action: Literal["stop", "slow", "replan", "ignore"] | str | None = None
     """What is done, as the execution's `on_conflict` says."""
     check: str | None = None
     """Check of the certificate that fails, mostly `clearance`; `undecided` if there was no
@@ -1343,6 +1368,24 @@ class FkResponse(Answer):
 
     results: list[dict[str, Pose]]
     """Pose in world per frame, in the order of the configurations."""
+
+
+class FollowedMotion(Answer):
+    """A motion that an execution went on with, since an edit was in the way of the one before."""
+
+    duration: float
+    """Of the whole motion, from its beginning to its end [s]."""
+    is_spliced: bool
+    """Whether the robot left the motion before it without a rest; if not, it began at rest,
+    where the robot had stopped."""
+    left_at: float
+    """Place on the motion before it where that was left [s]."""
+    number: int
+    """1 for the first one after that which was asked for."""
+    plan: str
+    """Id of the plan that it follows."""
+    revision: int
+    """Of the scene that it is proven in."""
 
 
 class FoundDeviation(Answer):
@@ -2525,6 +2568,32 @@ class ModelList(Answer):
 
     items: list[str]
     """Names, sorted; GET /v1/models/{name} says more."""
+
+
+class MotionData(Answer):
+    """A motion that is followed from now on."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    motions: list[FollowedMotion]
+    """All so far, this one last."""
+    number: int
+    """Number of the motion."""
+    trajectory: Polynomial
+    """All of it; what is spliced has what was passed of the motion before it."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class MotionEvent(Answer):
+    """The execution goes on with another motion."""
+
+    data: Json[MotionData]
+    """Which motion it is."""
+    event: Literal["motion"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
 
 
 type MotionInterpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"] | str
@@ -4091,6 +4160,17 @@ class RemovedBody(Answer):
     """The group's positions then [rad or m]."""
 
 
+class Replanned(Answer):
+    """A plan that is carried out instead of the motion that was asked for."""
+
+    code: str
+    """Why: the code that the execution would have been refused with."""
+    detail: str
+    """The same, for a person."""
+    plan: str
+    """Its id."""
+
+
 class RequestInvalidProblem(Answer):
     """The body or the parameters have faults."""
 
@@ -5431,11 +5511,19 @@ class StatusData(Answer):
     """Time along the motion [s]."""
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
+    ahead: float | None = None
+    """Place that it does not pass, time along the motion [s]: it rests before it until an edit
+    of the scene clears the way; null for none."""
+    behind: float | None = None
+    """Place that it does not pass on the way back [s]; null for none."""
     jitter: Jitter | None = None
     """How late the ticks were so far; null if not recorded."""
     lateness: float | None = None
     """The longest so far that the controller was late to look at the clock [s]: what else runs
     on the machine makes the motion fall behind; null if not recorded."""
+    motion: int = 0
+    """Number of the motion that `time` and `progress` are about: 0 is the one that was asked
+    for, the others are in `motions`."""
     path_velocity: float | None = None
     """Seconds of the motion per second of the robot's clock, now; negative is backwards; null
     if not recorded."""
