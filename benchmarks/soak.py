@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rng = np.random.default_rng(seed)
     cell, ends, found, looked_at = Cell(options.robots), Counter[str](), 0, 0
     with Host(_LIMIT) as host:
-        soak = Soak(host, options.robots, rng)
+        soak = Soak(host, cell, options.robots, rng)
         for i in range(options.executions):
             made = soak.next_round()
             wrong = list(dict.fromkeys(faults(made, cell)))

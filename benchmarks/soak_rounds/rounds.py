@@ -12,33 +12,34 @@ import numpy as np
 from benchmarks.service_load.host import Host
 from benchmarks.serving.processes import cpu_seconds, workers
 from benchmarks.serving.server import pause
-from benchmarks.soak_rounds.cell import BASES, SIDE, document
+from benchmarks.soak_rounds.cell import BASES, SIDE, Cell, document
 from benchmarks.soak_rounds.checks import FINAL, Presence, Round
 
 _HOME = (0.0, -1.5708, 1.5708, -1.5708, -1.5708, 0.0)
 # How far joints are turned from home, at most [rad].
-_TURNS = (1.2, 0.4, 0.4, 0.5, 0.5, 1.0)
+_TURNS = (2.5, 0.4, 0.4, 0.5, 0.5, 1.0)
 _POLICIES = ("stop", "slow", "replan")
 # How long an execution may take once it is left alone [s], and to begin to move.
 _PATIENCE = 120.0
 _PERIOD = 0.02
 # An obstacle is put so far ahead of the robot at least, at its speed: what is nearer than it can
 # stop is met, as is documented [s].
-_AHEAD = 1.5
+_AHEAD = 3.0
 
 
 class Soak:
     """Has executions carried out in one scene of one server, which may be killed meanwhile."""
 
-    def __init__(self, host: Host, count: int, rng: np.random.Generator) -> None:
+    def __init__(self, host: Host, cell: Cell, count: int, rng: np.random.Generator) -> None:
         """Post the scene.
 
         Args:
             host: Of the server.
+            cell: Knows what would be met before a robot could stop.
             count: Of robots, 1 or 2; two of them move as one group.
             rng: Says what is done when.
         """
-        self._host, self._rng, self._count = host, rng, count
+        self._host, self._cell, self._rng, self._count = host, cell, rng, count
         host.need()
         self._scene: str = host.post("/v1/scenes", document(count))["id"]
         names = [name for name, _, _ in BASES[:count]]
@@ -53,7 +54,7 @@ class Soak:
         motion = self._get(f"/v1/plans/{self._plan['id']}/trajectory?polynomial=true")
         trajectories = {0: motion["polynomial"]}
         policy = str(self._rng.choice(_POLICIES))
-        speed = float(self._rng.uniform(0.1, 0.4))
+        speed = float(self._rng.uniform(0.04, 0.12))
         terms = {"plan": self._plan["id"], "speed": speed, "on_conflict": policy}
         self._execution = self._host.post("/v1/executions", terms)["id"]
         made = Round({}, [], {}, trajectories, done=[f"{policy} at {speed:.2f}"])
@@ -128,7 +129,7 @@ class Soak:
 
     def speed(self) -> str:
         """Change its speed, and which way it goes."""
-        speed = float(self._rng.uniform(-0.6, 0.6))
+        speed = float(self._rng.uniform(-0.15, 0.15))
         self._send("speed", {"speed": speed})
         return f"{speed:.2f}"
 
@@ -151,12 +152,15 @@ class Soak:
         result = self._plan["result"]["trajectory"]
         if status is None or status["motion"] != 0 or self._round is None:
             return "not begun"
-        at = status["time"] + _AHEAD * max(0.2, abs(status["path_velocity"] or 0.0))
-        later = [q for t, q in zip(result["times"], result["positions"], strict=True) if t > at]
+        now, fastest = status["time"], max(0.05, abs(status["path_velocity"] or 0.0))
+        samples = list(zip(result["times"], result["positions"], strict=True))
+        later = [q for t, q in samples if t > now + _AHEAD * fastest]
+        near = [np.array(q) for t, q in samples if abs(t - now) <= _AHEAD * fastest]
         if not later:
             return "too late"
-        q = later[int(self._rng.integers(len(later)))]
-        place = self._tool(q)
+        place = self._tool(later[int(self._rng.integers(len(later)))])
+        if self._cell.touching(near, [place] * len(near)):
+            return "too near"
         shape = {"box": [SIDE] * 3}
         late = {"name": "late", "shape": shape, "pose": {"position": place}}
         answer = self._edit({"op": "add", "object": late})
