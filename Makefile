@@ -12,6 +12,8 @@ unexport PYTHONDONTWRITEBYTECODE
 ifndef SEED
 SEED := $(shell od -An -N4 -tu4 /dev/urandom | tr -d ' ')
 endif
+# Of `make soak`.
+ROBOTS ?= 1
 # How many times as many cases as in `make test`.
 FACTOR ?= 40
 # One more than there are processors: some tests wait for servers and databases.
@@ -31,7 +33,7 @@ GENERATORS := build/generators
 
 .PHONY: demo test clients costs check format lint imports types docs spell tidy drake-only ray shapes golden record campaign sanitize setup lock \
         bench bench-cars bench-execution bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
-        chaos pictures serve clean
+        chaos soak pictures serve clean
 
 setup: $(STAMP)
 
@@ -205,6 +207,10 @@ bench-service: setup
 # Kills and fills what the service stands on, in ways that come from a seed, which is printed.
 chaos: setup
 	@$(PYTHON) benchmarks/chaos.py --seed $(SEED)
+
+# Executions in a row, disturbed at random; a seed is printed. ROBOTS=2: two that move as one group.
+soak: setup
+	@$(PYTHON) benchmarks/soak.py --robots $(ROBOTS) --seed $(SEED)
 
 pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py

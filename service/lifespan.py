@@ -11,6 +11,7 @@ from sqlalchemy import Connection
 
 from service.api.middleware.client_disconnect import call_for_client
 from service.executions.measured import keep_end, open_motions
+from service.executions.replanning import Replanner
 from service.executions.verdicts import judge
 from service.executions.waiting_line import WaitingLine
 from service.jobs.artifacts import ArtifactCopies
@@ -86,7 +87,8 @@ async def open_services(
             terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
             scenes.moving = partial(open_motions, jobs=jobs)
-            scenes.verdicts = partial(judge, scenes=scenes, jobs=jobs)
+            replanner = Replanner(jobs, scenes, settings)
+            scenes.verdicts = partial(judge, scenes=scenes, jobs=jobs, replanner=replanner)
             scenes.latest.on_change = jobs.wake
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
@@ -94,7 +96,7 @@ async def open_services(
             retention = Retention(store, settings.retention_days, sweeper.ask)
             retain = _once_leading(dispatcher, retention.run)
             line = _once_leading(dispatcher, WaitingLine(scenes, jobs).run)
-            async with _meanwhile(sweeper.run(), retain, line, delivery.run()):
+            async with _meanwhile(sweeper.run(), retain, line, delivery.run()), replanner:
                 yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()

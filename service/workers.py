@@ -20,6 +20,7 @@ PRELOAD = (
     "service.executions.together_proof",
     "service.executions.beside_proof",
     "service.executions.recheck",
+    "service.executions.splice",
     "service.executions.replay_worker",
     "service.queries.worker",
     "service.queries.geometry_worker",

@@ -35,7 +35,7 @@ def planned(host: Host, scene: str, group: str, wanted: dict[str, str]) -> dict[
         goal = {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": wanted["frame"]}]}
     else:
         goal = {"type": "configuration", "name": wanted["configuration"]}
-    request = {"scene": scene, "group": group, "goal": goal, "seed": 1}
+    request: dict[str, Any] = {"scene": scene, "group": group, "goal": goal, "seed": 1}
     request["search"] = {"allowed_planning_time": 30.0}
     plan: dict[str, Any] = host.post("/v1/plans?wait=60", request)
     return plan

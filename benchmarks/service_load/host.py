@@ -58,8 +58,15 @@ class Host:
         Args:
             chosen: Variables of its settings.
         """
-        self._end()
         self._num_started += 1
+        return self._start_again(chosen)
+
+    def kill_and_restart(self) -> None:
+        """Kill the server and start another one on its data folder; wait for it."""
+        self._start_again(None).be_ready()
+
+    def _start_again(self, chosen: Mapping[str, str] | None) -> Server:
+        self._end()
         folder = Path(self._folder.name)
         name = f"{self._num_started}"
         environment = {"WAYPROOF_QUERY_TIMEOUT": str(self._limit), **(chosen or {})}

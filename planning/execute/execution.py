@@ -86,9 +86,9 @@ class Execution(Value):
         """
         # The trajectory starts at rest, so full speed at once is continuous in velocity.
         state = advance(self.state, ExecutionEvent.START)
-        fastest = 1.0 if self.ahead is None else self.ahead.max_speed(0.0)
-        motion = replace(self.motion, velocity=min(max(0.0, self.speed), fastest))
-        return replace(self, state=state, motion=motion, at_rest_since=None)
+        motion = replace(self.motion, velocity=max(0.0, self.speed))
+        begun = replace(self, state=state, motion=motion, at_rest_since=None)
+        return begun.between(None, self.ahead.time) if self.ahead is not None else begun
 
     def pause(self) -> "Execution":
         """Come to rest on the path, until `resume`.
@@ -143,12 +143,17 @@ class Execution(Value):
             behind: Least place on the way back, time along the trajectory [s]; None for none.
             ahead: Largest place on the way forwards [s]; None for none.
         """
-        return replace(
+        kept = replace(
             self,
             behind=self._barrier(self.trajectory.reverse, behind, self.trajectory.duration),
             ahead=self._barrier(self.trajectory, ahead, 0.0),
             at_rest_since=None,
         )
+        if kept.ahead is None or self.time > 0:
+            return kept
+        # At its start the trajectory rests, so the path velocity may be any.
+        velocity = min(self.path_velocity, kept.ahead.max_speed(0.0))
+        return replace(kept, motion=replace(self.motion, velocity=velocity))
 
     def _barrier(
         self, trajectory: TimedTrajectory, place: float | None, origin: float

@@ -3,11 +3,13 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.geometry.touching_pair import worst_of_each
 from planning.errors import ExecutionFailure, ProblemInvalid
 from planning.execute.driver import Driver
 from planning.execute.execution import Execution
 from planning.execute.status import ExecutionStatus
+from planning.execute.switch_motion import switch_motion
 
 
 def _always() -> bool:
@@ -97,6 +99,11 @@ class Runner:
     def keep_between(self, behind: float | None, ahead: float | None) -> ExecutionStatus:
         """Stay between two places of the path; see `Execution.between`."""
         self.execution = self.execution.between(behind, ahead)
+        return self._report()
+
+    def switch_to(self, trajectory: TimedTrajectory, place: float) -> ExecutionStatus:
+        """Go on along another motion; raises as `switch_motion`."""
+        self.execution = switch_motion(self.execution, trajectory, place)
         return self._report()
 
     def set_speed(self, speed: float) -> ExecutionStatus:

@@ -76,6 +76,7 @@ async def proven_work(
         speed=terms.speed,
         joints=joint_types(group),
         delays=proven.delays,
+        keeps_at_rest=kept_at_rest(terms, record),
         **asked.demands,
         address=place.address,
         clearance=_finite(proven.min_clearance),
@@ -90,6 +91,18 @@ async def proven_work(
         )
         await jobs.call(PROVE_BESIDE, beside)
     return work
+
+
+def kept_at_rest(terms: ExecutionTerms, record: SceneRecord) -> list[str]:
+    """Return the robots that may not be moved beside an execution.
+
+    One that may go on with another motion has all robots of its scene: what is proven beside its
+    motion when that enters is not proven beside the next one.
+    """
+    if terms.on_conflict != "replan":
+        return []
+    joints = [joint.name for group in record.summary.groups for joint in group.joints]
+    return sorted({name.partition("::")[0] for name in joints})
 
 
 async def moving_beside(entries: Entries, jobs: JobService) -> list[GroupMotion]:

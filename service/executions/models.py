@@ -24,6 +24,7 @@ from service.api.models import (
     Timings,
 )
 from service.executions.requests import ExecutionTerms
+from service.plans.models.trajectory import Polynomial
 
 # Of velocities and torques: twenty statuses a second are kept.
 _DECIMALS = 6
@@ -103,6 +104,11 @@ class ExecutionStatus(ResponseModel):
         description="How late the ticks were so far; null if not recorded",
     )
     contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
+    motion: int = Field(
+        default=0,
+        description="Number of the motion that `time` and `progress` are about: 0 is the one that "
+        "was asked for, the others are in `motions`",
+    )
     ahead: float | None = Field(
         default=None,
         description="Place that it does not pass, time along the motion [s]: it rests before it "
@@ -153,6 +159,38 @@ class ControlsData(EventData):
     )
 
 
+class FollowedMotion(ResponseModel):
+    """A motion that an execution went on with, since an edit was in the way of the one before."""
+
+    number: int = Field(description="1 for the first one after that which was asked for")
+    plan: str = Field(description="Id of the plan that it follows")
+    revision: int = Field(description="Of the scene that it is proven in")
+    is_spliced: bool = Field(
+        description="Whether the robot left the motion before it without a rest; if not, it began "
+        "at rest, where the robot had stopped"
+    )
+    left_at: float = Field(description="Place on the motion before it where that was left [s]")
+    duration: float = Field(description="Of the whole motion, from its beginning to its end [s]")
+
+
+class MotionData(EventData):
+    """A motion that is followed from now on."""
+
+    number: int = Field(description="Number of the motion")
+    motions: list[FollowedMotion] = Field(description="All so far, this one last")
+    trajectory: Polynomial = Field(
+        description="All of it; what is spliced has what was passed of the motion before it"
+    )
+
+
+class MotionEvent(ResponseModel):
+    """The execution goes on with another motion."""
+
+    id: EventId
+    event: Literal["motion"] = Field(description="What happened")
+    data: Json[MotionData] = Field(description="Which motion it is")
+
+
 class StatusEvent(ResponseModel):
     """The execution moves, or changes its state; at most twenty times a second."""
 
@@ -170,7 +208,13 @@ class ControlsEvent(ResponseModel):
 
 
 type ExecutionEvent = Annotated[
-    QueuedEvent | StartedEvent | StageEvent | ControlsEvent | StatusEvent | FinishedEvent,
+    QueuedEvent
+    | StartedEvent
+    | StageEvent
+    | ControlsEvent
+    | StatusEvent
+    | MotionEvent
+    | FinishedEvent,
     Field(discriminator="event", description="What happened to an execution"),
 ]
 
@@ -183,6 +227,14 @@ class SamplingReserve(ResponseModel):
     clearance: float | None = Field(
         description="Proven lower bound on all distances along the path [m]; null without any pair"
     )
+
+
+class Replanned(ResponseModel):
+    """A plan that is carried out instead of the motion that was asked for."""
+
+    plan: str = Field(description="Its id")
+    code: str = Field(description="Why: the code that the execution would have been refused with")
+    detail: str = Field(description="The same, for a person")
 
 
 class Execution(ResponseModel):
@@ -207,6 +259,15 @@ class Execution(ResponseModel):
         default=False, description="Whether it waits for its robots, and is proven once it begins"
     )
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
+    replanned: Replanned | None = Field(
+        default=None,
+        description="The plan that is carried out instead, as `on_not_certified` says; null if the "
+        "motion that was asked for held",
+    )
+    motions: list[FollowedMotion] = Field(
+        default=[],
+        description="Motions that it went on with instead of the one asked for, in order",
+    )
     failure: Failure | None = Field(description="Why it was aborted or canceled")
     timings: Timings = Field(
         default={},

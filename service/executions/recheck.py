@@ -2,12 +2,12 @@
 
 import time
 from collections.abc import Sequence
-from typing import Any
 
-from planning import Deadline, RetimeOptions, World, certify_rest, certify_trajectory
+from planning import Deadline, World, certify_rest, certify_trajectory
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Certificate
 from service.executions.beside_proof import BESIDE, first_in_the_way
+from service.executions.demands import kept_by
 from service.executions.tasks import RECHECK, Block, GroupMotion, Recheck, RecheckWork
 from service.executions.together_proof import (
     certificate_of,
@@ -16,7 +16,6 @@ from service.executions.together_proof import (
 )
 from service.jobs.context import TaskContext
 from service.scenes.world_cache import borrow_world
-from service.trajectories.demands import demands_of, options_of
 
 # A robot moves meanwhile: what is not decided by then counts as blocked [s].
 _ALLOWED = 1.0
@@ -83,22 +82,9 @@ def _certificates(
             certificate_of(world, member, member.trajectory.to_domain(), deadline)
             for member in work.members
         ]
-    demands = _demands(work)
-    certificate, _ = certify_trajectory(world, work.group, trajectory, deadline=deadline, **demands)
+    group, demands = kept_by(work.planned, work.own)
+    certificate, _ = certify_trajectory(world, group, trajectory, deadline=deadline, **demands)
     return [certificate]
-
-
-def _demands(work: RecheckWork) -> dict[str, Any]:
-    """Return what a motion of one plan, or of one's own, keeps."""
-    if work.own is not None:
-        options = options_of(work.own, limit_jerk=work.own.limit_jerk)
-        return dict(demands_of(work.own, options))
-    if work.planned is None:
-        message = "a motion is a plan's or the client's own"
-        raise AssertionError(message)
-    problem = work.planned.to_domain()
-    options: RetimeOptions = problem.retime
-    return {"options": options, "margin": problem.margin, "constraints": problem.constraints}
 
 
 def _block(

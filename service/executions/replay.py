@@ -10,11 +10,13 @@ from service.api.params import SceneId
 from service.api.responses import HTML_PAGE, problems
 from service.api.strict_route import StrictRoute
 from service.errors import NotFinished
-from service.executions.models import ExecutionStatus
+from service.executions.current_motion import MOTION
+from service.executions.models import ExecutionStatus, FollowedMotion
 from service.executions.position import last_status
 from service.executions.tasks import REPLAY_MOTIONS, ExecutionWork, ReplayWork, ShownWork
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
+from service.plans.models.trajectory import Polynomial
 from service.scenes.dependencies import ScenesDep
 
 router = APIRouter(
@@ -55,27 +57,41 @@ async def executed_motions(jobs: JobService, scene: str, most: int) -> list[Show
     """
     found: list[ShownWork] = []
     async for job in jobs.newest("execution", scene=scene):
-        if len(found) == most:
+        if len(found) >= most:
             break
         status = await last_status(jobs, job)
         if job.finished_at is not None and status is not None:
-            found.append(await _motion(jobs, job, status))
+            found += (await _motions(jobs, job, status))[::-1]
     if not found:
         message = f"no execution has moved anything in scene {scene} and ended: nothing to replay"
         raise NotFinished(message, {"id": scene, "state": "unmoved"})
-    return found[::-1]
+    return found[:most][::-1]
 
 
-async def _motion(jobs: JobService, summary: JobSummary, status: ExecutionStatus) -> ShownWork:
+async def _motions(
+    jobs: JobService, summary: JobSummary, status: ExecutionStatus
+) -> list[ShownWork]:
+    """Return the motions of one execution: several, if it began anew on the way."""
     job = await jobs.job("execution", summary.id)  # lists have no trajectory
     work = ExecutionWork.model_validate(job.payload)
     is_whole = job.state == "succeeded"
     title = work.request.title or f"{work.group} moves"
-    return ShownWork(
-        library=work.library,
-        scene=work.scene,
-        group=work.group,
-        trajectory=work.trajectory,
-        title=title if is_whole else f"{title} ({job.state})",
-        until=None if is_whole else status.time,
-    )
+    shown = [(work.trajectory, status.time)]
+    async for event in jobs.events(summary, 0):
+        if event.type == MOTION:
+            last = FollowedMotion.model_validate(event.data["motions"][-1])
+            # what is spliced has what was passed of the motion before it
+            kept = [] if last.is_spliced else [(shown[-1][0], last.left_at)]
+            following = Polynomial.model_validate(event.data["trajectory"])
+            shown = [*shown[:-1], *kept, (following, status.time)]
+    return [
+        ShownWork(
+            library=work.library,
+            scene=work.scene,
+            group=work.group,
+            trajectory=trajectory,
+            title=title if is_whole else f"{title} ({job.state})",
+            until=None if is_whole and trajectory is shown[-1][0] else until,
+        )
+        for trajectory, until in shown
+    ]

@@ -62,11 +62,20 @@ class ExecutionTerms(RequestModel):
         description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
         "than real time, and the motion stays as it is",
     )
-    on_conflict: Annotated[Literal["stop", "slow", "ignore"], ADDED] = Field(
+    on_conflict: Annotated[Literal["stop", "slow", "replan", "ignore"], ADDED] = Field(
         default="stop",
         description="What is done while it moves if an edit of the scene is in its way: `stop` "
         "comes to rest on the path and ends (`path_blocked`); `slow` rests before the conflict, "
-        "and goes on by itself once a later edit has cleared the way; `ignore` only tells",
+        "and goes on by itself once a later edit has cleared the way; `replan` does so "
+        "too, and goes on with a new plan to the same configuration, without a rest where that is "
+        "proven: until its end no other robot of the scene may move; `ignore` only tells",
+    )
+    on_not_certified: Annotated[Literal["refuse", "replan"], ADDED] = Field(
+        default="refuse",
+        description="What is done if the plan's motion does not begin where the robot is, or is "
+        "not proven in the latest revision: `refuse` answers 409; `replan` waits for a new plan "
+        "from where the robot is to the same configuration (`replanned`), and answers 409 if there "
+        "is none",
     )
     when_busy: Annotated[Literal["refuse", "wait"], ADDED] = Field(
         default="refuse",
@@ -108,8 +117,24 @@ class ExecutionRequest(ExecutionTerms):
         if self.trajectory is not None and self.trajectory.revision is not None:
             message = "trajectory.revision: leave it out, an execution is in the latest revision"
             raise ValueError(message)
+        return self
+
+    @model_validator(mode="after")
+    def _policies_fit(self) -> Self:
+        if self.plan is None and self.on_not_certified == "replan":
+            message = "on_not_certified: only one plan can be made anew"
+            raise ValueError(message)
+        if self.when_busy == "wait" and self.on_not_certified == "replan":
+            message = "on_not_certified: what waits is proven when it begins, and not planned anew"
+            raise ValueError(message)
+        if self.plans is not None and self.on_conflict == "replan":
+            message = "on_conflict: only one motion can be planned anew, not several as one"
+            raise ValueError(message)
         if isinstance(self.driver, UrRtdeDriver) and self.speed > 1:
             message = "speed: a robot has no clock that could run faster, so it is 1 at most"
+            raise ValueError(message)
+        if isinstance(self.driver, UrRtdeDriver) and self.on_conflict == "replan":
+            message = "on_conflict: what sampling leaves of the clearance is known of one motion"
             raise ValueError(message)
         return self
 

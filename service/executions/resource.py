@@ -1,6 +1,7 @@
 """Executions as clients see them, from their jobs."""
 
 from service.api.failures.failure import Failure
+from service.executions.current_motion import followed
 from service.executions.models import Execution, ExecutionState, ExecutionStatus
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
@@ -48,6 +49,8 @@ async def execution_resource(jobs: JobService, job: JobSummary) -> Execution:
         delays=work.delays,
         is_waiting=work.is_waiting and job.state is JobState.QUEUED,
         status=None if status is None else status.model_copy(update={"state": state}),
+        replanned=work.replanned,
+        motions=await followed(jobs, job),
         failure=failure,
         timings={} if ended is None else ended.timings,
         sampling=None if outcome is None else outcome.sampling,

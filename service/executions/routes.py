@@ -23,6 +23,7 @@ from service.executions.models import (
     ExecutionPage,
     ExecutionState,
 )
+from service.executions.new_plan import Terms
 from service.executions.requests import ExecutionRequest, SpeedRequest
 from service.executions.resource import JOB_STATES, execution_resource
 from service.executions.submit import submit_execution
@@ -61,7 +62,7 @@ async def create_execution(
 
     It is of a plan, of several plans as one, or your own.
     """
-    job = await submit_execution(request, asked.key, scenes, asked.jobs, settings.ur_hosts)
+    job = await submit_execution(request, asked.key, scenes, Terms(asked.jobs, settings))
     found = await asked.awaited(job, "/v1/executions")
     return await execution_resource(asked.jobs, found.summary)
 

@@ -1,20 +1,22 @@
 """Queueing the execution of a motion, once it is known to hold, or to wait for its robots."""
 
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
+from planning.errors import NotCertified
 from service.api.fingerprint import fingerprint
-from service.errors import RobotBusy
-from service.executions.admission import Place, proven_work
+from service.errors import RobotBusy, StartMismatch
+from service.executions.admission import Place, kept_at_rest, proven_work
 from service.executions.asked import asked_motion
 from service.executions.controllers import address_of, check_driven
+from service.executions.instead import planned_instead
 from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, ExecutionOutline, ExecutionWork, WaitingExecution
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, Job, JobSpec
 from service.jobs.service import JobService
 from service.jobs.store.entries import OpenEntry
+from service.plans.submit import PlanTerms
 from service.scenes.job_spec import spec_of
 from service.scenes.live import joint_types
 from service.scenes.store.scene_store import SceneStore
@@ -24,8 +26,7 @@ async def submit_execution(
     request: ExecutionRequest,
     key: str | None,
     scenes: SceneStore,
-    jobs: JobService,
-    hosts: Mapping[str, str] | None = None,
+    terms: PlanTerms,
 ) -> Job:
     """Queue an execution in the latest revision of its motion's scene.
 
@@ -33,8 +34,7 @@ async def submit_execution(
         request: What is asked for.
         key: By which a repeated request finds the same job.
         scenes: Knows the scene.
-        jobs: Knows the plan and all executions.
-        hosts: Addresses of controllers, by their names in requests.
+        terms: Know the plan and all executions, and addresses of controllers.
 
     Raises:
         ProblemInvalid: The driver is of another kind of robot, or plans do not fit each other.
@@ -47,8 +47,9 @@ async def submit_execution(
         NotCertified: The motion cannot be proven in the latest revision, beside what moves there.
         QueueFull: The queue is full.
     """
-    address = address_of(request, hosts or {})
-    asked = await asked_motion(request, jobs)
+    jobs = terms.jobs
+    address = address_of(request, terms.settings.ur_hosts)
+    asked, replanned = await asked_motion(request, jobs), None
     idempotency = IdempotencyKey.of(key, lambda: fingerprint(request))
     again = JobSpec(
         EXECUTE.queue, EXECUTE.name, {}, key=idempotency.text, request_digest=idempotency.digest
@@ -64,17 +65,24 @@ async def submit_execution(
         check_driven(request.driver, group)
         place = Place(record, group, entries, address)
         outline = _waiting(request, place, scenes)
-        busy = entries.in_the_way(outline.robots)
+        busy = entries.in_the_way(outline.held_robots)
         if busy is not None and request.when_busy == "refuse":
             raise await _busy(busy, jobs)
         with suppress(Overtaken):
             work: WaitingExecution | ExecutionWork = outline
             if busy is None:
-                work = await proven_work(asked, request.terms, place, scenes=scenes, jobs=jobs)
+                try:
+                    work = await proven_work(asked, request.terms, place, scenes=scenes, jobs=jobs)
+                except (NotCertified, StartMismatch) as fault:
+                    if request.on_not_certified == "refuse" or replanned is not None:
+                        raise
+                    asked, replanned = await planned_instead(asked, fault, terms, scenes)
+                    continue
+                work = work.model_copy(update={"replanned": replanned})
             spec = replace(
                 spec_of(EXECUTE, work, record, idempotency),
                 follows=entries.number,
-                robots=outline.robots,
+                robots=outline.held_robots,
                 waits=busy is not None,
             )
             # The scene is looked up again, and tells where its robot is, until this has ended.
@@ -100,6 +108,7 @@ def _waiting(request: ExecutionRequest, place: Place, scenes: SceneStore) -> Wai
         speed=request.speed,
         joints=joint_types(place.group),
         is_waiting=True,
+        keeps_at_rest=kept_at_rest(request.terms, place.record),
         own=request.trajectory,
         address=place.address,
     )

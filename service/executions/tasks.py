@@ -5,7 +5,7 @@ from typing import Self
 from pydantic import Field
 
 from planning.domain.robot.joints import JointType
-from service.executions.models import ExecutionStatus, SamplingReserve
+from service.executions.models import ExecutionStatus, Replanned, SamplingReserve
 from service.executions.requests import ExecutionTerms
 from service.jobs.outline import Outline
 from service.jobs.task import Task, TaskModel
@@ -23,25 +23,35 @@ class ExecutionOutline(SceneWork):
     """The part of the work that lists show.
 
     Attributes:
+        replanned: The plan that is carried out instead of the motion that was asked for; None if
+            that held.
         joints: Types of the group's joints, by full name and in its order; older versions said
             nothing of them.
         delays: When each of several plans begins [s]; None for one motion.
         is_waiting: Whether it waits for its robots, and nothing is proven of it yet.
+        keeps_at_rest: Robots that no other execution may move meanwhile, beside those it moves.
     """
 
     request: ExecutionTerms
     scene_id: str
     group: str
     speed: float
+    replanned: Replanned | None = None
     joints: dict[str, JointType] = Field(default_factory=dict)
     delays: list[float] | None = None
     is_waiting: bool = False
+    keeps_at_rest: list[str] = Field(default_factory=list[str])
 
     @property
     def robots(self) -> tuple[str, ...]:
         """Names of the robots that it moves."""
         names = self.joints or [self.group]  # older versions said nothing of joints
         return tuple(dict.fromkeys(name.partition("::")[0] for name in names))
+
+    @property
+    def held_robots(self) -> tuple[str, ...]:
+        """Names of the robots that no other execution may move meanwhile."""
+        return tuple(dict.fromkeys([*self.robots, *self.keeps_at_rest]))
 
 
 class WaitingExecution(ExecutionOutline):
@@ -178,13 +188,42 @@ class Bounds(TaskModel):
 
     Attributes:
         revision: Of the scene.
+        motion: Number of the motion that it is about.
         behind: Least place on the way back [s]; None if all of it holds.
         ahead: Where it does not hold any more on the way forwards; None if all of it holds.
+        leave: Where another motion is to leave it, so it is not passed before [s]; None for none.
     """
 
     revision: int
+    motion: int = 0
     behind: float | None = None
     ahead: Block | None = None
+    leave: float | None = None
+
+    @property
+    def until(self) -> float | None:
+        """Place that is not passed forwards [s]; None for none."""
+        places = [self.leave, None if self.ahead is None else self.ahead.time]
+        return min((place for place in places if place is not None), default=None)
+
+
+class NextMotion(TaskModel):
+    """A motion that an execution shall go on with.
+
+    Attributes:
+        number: Of the motion, 1 for the first one after that which was asked for.
+        revision: Of the scene that it is proven in.
+        plan: Id of the plan that it follows.
+        trajectory: All of it; one that is spliced has what is passed of the motion before it.
+        is_spliced: Whether it leaves the motion before it without a rest, at the same place on
+            both; if not, the robot rests where it begins.
+    """
+
+    number: int
+    revision: int
+    plan: str
+    trajectory: Polynomial
+    is_spliced: bool
 
 
 class Commands(TaskModel):
@@ -195,12 +234,32 @@ class Commands(TaskModel):
         speed: Seconds of the motion per second, negative backwards; None for what the request says.
         block: Why it shall come to rest and end; None for no reason.
         bounds: Between which places it shall stay; None for all of its path.
+        next: The motion that it shall go on with; None for none.
     """
 
     is_paused: bool = False
     speed: float | None = None
     block: Block | None = None
     bounds: Bounds | None = None
+    next: NextMotion | None = None
+
+
+class SpliceWork(SceneWork):
+    """A motion to be left at an instant, for another one.
+
+    Attributes:
+        planned: Request of the plan that it is of, which says what it keeps.
+        own: The request, if it is a motion of one's own.
+        running: The whole motion.
+        time: When it is left [s].
+        onto: The motion that is joined.
+    """
+
+    planned: PlanRequest | None
+    own: CertifyMotionRequest | None
+    running: Polynomial
+    time: float
+    onto: Polynomial
 
 
 class ProofWork(SceneWork):
@@ -289,6 +348,12 @@ class ProvenMotion(TaskModel):
     delays: list[float] | None = None
 
 
+class Spliced(TaskModel):
+    """A motion up to where it is left, and on from there without a rest; None if none is proven."""
+
+    trajectory: Polynomial | None
+
+
 class ShownWork(DeliveredWork):
     """A motion of a replay: what stands above it, and when it ended [s], if before its end."""
 
@@ -315,6 +380,7 @@ EXECUTE = Task(
 )
 PROVE = Task("prove_execution", ProofWork, Proof)
 RECHECK = Task("recheck_motion", RecheckWork, Recheck)
+SPLICE = Task("splice_execution", SpliceWork, Spliced)
 PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
 PROVE_BESIDE = Task("prove_beside", BesideWork, BesideProof)
 PROVE_TOGETHER = Task("prove_together", TogetherWork, ProvenMotion)

@@ -3,10 +3,13 @@
 import asyncio
 import logging
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from planning.errors import InputError, WayproofError
+from service.executions.current_motion import CurrentMotion, current_motion
 from service.executions.position import last_status
+from service.executions.replanning import Conflict, Replanner
 from service.executions.tasks import (
     RECHECK,
     Block,
@@ -25,11 +28,33 @@ from service.scenes.store.scene_store import SceneStore
 
 # In one scene; there are mostly none.
 _MOST = 100
+# Where a motion is left for another one: so far from where the robot is, if the motion holds so
+# long [s], and at this share of what holds of it. The rest is for turning away.
+_LEAD, _SHARE = 0.1, 0.4
 _log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True)
+class _Edit:
+    """A revision, and what moves in it.
+
+    Attributes:
+        record: The scene after the edit.
+        motions: Those of all executions.
+        scenes: Has its document.
+        jobs: Has the executions.
+        replanner: Looks for other motions.
+    """
+
+    record: SceneRecord
+    motions: Sequence[GroupMotion]
+    scenes: SceneStore
+    jobs: JobService
+    replanner: Replanner
+
+
 async def judge(
-    record: SceneRecord, *, scenes: SceneStore, jobs: JobService
+    record: SceneRecord, *, scenes: SceneStore, jobs: JobService, replanner: Replanner
 ) -> list[ExecutionVerdict]:
     """Return for each execution of a scene whether it holds in a revision, and have it heed that.
 
@@ -37,6 +62,7 @@ async def judge(
         record: The scene after the edit.
         scenes: Has its document.
         jobs: Has the executions.
+        replanner: Looks for other motions of those that are to have one.
     """
     pages = [
         await jobs.page("execution", _MOST, None, state=state, scene=record.id)
@@ -47,8 +73,10 @@ async def judge(
         job.id: job for page in pages for job in page.jobs if not job.payload.get("is_waiting")
     }
     works = {identifier: await _work(identifier, jobs) for identifier in found}
+    # One that may have gone on with another motion has all robots: no other is beside it.
     motions = [GroupMotion.of(*each) for each in works.items()]
-    verdicts = (_judge(job, works[job.id], motions, record, scenes, jobs) for job in found.values())
+    edit = _Edit(record, motions, scenes, jobs, replanner)
+    verdicts = (_judge(job, works[job.id], edit) for job in found.values())
     return list(await asyncio.gather(*verdicts))
 
 
@@ -56,31 +84,30 @@ async def _work(identifier: str, jobs: JobService) -> ExecutionWork:
     return ExecutionWork.model_validate((await jobs.job("execution", identifier)).payload)
 
 
-async def _judge(
-    job: JobSummary,
-    work: ExecutionWork,
-    motions: Sequence[GroupMotion],
-    record: SceneRecord,
-    scenes: SceneStore,
-    jobs: JobService,
-) -> ExecutionVerdict:
-    status = await last_status(jobs, job)
-    # The robot may be further by now: what is looked at is a little more than what is left.
-    since = 0.0 if status is None else max(0.0, status.time)
-    others = [motion for motion in motions if motion.execution != job.id]
-    found = await _recheck(work, since, others, record, scenes, jobs)
-    commands = await _commands(work, found, record, job, jobs)
-    if commands:
-        try:
-            await jobs.control(job, commands)
-        except WayproofError as fault:  # it has ended meanwhile
-            _log.info("execution %s does not heed an edit: %s", job.id, fault)
-    if (block := found.block) is None:
+async def _judge(job: JobSummary, work: ExecutionWork, edit: _Edit) -> ExecutionVerdict:
+    jobs, replanner = edit.jobs, edit.replanner
+    while True:
+        motion = await current_motion(jobs, job, work)
+        since = await _place(job, motion, jobs)
+        found = await _recheck(job, work, motion, since, edit)
+        if (await current_motion(jobs, job, work)).number == motion.number:
+            break  # else it has gone on with another one meanwhile
+    policy, block = work.request.on_conflict, found.block
+    bounds = Bounds(
+        revision=edit.record.revision, motion=motion.number, behind=found.behind, ahead=block
+    )
+    if policy == "replan" and block is not None:
+        bounds = bounds.model_copy(update={"leave": _leave(since, block.time)})
+    replanner.drop(job.id)
+    await _heed(work, bounds, job, jobs)
+    if block is None:
         return ExecutionVerdict(id=job.id, verdict="unaffected")
+    if bounds.leave is not None:
+        replanner.begin(Conflict(job, work, motion, bounds))
     return ExecutionVerdict(
         id=job.id,
         verdict="conflict",
-        action=work.request.on_conflict,
+        action=policy,
         check=block.check,
         other=block.execution,
         pair=(block.pair[0], block.pair[1]) if block.pair else None,
@@ -90,17 +117,41 @@ async def _judge(
     )
 
 
+async def _heed(work: ExecutionWork, bounds: Bounds, job: JobSummary, jobs: JobService) -> None:
+    """Have an execution heed a verdict."""
+    if commands := await _commands(work, bounds, job, jobs):
+        try:
+            await jobs.control(job, commands)
+        except WayproofError as fault:  # it has ended meanwhile
+            _log.info("execution %s does not heed an edit: %s", job.id, fault)
+
+
+async def _place(job: JobSummary, motion: CurrentMotion, jobs: JobService) -> float:
+    """Return where on a motion the robot was last [s]; it may be further by now.
+
+    So a little more is looked at than what is left.
+    """
+    status = await last_status(jobs, job)
+    if status is None or status.motion != motion.number:
+        return motion.since
+    return max(0.0, status.time)
+
+
+def _leave(since: float, blocked: float) -> float:
+    """Return where a motion is to be left for another one [s]: before the half, but not at once."""
+    return min(blocked, since + max(_LEAD, _SHARE * (blocked - since)))
+
+
 async def _commands(
-    work: ExecutionWork, found: Recheck, record: SceneRecord, job: JobSummary, jobs: JobService
+    work: ExecutionWork, bounds: Bounds, job: JobSummary, jobs: JobService
 ) -> dict[str, Any]:
     """Return what an execution shall do about a verdict, as its request says."""
     policy = work.request.on_conflict
     if policy == "ignore":
         return {}
-    if found.block is not None and policy == "stop":
-        return {"block": found.block.model_dump()}
-    bounds = Bounds(revision=record.revision, behind=found.behind, ahead=found.block)
-    if found.block is None and found.behind is None:
+    if bounds.ahead is not None and policy == "stop":
+        return {"block": bounds.ahead.model_dump()}
+    if bounds.ahead is None and bounds.behind is None:
         set_before = await jobs.last_recorded(job, CONTROLS)
         if set_before is None or set_before.data.get("bounds") is None:
             return {}
@@ -108,18 +159,14 @@ async def _commands(
 
 
 async def _recheck(
-    work: ExecutionWork,
-    since: float,
-    others: list[GroupMotion],
-    record: SceneRecord,
-    scenes: SceneStore,
-    jobs: JobService,
+    job: JobSummary, work: ExecutionWork, motion: CurrentMotion, since: float, edit: _Edit
 ) -> Recheck:
     """Return between which places a motion holds around a time along it."""
+    record = edit.record
     # An older version has begun it.
     if work.planned is None and work.own is None and not work.members:
         return _unproven("unknown", since, record)
-    loaded = scenes.work(record)
+    loaded = edit.scenes.work(record)
     asked = RecheckWork(
         library=loaded.library,
         scene=loaded.scene,
@@ -127,14 +174,14 @@ async def _recheck(
         own=work.own,
         members=work.members,
         group=work.group,
-        trajectory=work.trajectory,
+        trajectory=motion.trajectory,
         since=since,
         revision=record.revision,
-        others=others,
+        others=[each for each in edit.motions if each.execution != job.id],
         margins=work.margins,
     )
     try:
-        return await jobs.call(RECHECK, asked)
+        return await edit.jobs.call(RECHECK, asked)
     except InputError as fault:  # what it keeps names something that is gone
         _log.info("a motion cannot be proven in revision %d: %s", record.revision, fault)
         return _unproven("request", since, record)

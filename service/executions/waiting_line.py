@@ -100,4 +100,4 @@ class WaitingLine:
         place = Place(record, group, entries, work.address)
         proven = await proven_work(asked, work.request, place, scenes=scenes, jobs=jobs)
         spec = spec_of(EXECUTE, proven, record, IdempotencyKey(None, {}))
-        return replace(spec, follows=entries.number, robots=proven.robots), record.revision
+        return replace(spec, follows=entries.number, robots=proven.held_robots), record.revision

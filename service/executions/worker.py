@@ -15,13 +15,13 @@ from planning.execute.execution import Execution
 from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
 from service.executions.drivers import driver_of, sampling_reserve
+from service.executions.followed_motions import FollowedMotions
 from service.executions.jitter import JitterLog
 from service.executions.models import Contact, ExecutionStatus, SamplingReserve
 from service.executions.tasks import (
     EXECUTE,
     START_TOLERANCE,
     Block,
-    Bounds,
     Commands,
     ExecutionOutcome,
     ExecutionWork,
@@ -108,16 +108,17 @@ def follow(
     clock = clock or time.monotonic
     wait = wait or threading.Event().wait
     log, sent_at, sent_state = _StatusLog(), 0.0, ExecutionState.ACCEPTED
-    applied = Commands(speed=speed)
+    applied, motions = Commands(speed=speed), FollowedMotions(runner, context)
     context.watch(MAX_SILENCE)
     until = clock()
     runner.start(until)
     while True:
-        applied = _apply_commands(runner, context, applied)
+        applied = _apply_commands(runner, context, applied, motions)
         now = clock()
         log.note_delay(now - until)
         until = now + TICK
-        status = log.enter(runner.tick(now, lambda until=until: clock() < until))
+        measured = log.enter(runner.tick(now, lambda until=until: clock() < until))
+        status = measured.model_copy(update={"motion": motions.number})
         state = runner.execution.state
         if state is not sent_state or now - sent_at > _EVENT_PERIOD:
             sent_state, sent_at = state, now
@@ -128,35 +129,30 @@ def follow(
             wait(left)
 
 
-def _apply_commands(runner: Runner, context: TaskContext, applied: Commands) -> Commands:
+def _apply_commands(
+    runner: Runner, context: TaskContext, applied: Commands, motions: FollowedMotions
+) -> Commands:
     """Carry out the commands since the last tick; return those that are carried out now."""
     if runner.is_done or runner.execution.state in _ENDING:
         return applied
     if context.is_canceled():
         runner.cancel()
         return applied
-    latest = Commands.model_validate(applied.model_dump() | context.controls())
+    controls = context.controls()
+    if controls is motions.controls:  # nothing new: they may have a whole motion
+        return applied
+    motions.controls = controls
+    latest = Commands.model_validate({"speed": applied.speed} | controls)
     if latest.block is not None:
         runner.abort(blocked(latest.block))
         return latest
-    if latest.bounds is not None and latest.bounds != applied.bounds:
-        latest = _keep_between(runner, latest, latest.bounds, applied.bounds)
+    motions.heed(latest)
     if latest.speed is not None and latest.speed != applied.speed:
         runner.set_speed(latest.speed)
     if latest.is_paused and not applied.is_paused:
         runner.pause()
     if applied.is_paused and not latest.is_paused:
         runner.resume()
-    return latest
-
-
-def _keep_between(
-    runner: Runner, latest: Commands, bounds: Bounds, applied: Bounds | None
-) -> Commands:
-    """Stay between the places of the newest revision; return the commands with what holds."""
-    if applied is not None and applied.revision > bounds.revision:  # an older verdict came later
-        return latest.model_copy(update={"bounds": applied})
-    runner.keep_between(bounds.behind, None if bounds.ahead is None else bounds.ahead.time)
     return latest
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 from planning.domain.planner.unavailable_planners import unknown_planner
 from planning.domain.robot.steering_request import resolve_steering, validate_forward_planners
@@ -65,8 +65,22 @@ def _fingerprint(request: PlanRequest) -> dict[str, Any]:
     return said
 
 
+class PlanTerms(Protocol):
+    """With what plans are made: what is known of a `Submission`."""
+
+    @property
+    def jobs(self) -> JobService:
+        """Where jobs are asked for."""
+        ...
+
+    @property
+    def settings(self) -> Settings:
+        """Of the server."""
+        ...
+
+
 async def plan_spec(
-    request: PlanRequest, key: IdempotencyKey, submission: Submission, scenes: SceneStore
+    request: PlanRequest, key: IdempotencyKey, submission: PlanTerms, scenes: SceneStore
 ) -> JobSpec:
     """Return the job that makes a plan, once all that the request names is there.
 

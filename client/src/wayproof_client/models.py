@@ -250,28 +250,6 @@ class BatchCounts(Answer):
     """Plans with a result."""
 
 
-class BatchPage(Answer):
-    """Batches, newest first."""
-
-    items: list[BatchSummary]
-    """On this page, without the ids of their plans."""
-    next: str | None
-    """Cursor of the next page; null on the last one."""
-
-
-class BatchSummary(Answer):
-    """A batch without the ids of its plans. Deleted plans are no part of it any more."""
-
-    counts: BatchCounts
-    """Plans by state."""
-    created_at: datetime
-    """When it was requested (UTC)."""
-    finished_at: datetime | None
-    """When the last plan ended (UTC); null while one waits or runs."""
-    id: str
-    """Of the batch."""
-
-
 class BestPath(Answer):
     """The best path that a search has found so far."""
 
@@ -358,15 +336,6 @@ class BodyTooLargeProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
-class Bounds(Answer):
-    """What the coordinates of a quantity are kept within; a block is limited by its norm."""
-
-    lower: list[float | None]
-    """Per coordinate; null: none."""
-    upper: list[float | None]
-    """Per coordinate; null: none."""
-
-
 class Box(Answer):
     """A box, placed by the pose of its middle."""
 
@@ -388,7 +357,7 @@ class Branch(Answer):
 
 
 class BusyEvidence(Answer):
-    """What moves a robot, or waits for it."""
+    """What moves in the scene."""
 
     execution: str
     """Its id."""
@@ -493,10 +462,6 @@ class CertificateEvidence(Answer):
     """Of executions, what it may be."""
     check: str | None = None
     """Of executions, the first of the checks."""
-    execution: str | None = None
-    """Of the check `beside`, id of the execution whose motion is in the way."""
-    other_time: float | None = None
-    """Of the check `beside`, when on the motion of that one [s]."""
     pair: list[str] | None = None
     """Of executions, the two bodies that come too near, if that is the check."""
     refused: list[str] | None = None
@@ -1117,7 +1082,7 @@ class Execution(Answer):
     finished_at: datetime | None
     """When it ended (UTC)."""
     group: str
-    """Group that moves; of several plans the one that spans theirs."""
+    """Group that moves."""
     id: str
     """Id of the execution."""
     request: ExecutionTerms
@@ -1134,10 +1099,11 @@ class Execution(Answer):
     """What has happened and the database does not hold yet, because it is full, locked or away:
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
-    delays: list[float] | None = None
-    """When each of `plans` begins [s]; null for one motion."""
-    is_waiting: bool = False
-    """Whether it waits for its robots, and is proven once it begins."""
+    motions: list[FollowedMotion] = Field(default=[], validate_default=True)
+    """Motions that it went on with instead of the one asked for, in order."""
+    replanned: Replanned | None = None
+    """The plan that is carried out instead, as `on_not_certified` says; null if the motion that
+    was asked for held."""
     sampling: SamplingReserve | None = None
     """Of a controller that samples the motion, once it has ended; null for others."""
     timings: Timings = Field(default={}, validate_default=True)
@@ -1155,7 +1121,13 @@ class OtherExecutionEvent(Answer):
 
 type ExecutionEvent = Annotated[
     Annotated[
-        QueuedEvent | StartedEvent | StageEvent | ControlsEvent | StatusEvent | FinishedEvent,
+        QueuedEvent
+        | StartedEvent
+        | StageEvent
+        | ControlsEvent
+        | StatusEvent
+        | MotionEvent
+        | FinishedEvent,
         Field(discriminator="event"),
     ]
     | OtherExecutionEvent,
@@ -1217,11 +1189,19 @@ class ExecutionStatus(Answer):
     """Time along the motion [s]."""
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
+    ahead: float | None = None
+    """Place that it does not pass, time along the motion [s]: it rests before it until an edit
+    of the scene clears the way; null for none."""
+    behind: float | None = None
+    """Place that it does not pass on the way back [s]; null for none."""
     jitter: Jitter | None = None
     """How late the ticks were so far; null if not recorded."""
     lateness: float | None = None
     """The longest so far that the controller was late to look at the clock [s]: what else runs
     on the machine makes the motion fall behind; null if not recorded."""
+    motion: int = 0
+    """Number of the motion that `time` and `progress` are about: 0 is the one that was asked
+    for, the others are in `motions`."""
     path_velocity: float | None = None
     """Seconds of the motion per second of the robot's clock, now; negative is backwards; null
     if not recorded."""
@@ -1232,30 +1212,26 @@ class ExecutionStatus(Answer):
 
 
 class ExecutionTerms(Answer):
-    """How a motion is carried out, and of which plan or plans it is."""
+    """How a motion is carried out, and of which plan it is."""
 
-    delays: list[float] | None = None
-    """When each of `plans` begins [s]; null for the smallest delays that are proven, as `POST
-    /trajectories/schedule` finds them."""
     driver: DriverName | UrRtdeDriver = "simulated"
     """What moves."""
-    on_conflict: Literal["stop", "ignore"] | str = "stop"
+    on_conflict: Literal["stop", "slow", "replan", "ignore"] | str = "stop"
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
-    on the path and ends (`path_blocked`); `ignore` only tells."""
+    on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
+    itself once a later edit has cleared the way; `replan` does so too, and goes on with a new
+    plan to the same configuration, without a rest where that is proven; `ignore` only tells."""
+    on_not_certified: Literal["refuse", "replan"] | str = "refuse"
+    """What is done if the plan's motion does not begin where the robot is, or is not proven in
+    the latest revision: `refuse` answers 409; `replan` waits for a new plan from where the
+    robot is to the same configuration (`replanned`), and answers 409 if there is none."""
     plan: str | None = None
-    """Id of a plan that succeeded; null for several, and for a motion of one's own."""
-    plans: list[str] | None = None
-    """Ids of plans of one scene, which are carried out as one motion with one clock, the most
-    urgent first; no joint is in two of them."""
+    """Id of a plan that succeeded; null for a motion of one's own."""
     speed: float = 1.0
     """Seconds of the motion per second; above 1 the simulation's clock runs faster than real
     time, and the motion stays as it is."""
     title: str | None = None
     """Title of the motion in replays of the scene."""
-    when_busy: Literal["refuse", "wait"] | str = "refuse"
-    """What is done if another execution moves one of its robots, or waits for one: `refuse`
-    (409); `wait` begins once they are free, in the order of requests, and is proven then, from
-    where they are then."""
 
 
 class ExecutionVerdict(Answer):
@@ -1265,16 +1241,13 @@ class ExecutionVerdict(Answer):
     """Id of the execution."""
     verdict: Literal["unaffected", "conflict"] | str
     """Whether what is left of its motion is proven in this revision."""
-    action: Literal["stop", "ignore"] | str | None = None
+    action: Literal["stop", "slow", "replan", "ignore"] | str | None = None
     """What is done, as the execution's `on_conflict` says."""
     check: str | None = None
     """Check of the certificate that fails, mostly `clearance`; `undecided` if there was no
-    verdict in time, `request` if what the motion shall keep names what is gone, `beside` if it
-    may meet another execution."""
+    verdict in time, `request` if what the motion shall keep names what is gone."""
     fraction: float | None = None
     """Share of the path's length that is done there, 0 to 1."""
-    other: str | None = None
-    """Id of the execution that it may meet, if that is the check."""
     pair: tuple[str, str] | None = None
     """Full names of the bodies that come too near, if it is about two."""
     seconds: float | None = None
@@ -1336,10 +1309,7 @@ type Failure = Annotated[
         | HostLostFailure
         | MemoryLimitExceededFailure
         | ServerRestartedFailure
-        | InternalErrorFailure
-        | NotFoundFailure
-        | StartMismatchFailure
-        | RobotStateUnknownFailure,
+        | InternalErrorFailure,
         Field(discriminator="code"),
     ]
     | OtherFailure,
@@ -1398,6 +1368,24 @@ class FkResponse(Answer):
 
     results: list[dict[str, Pose]]
     """Pose in world per frame, in the order of the configurations."""
+
+
+class FollowedMotion(Answer):
+    """A motion that an execution went on with, since an edit was in the way of the one before."""
+
+    duration: float
+    """Of the whole motion, from its beginning to its end [s]."""
+    is_spliced: bool
+    """Whether the robot left the motion before it without a rest; if not, it began at rest,
+    where the robot had stopped."""
+    left_at: float
+    """Place on the motion before it where that was left [s]."""
+    number: int
+    """1 for the first one after that which was asked for."""
+    plan: str
+    """Id of the plan that it follows."""
+    revision: int
+    """Of the scene that it is proven in."""
 
 
 class FoundDeviation(Answer):
@@ -2582,6 +2570,32 @@ class ModelList(Answer):
     """Names, sorted; GET /v1/models/{name} says more."""
 
 
+class MotionData(Answer):
+    """A motion that is followed from now on."""
+
+    at: datetime
+    """When it happened (UTC)."""
+    motions: list[FollowedMotion]
+    """All so far, this one last."""
+    number: int
+    """Number of the motion."""
+    trajectory: Polynomial
+    """All of it; what is spliced has what was passed of the motion before it."""
+    plan: str | None = None
+    """To which plan, in the stream of a batch; absent in other streams."""
+
+
+class MotionEvent(Answer):
+    """The execution goes on with another motion."""
+
+    data: Json[MotionData]
+    """Which motion it is."""
+    event: Literal["motion"]
+    """What happened."""
+    id: str
+    """For `Last-Event-ID`."""
+
+
 type MotionInterpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"] | str
 """What a motion is between its instants."""
 
@@ -2843,23 +2857,6 @@ class NotCertifiedProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
-class NotFoundFailure(Answer):
-    """There is nothing of that id."""
-
-    code: Literal["not_found"]
-    """Stable machine-readable name of the kind."""
-    detail: str
-    """What went wrong, for a person."""
-    evidence: UnknownResourceEvidence
-    """Facts behind it [SI units, radians]."""
-    stage: AnyStage
-    """The stage that gave up, or in which the time ran out or the cancel came: a name in
-    `timings`, for example `goals`; `worker` if it is not known; or empty."""
-    timings: Timings = Field(default={}, validate_default=True)
-    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
-    was timed."""
-
-
 class NotFoundProblem(Answer):
     """There is nothing of that id."""
 
@@ -3090,8 +3087,6 @@ class PathBlockedEvidence(Answer):
     """Of the scene."""
     time: float
     """On the motion [s]."""
-    execution: str | None = None
-    """Of the check `beside`, id of the execution whose motion is in the way; null for others."""
 
 
 class PathBlockedFailure(Answer):
@@ -3758,11 +3753,12 @@ class Refine(Answer):
     clearance: ClearanceObjective | None = None
     """What the duration is weighed against; `none` and `drake` have no use for it."""
     method: Literal["trajopt", "drake", "auto", "none"] | str = "trajopt"
-    """Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as trajopt, but
-    only if at least half a second is left; or leave the path as it is."""
+    """Optimise the duration by convex steps; optimise any objective by Drake's
+    KinematicTrajectoryOptimization; as trajopt, but only if at least half a second is left; or
+    leave the path as it is."""
     objective: RefineObjective | None = None
-    """What to minimise; null for the duration, the only objective for cars. With it, or with
-    `drake`, the report has all objectives, before and after."""
+    """What to minimise; null for the duration, beside which `trajopt` and `auto` know nothing.
+    With it, or with `drake`, the report has all objectives, before and after."""
 
 
 class RefineObjective(Answer):
@@ -4164,6 +4160,17 @@ class RemovedBody(Answer):
     """The group's positions then [rad or m]."""
 
 
+class Replanned(Answer):
+    """A plan that is carried out instead of the motion that was asked for."""
+
+    code: str
+    """Why: the code that the execution would have been refused with."""
+    detail: str
+    """The same, for a person."""
+    plan: str
+    """Its id."""
+
+
 class RequestInvalidProblem(Answer):
     """The body or the parameters have faults."""
 
@@ -4506,7 +4513,7 @@ class RoadmapReport(Answer):
 
 
 class RobotBusyProblem(Answer):
-    """An execution moves one of these robots, or waits for one."""
+    """An execution moves something in this scene."""
 
     code: Literal["robot_busy"]
     """Stable machine-readable name of the kind."""
@@ -4566,23 +4573,6 @@ class RobotStateEvidence(Answer):
 
     robots: list[str]
     """Their names."""
-
-
-class RobotStateUnknownFailure(Answer):
-    """It is not known where a robot of this scene is."""
-
-    code: Literal["robot_state_unknown"]
-    """Stable machine-readable name of the kind."""
-    detail: str
-    """What went wrong, for a person."""
-    evidence: RobotStateEvidence
-    """Facts behind it [SI units, radians]."""
-    stage: AnyStage
-    """The stage that gave up, or in which the time ran out or the cancel came: a name in
-    `timings`, for example `goals`; `worker` if it is not known; or empty."""
-    timings: Timings = Field(default={}, validate_default=True)
-    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
-    was timed."""
 
 
 class RobotStateUnknownProblem(Answer):
@@ -5102,42 +5092,6 @@ class SearchReport(Answer):
     """Whether a cancel ended the search early."""
 
 
-class Series(Answer):
-    """A motion at equal time steps: what the plots draw."""
-
-    acceleration_jumps: list[float]
-    """Instants at which acceleration jumps, so that jerk is infinite [s]."""
-    accelerations: list[list[float]]
-    """[rad/s^2 or m/s^2]."""
-    jerks: list[list[float]]
-    """Between the jumps of acceleration [rad/s^3 or m/s^3]."""
-    limits: dict[str, Bounds]
-    """What the plan was to keep, scaled, of `position`, `velocity`, `acceleration`, `torque`,
-    and of `jerk` if it is limited."""
-    position_names: list[str]
-    """A name per position coordinate."""
-    positions: list[list[float]]
-    """One row per instant [rad or m]."""
-    times: list[float]
-    """Instants [s]."""
-    tool_speeds: dict[str, list[float]]
-    """Of the tool frame and of every frame that is limited, by frame [m/s]."""
-    torques: list[list[float]]
-    """What inverse dynamics asks for [N m or N]."""
-    utilisation: dict[str, list[float]]
-    """Share of each limit that is used, of the coordinate that uses most, by the name of its
-    check; `torque` whether it is limited or not."""
-    velocities: list[list[float]]
-    """[rad/s or m/s]."""
-    velocity_names: list[str]
-    """A name per velocity coordinate."""
-    clearance: list[float | None] | None = None
-    """Smallest distance of any two bodies [m]; beyond half a metre above the margin it is that;
-    null unless `distances` asks for it."""
-    closest_pairs: list[tuple[str, str]] | None = None
-    """The two bodies of each clearance, or two empty names."""
-
-
 class ServerRestartedFailure(Answer):
     """The server ended while the job ran, and it may not run again."""
 
@@ -5374,23 +5328,6 @@ class StartMismatchEvidence(Answer):
     """Of the coordinates."""
 
 
-class StartMismatchFailure(Answer):
-    """The plan does not start where the robot is."""
-
-    code: Literal["start_mismatch"]
-    """Stable machine-readable name of the kind."""
-    detail: str
-    """What went wrong, for a person."""
-    evidence: StartMismatchEvidence
-    """Facts behind it [SI units, radians]."""
-    stage: AnyStage
-    """The stage that gave up, or in which the time ran out or the cancel came: a name in
-    `timings`, for example `goals`; `worker` if it is not known; or empty."""
-    timings: Timings = Field(default={}, validate_default=True)
-    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
-    was timed."""
-
-
 class StartMismatchProblem(Answer):
     """The plan does not start where the robot is."""
 
@@ -5574,11 +5511,19 @@ class StatusData(Answer):
     """Time along the motion [s]."""
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
+    ahead: float | None = None
+    """Place that it does not pass, time along the motion [s]: it rests before it until an edit
+    of the scene clears the way; null for none."""
+    behind: float | None = None
+    """Place that it does not pass on the way back [s]; null for none."""
     jitter: Jitter | None = None
     """How late the ticks were so far; null if not recorded."""
     lateness: float | None = None
     """The longest so far that the controller was late to look at the clock [s]: what else runs
     on the machine makes the motion fall behind; null if not recorded."""
+    motion: int = 0
+    """Number of the motion that `time` and `progress` are about: 0 is the one that was asked
+    for, the others are in `motions`."""
     path_velocity: float | None = None
     """Seconds of the motion per second of the robot's clock, now; negative is backwards; null
     if not recorded."""

@@ -255,9 +255,15 @@ class ExecutionRequest(TypedDict):
     /trajectories/schedule` finds them."""
     driver: NotRequired[DriverName | UrRtdeDriver]
     """What moves."""
-    on_conflict: NotRequired[Literal["stop", "ignore"]]
+    on_conflict: NotRequired[Literal["stop", "slow", "replan", "ignore"]]
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
-    on the path and ends (`path_blocked`); `ignore` only tells."""
+    on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
+    itself once a later edit has cleared the way; `replan` does so too, and goes on with a new
+    plan to the same configuration, without a rest where that is proven; `ignore` only tells."""
+    on_not_certified: NotRequired[Literal["refuse", "replan"]]
+    """What is done if the plan's motion does not begin where the robot is, or is not proven in
+    the latest revision: `refuse` answers 409; `replan` waits for a new plan from where the
+    robot is to the same configuration (`replanned`), and answers 409 if there is none."""
     plan: NotRequired[str | None]
     """Id of a plan that succeeded; null for several, and for a motion of one's own."""
     plans: NotRequired[Sequence[str] | None]

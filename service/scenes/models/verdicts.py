@@ -14,7 +14,7 @@ class ExecutionVerdict(ResponseModel):
     verdict: Literal["unaffected", "conflict"] = Field(
         description="Whether what is left of its motion is proven in this revision"
     )
-    action: Literal["stop", "slow", "ignore"] | None = Field(
+    action: Literal["stop", "slow", "replan", "ignore"] | None = Field(
         default=None, description="What is done, as the execution's `on_conflict` says"
     )
     check: str | None = Field(

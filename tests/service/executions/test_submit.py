@@ -97,8 +97,9 @@ def scene(monkeypatch):
 
 
 def submitted(scene, **fields):
+    terms = SimpleNamespace(jobs=scene, settings=SimpleNamespace(ur_hosts={}))
     request = ExecutionRequest(plan="pln_1", **fields)
-    return asyncio.run(submit.submit_execution(request, None, scene, scene))
+    return asyncio.run(submit.submit_execution(request, None, scene, terms))
 
 
 def test_a_motion_that_ends_while_it_is_looked_for_is_not_overlooked(scene):

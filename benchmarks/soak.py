@@ -1,0 +1,69 @@
+"""Executions in a row, steered, blocked and killed at random: what has to hold of each does.
+
+`make soak`. Of one robot, or of two that move as one group. After each the execution has to have
+exactly one end and a whole log, the scene has to know the robots where they were measured last, and
+a model built by Drake alone finds no collision of the measured motion, looked at every 2 ms, with
+the table, with the obstacle while it was in the scene, or of robots with each other. What does not
+hold is told, with the seed, and the command ends with 1.
+"""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from benchmarks.service_load.host import Host
+from benchmarks.soak_rounds.cell import Cell
+from benchmarks.soak_rounds.checks import faults, num_configurations
+from benchmarks.soak_rounds.rounds import Soak
+
+# Answers take longer than this only if something hangs [s].
+_LIMIT = 120.0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run, print, and return 1 if something did not hold."""
+    options = parser().parse_args(arguments)
+    console = Console(soft_wrap=True)
+    seed = np.random.SeedSequence().entropy if options.seed is None else options.seed
+    rng = np.random.default_rng(seed)
+    cell, ends, found, looked_at = Cell(options.robots), Counter[str](), 0, 0
+    with Host(_LIMIT) as host:
+        soak = Soak(host, cell, options.robots, rng)
+        for i in range(options.executions):
+            made = soak.next_round()
+            wrong = list(dict.fromkeys(faults(made, cell)))
+            failure = made.execution["failure"]
+            ends[made.execution["state"] if failure is None else failure["code"]] += 1
+            found, looked_at = found + len(wrong), looked_at + num_configurations(made)
+            if wrong or options.verbose:
+                console.print(f"{i}: {made.execution['id']}: {made.done}", markup=False)
+                for fault in wrong[:5]:
+                    console.print(f"   {fault}", markup=False)
+    told = ", ".join(f"{count} {end}" for end, count in ends.most_common())
+    console.print(
+        f"{options.executions} executions of {options.robots} robots, seed {seed}: {told}; "
+        f"{looked_at} configurations looked at; {found} faults"
+    )
+    return 1 if found else 0
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command's options."""
+    made = argparse.ArgumentParser(description=__doc__)
+    made.add_argument("--executions", type=int, default=50)
+    made.add_argument("--robots", type=int, choices=[1, 2], default=1)
+    made.add_argument("--seed", type=int, help="of all that is random; else a fresh one")
+    made.add_argument("--verbose", action="store_true", help="tell what was done in each round")
+    return made
+
+
+if __name__ == "__main__":
+    sys.exit(main())
