@@ -14,7 +14,7 @@ namespace wayproof {
 namespace {
 
 // As in profile_optimizer.py.
-constexpr int num_rounds = 3, num_steps = 8;
+constexpr int num_rounds = 6, num_steps = 8;
 constexpr double initial_utilization = 0.97;
 constexpr double barrier_weight = 0.1, barrier_factor = 0.5;
 constexpr double max_step = 0.3;
