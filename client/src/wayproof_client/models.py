@@ -250,6 +250,28 @@ class BatchCounts(Answer):
     """Plans with a result."""
 
 
+class BatchPage(Answer):
+    """Batches, newest first."""
+
+    items: list[BatchSummary]
+    """On this page, without the ids of their plans."""
+    next: str | None
+    """Cursor of the next page; null on the last one."""
+
+
+class BatchSummary(Answer):
+    """A batch without the ids of its plans. Deleted plans are no part of it any more."""
+
+    counts: BatchCounts
+    """Plans by state."""
+    created_at: datetime
+    """When it was requested (UTC)."""
+    finished_at: datetime | None
+    """When the last plan ended (UTC); null while one waits or runs."""
+    id: str
+    """Of the batch."""
+
+
 class BestPath(Answer):
     """The best path that a search has found so far."""
 
@@ -336,6 +358,15 @@ class BodyTooLargeProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
+class Bounds(Answer):
+    """What the coordinates of a quantity are kept within; a block is limited by its norm."""
+
+    lower: list[float | None]
+    """Per coordinate; null: none."""
+    upper: list[float | None]
+    """Per coordinate; null: none."""
+
+
 class Box(Answer):
     """A box, placed by the pose of its middle."""
 
@@ -357,7 +388,7 @@ class Branch(Answer):
 
 
 class BusyEvidence(Answer):
-    """What moves in the scene."""
+    """What moves a robot, or waits for it."""
 
     execution: str
     """Its id."""
@@ -462,6 +493,10 @@ class CertificateEvidence(Answer):
     """Of executions, what it may be."""
     check: str | None = None
     """Of executions, the first of the checks."""
+    execution: str | None = None
+    """Of the check `beside`, id of the execution whose motion is in the way."""
+    other_time: float | None = None
+    """Of the check `beside`, when on the motion of that one [s]."""
     pair: list[str] | None = None
     """Of executions, the two bodies that come too near, if that is the check."""
     refused: list[str] | None = None
@@ -1082,7 +1117,7 @@ class Execution(Answer):
     finished_at: datetime | None
     """When it ended (UTC)."""
     group: str
-    """Group that moves."""
+    """Group that moves; of several plans the one that spans theirs."""
     id: str
     """Id of the execution."""
     request: ExecutionTerms
@@ -1099,6 +1134,10 @@ class Execution(Answer):
     """What has happened and the database does not hold yet, because it is full, locked or away:
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
+    delays: list[float] | None = None
+    """When each of `plans` begins [s]; null for one motion."""
+    is_waiting: bool = False
+    """Whether it waits for its robots, and is proven once it begins."""
     motions: list[FollowedMotion] = Field(default=[], validate_default=True)
     """Motions that it went on with instead of the one asked for, in order."""
     replanned: Replanned | None = None
@@ -1212,26 +1251,37 @@ class ExecutionStatus(Answer):
 
 
 class ExecutionTerms(Answer):
-    """How a motion is carried out, and of which plan it is."""
+    """How a motion is carried out, and of which plan or plans it is."""
 
+    delays: list[float] | None = None
+    """When each of `plans` begins [s]; null for the smallest delays that are proven, as `POST
+    /trajectories/schedule` finds them."""
     driver: DriverName | UrRtdeDriver = "simulated"
     """What moves."""
     on_conflict: Literal["stop", "slow", "replan", "ignore"] | str = "stop"
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
     on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
     itself once a later edit has cleared the way; `replan` does so too, and goes on with a new
-    plan to the same configuration, without a rest where that is proven; `ignore` only tells."""
+    plan to the same configuration, without a rest where that is proven: until its end no other
+    robot of the scene may move; `ignore` only tells."""
     on_not_certified: Literal["refuse", "replan"] | str = "refuse"
     """What is done if the plan's motion does not begin where the robot is, or is not proven in
     the latest revision: `refuse` answers 409; `replan` waits for a new plan from where the
     robot is to the same configuration (`replanned`), and answers 409 if there is none."""
     plan: str | None = None
-    """Id of a plan that succeeded; null for a motion of one's own."""
+    """Id of a plan that succeeded; null for several, and for a motion of one's own."""
+    plans: list[str] | None = None
+    """Ids of plans of one scene, which are carried out as one motion with one clock, the most
+    urgent first; no joint is in two of them."""
     speed: float = 1.0
     """Seconds of the motion per second; above 1 the simulation's clock runs faster than real
     time, and the motion stays as it is."""
     title: str | None = None
     """Title of the motion in replays of the scene."""
+    when_busy: Literal["refuse", "wait"] | str = "refuse"
+    """What is done if another execution moves one of its robots, or waits for one: `refuse`
+    (409); `wait` begins once they are free, in the order of requests, and is proven then, from
+    where they are then."""
 
 
 class ExecutionVerdict(Answer):
@@ -1245,9 +1295,12 @@ class ExecutionVerdict(Answer):
     """What is done, as the execution's `on_conflict` says."""
     check: str | None = None
     """Check of the certificate that fails, mostly `clearance`; `undecided` if there was no
-    verdict in time, `request` if what the motion shall keep names what is gone."""
+    verdict in time, `request` if what the motion shall keep names what is gone, `beside` if it
+    may meet another execution."""
     fraction: float | None = None
     """Share of the path's length that is done there, 0 to 1."""
+    other: str | None = None
+    """Id of the execution that it may meet, if that is the check."""
     pair: tuple[str, str] | None = None
     """Full names of the bodies that come too near, if it is about two."""
     seconds: float | None = None
@@ -1309,7 +1362,10 @@ type Failure = Annotated[
         | HostLostFailure
         | MemoryLimitExceededFailure
         | ServerRestartedFailure
-        | InternalErrorFailure,
+        | InternalErrorFailure
+        | NotFoundFailure
+        | StartMismatchFailure
+        | RobotStateUnknownFailure,
         Field(discriminator="code"),
     ]
     | OtherFailure,
@@ -2857,6 +2913,23 @@ class NotCertifiedProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
+class NotFoundFailure(Answer):
+    """There is nothing of that id."""
+
+    code: Literal["not_found"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: UnknownResourceEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
 class NotFoundProblem(Answer):
     """There is nothing of that id."""
 
@@ -3087,6 +3160,8 @@ class PathBlockedEvidence(Answer):
     """Of the scene."""
     time: float
     """On the motion [s]."""
+    execution: str | None = None
+    """Of the check `beside`, id of the execution whose motion is in the way; null for others."""
 
 
 class PathBlockedFailure(Answer):
@@ -3753,12 +3828,11 @@ class Refine(Answer):
     clearance: ClearanceObjective | None = None
     """What the duration is weighed against; `none` and `drake` have no use for it."""
     method: Literal["trajopt", "drake", "auto", "none"] | str = "trajopt"
-    """Optimise the duration by convex steps; optimise any objective by Drake's
-    KinematicTrajectoryOptimization; as trajopt, but only if at least half a second is left; or
-    leave the path as it is."""
+    """Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as trajopt, but
+    only if at least half a second is left; or leave the path as it is."""
     objective: RefineObjective | None = None
-    """What to minimise; null for the duration, beside which `trajopt` and `auto` know nothing.
-    With it, or with `drake`, the report has all objectives, before and after."""
+    """What to minimise; null for the duration, the only objective for cars. With it, or with
+    `drake`, the report has all objectives, before and after."""
 
 
 class RefineObjective(Answer):
@@ -4513,7 +4587,7 @@ class RoadmapReport(Answer):
 
 
 class RobotBusyProblem(Answer):
-    """An execution moves something in this scene."""
+    """An execution moves one of these robots, or waits for one."""
 
     code: Literal["robot_busy"]
     """Stable machine-readable name of the kind."""
@@ -4573,6 +4647,23 @@ class RobotStateEvidence(Answer):
 
     robots: list[str]
     """Their names."""
+
+
+class RobotStateUnknownFailure(Answer):
+    """It is not known where a robot of this scene is."""
+
+    code: Literal["robot_state_unknown"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: RobotStateEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
 
 
 class RobotStateUnknownProblem(Answer):
@@ -5092,6 +5183,42 @@ class SearchReport(Answer):
     """Whether a cancel ended the search early."""
 
 
+class Series(Answer):
+    """A motion at equal time steps: what the plots draw."""
+
+    acceleration_jumps: list[float]
+    """Instants at which acceleration jumps, so that jerk is infinite [s]."""
+    accelerations: list[list[float]]
+    """[rad/s^2 or m/s^2]."""
+    jerks: list[list[float]]
+    """Between the jumps of acceleration [rad/s^3 or m/s^3]."""
+    limits: dict[str, Bounds]
+    """What the plan was to keep, scaled, of `position`, `velocity`, `acceleration`, `torque`,
+    and of `jerk` if it is limited."""
+    position_names: list[str]
+    """A name per position coordinate."""
+    positions: list[list[float]]
+    """One row per instant [rad or m]."""
+    times: list[float]
+    """Instants [s]."""
+    tool_speeds: dict[str, list[float]]
+    """Of the tool frame and of every frame that is limited, by frame [m/s]."""
+    torques: list[list[float]]
+    """What inverse dynamics asks for [N m or N]."""
+    utilisation: dict[str, list[float]]
+    """Share of each limit that is used, of the coordinate that uses most, by the name of its
+    check; `torque` whether it is limited or not."""
+    velocities: list[list[float]]
+    """[rad/s or m/s]."""
+    velocity_names: list[str]
+    """A name per velocity coordinate."""
+    clearance: list[float | None] | None = None
+    """Smallest distance of any two bodies [m]; beyond half a metre above the margin it is that;
+    null unless `distances` asks for it."""
+    closest_pairs: list[tuple[str, str]] | None = None
+    """The two bodies of each clearance, or two empty names."""
+
+
 class ServerRestartedFailure(Answer):
     """The server ended while the job ran, and it may not run again."""
 
@@ -5326,6 +5453,23 @@ class StartMismatchEvidence(Answer):
     """What it may be [rad or m]."""
     names: list[str] | None = None
     """Of the coordinates."""
+
+
+class StartMismatchFailure(Answer):
+    """The plan does not start where the robot is."""
+
+    code: Literal["start_mismatch"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: StartMismatchEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
 
 
 class StartMismatchProblem(Answer):

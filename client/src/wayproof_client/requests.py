@@ -259,7 +259,8 @@ class ExecutionRequest(TypedDict):
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
     on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
     itself once a later edit has cleared the way; `replan` does so too, and goes on with a new
-    plan to the same configuration, without a rest where that is proven; `ignore` only tells."""
+    plan to the same configuration, without a rest where that is proven: until its end no other
+    robot of the scene may move; `ignore` only tells."""
     on_not_certified: NotRequired[Literal["refuse", "replan"]]
     """What is done if the plan's motion does not begin where the robot is, or is not proven in
     the latest revision: `refuse` answers 409; `replan` waits for a new plan from where the
