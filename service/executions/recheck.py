@@ -69,7 +69,8 @@ def _beside(
     found = first_in_the_way(world, motion, work.others, deadline)
     if found is None:
         return None
-    block = _block(work, trajectory, BESIDE, found.check.pair, found.check.time)
+    # Where both may meet is not where they would first: nothing is proven from here on.
+    block = _block(work, trajectory, BESIDE, found.check.pair, work.since)
     return block.model_copy(update={"execution": found.execution})
 
 

@@ -142,6 +142,26 @@ def test_an_edit_is_judged_for_each_and_with_the_others_in_mind(client, scene):
     client.post(f"/v1/executions/{two}/cancel")
 
 
+def test_two_that_may_not_meet_any_more_rest_at_once_until_they_may_again(client, scene):
+    """Where they would meet first is not known, so neither goes on to where they may meet."""
+    pair = {"pair": ["a::body", "b::body"]}
+    edited(client, scene, {"op": "allow", **pair})
+    both = [moving(client, scene, robot, on_conflict="slow") for robot in "ab"]
+    told = edited(client, scene, {"op": "forbid", **pair})["executions"]
+    assert {each["check"] for each in told} == {"beside"}
+    before = [status(client, each)["time"] for each in both]
+    for execution, time in zip(both, before, strict=True):
+        client.post(f"/v1/executions/{execution}/speed", json={"speed": 20})
+        while status(client, execution)["path_velocity"]:
+            pass
+        resting = status(client, execution)
+        assert resting["state"] == "executing"
+        assert resting["time"] < time + 0.1
+    told = edited(client, scene, {"op": "allow", **pair})["executions"]
+    assert {each["verdict"] for each in told} == {"unaffected"}
+    assert [ended(client, each)["state"] for each in both] == ["succeeded", "succeeded"]
+
+
 def test_an_edit_by_which_two_may_not_meet_any_more_stops_both(client, scene):
     edited(client, scene, {"op": "allow", "pair": ["a::body", "b::body"]})
     one, two = moving(client, scene, "a"), moving(client, scene, "b")
