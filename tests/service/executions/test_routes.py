@@ -180,6 +180,7 @@ def test_a_motion_of_ones_own_is_proven_and_carried_out(client, scene):
         "driver": "simulated",
         "speed": 20,
         "on_conflict": "stop",
+        "on_not_certified": "refuse",
         "title": None,
     }
     end = motion["trajectory"]["positions"][-1]
