@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.profiles import only_campaign
 from tests.service.executions.crossing import (
     GOALS,
     begun,
@@ -54,6 +55,7 @@ def back(robot):
     return {"op": "set_positions", "robot": robot, "positions": place}
 
 
+@only_campaign("1 s")
 def test_both_robots_are_where_they_were_measured_last(client, scene, plans):
     done = execute(client, wait=60, plans=plans, speed=50).json()
     measured = done["status"]["positions"]
@@ -61,6 +63,7 @@ def test_both_robots_are_where_they_were_measured_last(client, scene, plans):
     assert measured == pytest.approx([*GOALS["a"], *GOALS["b"]], abs=0.005)
 
 
+@only_campaign("3 s")
 def test_delays_that_are_given_are_kept_or_refused(client, scene, plans):
     refused = execute(client, plans=plans, delays=[0.0, 0.0])
     assert (refused.status_code, refused.json()["code"]) == (409, "not_certified")
@@ -72,6 +75,7 @@ def test_delays_that_are_given_are_kept_or_refused(client, scene, plans):
     assert (done["state"], done["delays"]) == ("succeeded", late)
 
 
+@only_campaign("1 s")
 def test_commands_are_of_all_robots(client, scene, plans, slow):
     client.post(f"/v1/executions/{slow}/pause")
     while status(client, slow)["path_velocity"]:
@@ -89,6 +93,7 @@ def test_commands_are_of_all_robots(client, scene, plans, slow):
     assert ended(client, slow)["state"] == "canceled"
 
 
+@only_campaign("1 s")
 def test_what_comes_into_the_way_of_one_stops_all(client, scene, slow):
     for obstacle, verdict in (
         (box("far", [3, 3, 0]), "unaffected"),
@@ -101,6 +106,7 @@ def test_what_comes_into_the_way_of_one_stops_all(client, scene, slow):
     assert (done["state"], done["failure"]["code"]) == ("aborted", "path_blocked")
 
 
+@only_campaign("1 s")
 def test_what_one_plan_was_asked_to_keep_is_kept(client, scene):
     """A post is nearer to the way of the first robot than its plan allows, and than no other's."""
     plans = [planned(client, scene, "a", margin=0.05), planned(client, scene, "c")]
@@ -112,6 +118,7 @@ def test_what_one_plan_was_asked_to_keep_is_kept(client, scene):
     assert execute(client, wait=60, plans=plans, speed=50).json()["state"] == "succeeded"
 
 
+@only_campaign("1.3 s")
 def test_a_constraint_of_one_plan_is_kept_where_it_is_by_now(client, scene):
     """A place that one robot keeps out of hangs a metre below a lamp, which is moved."""
     lamp = box("lamp", [3.0, 3.0, 1.0])

@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.profiles import only_campaign
 from tests.service.executions.crossing import (
     GOALS,
     begun,
@@ -49,6 +50,7 @@ def finish(client, execution):
     assert ended(client, execution)["state"] == "succeeded"
 
 
+@only_campaign("2 s")
 def test_it_begins_where_the_one_before_has_ended(client, scene, first):
     plan = onward(client, scene)
     refused = execute(client, plan=plan)
@@ -79,6 +81,7 @@ def test_the_order_of_requests_is_kept_for_each_robot(client, scene, first):
     assert where(client, scene)["a"] == pytest.approx(NEAR, abs=0.005)
 
 
+@only_campaign("1.3 s")
 def test_one_of_several_robots_waits_for_all_of_them(client, scene, first):
     plans = [onward(client, scene), planned(client, scene, "c")]
     both = waits(client, plans=plans)
@@ -110,6 +113,7 @@ def test_it_is_held_against_the_scene_and_the_robot_as_they_are_then(client, sce
     assert (done["status"], done["started_at"]) == (None, None)
 
 
+@only_campaign("1.4 s")
 def test_canceled_while_it_waits_it_never_begins(client, scene, first):
     second = waits(client, plan=onward(client, scene))
     third = waits(client, plan=onward(client, scene))
@@ -121,6 +125,7 @@ def test_canceled_while_it_waits_it_never_begins(client, scene, first):
     assert client.delete(f"/v1/executions/{second}").status_code == 204
 
 
+@only_campaign("1 s")
 def test_it_is_steered_while_it_waits(client, scene, first):
     second = waits(client, plan=onward(client, scene))
     assert client.post(f"/v1/executions/{second}/pause").status_code == 200
@@ -131,6 +136,7 @@ def test_it_is_steered_while_it_waits(client, scene, first):
     assert ended(client, second)["state"] == "succeeded"
 
 
+@only_campaign("1 s")
 def test_a_motion_of_ones_own_waits_too(client, scene, first):
     motion = client.get(f"/v1/plans/{onward(client, scene)}").json()["result"]["trajectory"]
     wanted = ("times", "positions", "velocities", "accelerations")
@@ -140,6 +146,7 @@ def test_a_motion_of_ones_own_waits_too(client, scene, first):
     assert ended(client, second)["state"] == "succeeded"
 
 
+@only_campaign("1 s")
 def test_with_robots_that_are_free_nothing_waits(client, scene):
     plan = planned(client, scene, "a", NEAR)
     done = execute(client, wait=60, plan=plan, speed=50, when_busy="wait").json()
