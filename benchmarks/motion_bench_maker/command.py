@@ -54,7 +54,7 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
         return
     head = (
         f"{options.robot}, {len(problems)} problems, refine {', '.join(methods)}, objective "
-        f"{options.objective or 'duration'}, jerk {options.jerk or 'not limited'}, core {core}, "
+        f"{_described(options.objective)}, jerk {options.jerk or 'not limited'}, core {core}, "
         f"{options.clock} clock, "
         f"kernel {kernel_name()}; the "
         "first plans of the process warmed up and are not counted; failed plans count in total"
@@ -66,6 +66,10 @@ def bench(options: argparse.Namespace, core: int, clock: Callable[[], float] | N
     if methods != ["none"]:
         print_bounds(done)
     print_peers(done, options.robot, methods[0])
+
+
+def _described(weights: dict[str, float] | None) -> str:
+    return ", ".join(f"{name}={weight:g}" for name, weight in (weights or {"duration": 1}).items())
 
 
 def _objective(weights: dict[str, float] | None) -> RefineObjective | None:
