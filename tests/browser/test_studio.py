@@ -138,37 +138,3 @@ def test_a_scene_is_edited_undone_and_saved(studio, studio_server):
     studio.wait_for("revision 5: add box_1")
     assert newest()["document"] == saved
     assert studio_server.client.add_scene(yaml.safe_dump(saved)).name == "ur5e_pickup"
-
-
-@only_campaign("half a minute without a graphics card")
-@pytest.mark.campaign
-def test_two_browsers_see_one_robot_move_and_an_edit_stops_what_does_not_hold(
-    studio, browser, studio_server
-):
-    (brief, *_) = httpx.get(f"{studio_server.url}/v1/scenes", **PLAIN).json()["items"]
-    with StudioPage.opened(browser, studio_server.url) as other:
-        other.wait_for_goal()
-        other.choose("Scene", f"ur5e_pickup · {brief['id']}")
-        other.wait_for_goal()
-        studio.click("Plan")
-        studio.wait_for("Proven")
-        # where the robot goes there is now a wall: told at its place
-        other.page.get_by_role("tab", name="Scene").click()
-        wall = {
-            "name": "wall",
-            "shape": {"box": [0.3, 0.3, 0.4]},
-            "pose": {"position": [0.5, 0.3, 0.3]},
-        }
-        studio_server.client.edit_scene(brief["id"], [{"op": "add", "object": wall}])
-        until(lambda: "wall" in other.options("Object"))
-        studio.click("Execute")
-        studio.wait_for("not_certified")
-        studio_server.client.edit_scene(brief["id"], [{"op": "remove", "object": "wall"}])
-        studio.click("Execute")
-        studio.wait_for("arrived")
-        other.page.get_by_role("tab", name="Plan").click()
-        other.choose("Goal", "configuration home")
-        other.click("Plan")
-        other.wait_for("Proven")
-        other.click("Execute")
-        other.wait_for("arrived")
