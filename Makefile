@@ -212,9 +212,11 @@ chaos: setup
 soak: setup
 	@$(PYTHON) benchmarks/soak.py --robots $(ROBOTS) --seed $(SEED)
 
+# Those of the guide: motions drawn by ourselves, and pages of a server in a headless Chromium.
 pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py
 	@$(PYTHON) benchmarks/objective_pictures.py
+	@$(PYTHON) benchmarks/page_pictures.py
 
 # Pins every dependency with its hashes, without the address of an index.
 lock:

@@ -135,9 +135,14 @@ class Havoc:
         self._one = {kind: threading.Lock() for kind in FaultKind}
 
     @contextmanager
-    def doing(self, faults: list[Fault]) -> Iterator[None]:
-        """Do one fault after another meanwhile; at the end, end what lasts and do no more."""
-        thread = threading.Thread(target=self._run, args=(faults,))
+    def doing(self, faults: list[Fault], slowness: float = 1.0) -> Iterator[None]:
+        """Do one fault after another meanwhile; at the end, end what lasts and do no more.
+
+        Args:
+            faults: In order.
+            slowness: How many times longer than usually it is from one to the next one.
+        """
+        thread = threading.Thread(target=self._run, args=(faults, slowness))
         thread.start()
         try:
             yield
@@ -149,9 +154,9 @@ class Havoc:
         """Return whether a fault is there now that may keep a server from its start."""
         return any(thread.is_alive() for thread in self._lasting)
 
-    def _run(self, faults: list[Fault]) -> None:
+    def _run(self, faults: list[Fault], slowness: float) -> None:
         for fault in faults:
-            if self._end.wait(fault.after):
+            if self._end.wait(slowness * fault.after):
                 break
             self._do(fault)
         for thread in self._lasting:

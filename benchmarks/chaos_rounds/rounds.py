@@ -26,6 +26,8 @@ from benchmarks.chaos_rounds.shifts import work
 from benchmarks.chaos_rounds.survey import Survey
 
 _MEGABYTES = 256
+# From the start of a server until it is ready, workers and all, on a machine that is not busy [s].
+_USUAL_START = 4.0
 # Faults for each job.
 _RATE = 0.4
 
@@ -92,7 +94,7 @@ class Site:
         fleet = self._fleet(journal)
         fleet.start()
         try:
-            done, outcomes = self._in_servers(fleet, journal, f"{seed} {name}", num_jobs)
+            done, outcomes = self._in_servers(fleet, journal, f"{seed} {name}", num_jobs, began)
         finally:
             fleet.end()
         journal.violations += check_rows(self.database, self._ends)
@@ -136,19 +138,22 @@ class Site:
         ])
 
     def _in_servers(
-        self, fleet: Fleet, journal: Journal, seed: str, num_jobs: int
+        self, fleet: Fleet, journal: Journal, seed: str, num_jobs: int, began: float
     ) -> tuple[Counter[FaultKind], Counter[str]]:
         havoc, outcomes = Havoc(fleet, self.database), Counter[str]()
         faults = self._faults(seed, num_jobs)
         caller = Caller(fleet, journal)
         try:
             with fleet.watched(havoc.is_troubled):
+                all_ready(fleet, journal)
+                # Where a start takes longer than from one fault to the next one, nothing gets done.
+                slowness = (time.monotonic() - began) / (_USUAL_START * len(self.data))
                 ids = {
                     name: caller.ask("POST", "/v1/scenes", document).json()["id"]
                     for name, document in scenes().items()
                 }
                 new = [settled(keeper) for keeper in fleet.keepers]
-                with havoc.doing(faults):
+                with havoc.doing(faults, max(1.0, slowness)):
                     work(fleet, journal, seed=seed, num_jobs=num_jobs, ids=ids)
                 all_ready(fleet, journal)
                 outcomes = self._look(caller, journal)

@@ -95,7 +95,7 @@ class Cell:
         parser = Parser(self._plant, name)
         (robot,) = parser.AddModels(str(_MODELS / card["file"]))
         base = self._plant.GetFrameByName(card["base"], robot)
-        pose = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), [x, 0.0, 0.0])
+        pose = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), np.array([x, 0.0, 0.0]))
         self._plant.WeldFrames(self._plant.world_frame(), base, pose)
         return robot
 

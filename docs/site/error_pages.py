@@ -62,7 +62,7 @@ def _page(error: type[WayproofError], evidence: Any, text: Mapping[str, str]) ->
         parts.append("\n".join(["## Evidence\n", "| member | meaning |", "|---|---|", *rows]))
     if error in failure_errors() and issubclass(error, StageFailure):
         parts.append(
-            "`GET /v1/plans/{id}/failure.html` shows a failed plan in 3-D; its `bundle.zip` has all"
-            " that `wayproof replay` needs to make it fail again."
+            "`GET /v1/plans/{id}/failure.html` shows a failed plan, and its `bundle.zip` fails"
+            " again elsewhere: [show and replay](../../how-to/show-and-replay.md)."
         )
     return "\n\n".join(parts) + "\n"

@@ -24,6 +24,7 @@ _SHARE = 0.9
 # How far before the barrier it rests, and from where on it does not creep nearer [s].
 _GUARD, _NEAR = 4e-3, 4e-3
 _NUM_HALVINGS = 24
+# A block that moves slower than this bounds nothing [rad/s or m/s].
 _MIN_SPEED = 1e-9
 
 

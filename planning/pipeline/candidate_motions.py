@@ -69,7 +69,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
             scaled,
             margins,
             problem.refine,
-            jerk=retime_options.limits_jerk,
+            limits_jerk=retime_options.limits_jerk,
             fixed_coordinates=_fixed_coordinates(group, problem.search),
             motion_limits=_motion_limits(retime_options),
             constraints=constraints

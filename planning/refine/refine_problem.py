@@ -219,7 +219,10 @@ def request_lower_bound(request: RefineRequest, loads: tuple[Load, ...] = ()) ->
     displacement = Manifold.of(group.joints).minus(ends[1], ends[0])
     acceleration_bounds = signed_accelerations(group, request.motion_limits.acceleration_bounds)
     joint_bound = duration_lower_bound(
-        request.limits, displacement, jerk=request.jerk, acceleration_bounds=acceleration_bounds
+        request.limits,
+        displacement,
+        limits_jerk=request.limits_jerk,
+        acceleration_bounds=acceleration_bounds,
     )
     return max(joint_bound, *(load.duration_lower_bound(ends) for load in loads), 0.0)
 

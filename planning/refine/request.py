@@ -20,7 +20,7 @@ class RefineRequest(Value):
         limits: Joint limits, scaled as for the retimer.
         margins: Least distances between bodies.
         options: Method, and clearance objective if there is one.
-        jerk: Whether the retimer will bound jerk, so that it counts here too.
+        limits_jerk: Whether the retimer will bound jerk, so that it counts here too.
         constraints: Path constraints, or None. Boxes, cones and bands count as distances, locked
             joints and tighter limits as limits; a predicate accepts or rejects a curve as a whole.
         motion_limits: The retimer's other limits (loads), which count here too.
@@ -31,7 +31,7 @@ class RefineRequest(Value):
     limits: JointLimits
     margins: PairMargins
     options: RefineOptions
-    jerk: bool = False
+    limits_jerk: bool = False
     constraints: PathConstraints | None = None
     motion_limits: MotionLimits = field(default_factory=MotionLimits)
     fixed_coordinates: tuple[int, ...] = ()

@@ -19,6 +19,15 @@ def told(text: str, kind: str = "plain") -> str:
     return f'<div style="{style}" data-kind="{kind}">{escape(text[:_MAX_TEXT])}</div>'
 
 
+def spot(color: tuple[float, float, float]) -> str:
+    """Return a round spot in a colour: red, green, blue, 0 to 255."""
+    red, green, blue = (round(part) for part in color)
+    return (
+        '<span style="display:inline-block;width:0.7em;height:0.7em;border-radius:50%;'
+        f'margin-right:0.3em;background:rgb({red},{green},{blue})"></span>'
+    )
+
+
 def boxed(html: str) -> str:
     """Return HTML of one's own, with nothing of a server in it that is not escaped."""
     return f'<div style="{_BOX}">{html}</div>'

@@ -11,7 +11,7 @@ from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
 ROOT = Path(__file__).parents[2]
-HOW_TO = [ROOT / "docs" / "how-to" / name for name in ("execute.md",)]
+HOW_TO = [ROOT / "docs" / "how-to" / name for name in ("execute.md", "show-and-replay.md")]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *HOW_TO]
 
 _CURL = re.compile(r"^ *(curl (?:[^\n'\\]|'[^']*'|\\\n)*)", re.MULTILINE)

@@ -34,7 +34,7 @@ def limits_of(name: str, kind: str) -> MotionLimits:
     zone = SpeedZone("slow", frame, PlacedBox(np.array([0.25, 0.2, 0.3]), about), 0.2)
     carried = Payload.from_parts(frame, mass, (0.0, 0.0, 0.05))
     return {
-        "torque": MotionLimits(effort=True, payload=carried),
+        "torque": MotionLimits(limits_effort=True, payload=carried),
         "speed": MotionLimits((ToolLimit(frame, speed=0.4),)),
         "acceleration": MotionLimits((ToolLimit(frame, acceleration=1.5),)),
         "both": MotionLimits((ToolLimit(frame, speed=0.5, acceleration=2.0),)),

@@ -143,7 +143,7 @@ def pillar() -> Case:
 
 @pytest.fixture(scope="session")
 def pillar_with_jerk() -> Case:
-    return _over_pillar(jerk=True)
+    return _over_pillar(limits_jerk=True)
 
 
 def _over_pillar(**changes: object) -> Case:

@@ -59,7 +59,7 @@ def options_of(others: MotionLimits, method: str = "toppra") -> RetimeOptions:
         tool_limits=others.tool_limits,
         speed_zones=others.speed_zones,
         acceleration_bounds=others.acceleration_bounds,
-        effort=others.effort,
+        effort=others.limits_effort,
         payload=others.payload,
     )
 
@@ -124,7 +124,7 @@ def test_a_weight_that_no_stretched_arm_can_hold_is_lifted_bent(
     urdf_world: Callable[..., World],
 ):
     world = urdf_world(BARS.format(effort=15.0))
-    path, others = bars_path(world), MotionLimits(effort=True)
+    path, others = bars_path(world), MotionLimits(limits_effort=True)
     curve, report = refine(world, request_of(world, path, others), deadline())
     assert curve is not None, report.reason
     elbow = np.abs(curve.positions(np.linspace(0.0, 1.0, 101))[:, 1])
@@ -137,7 +137,9 @@ def test_a_weight_that_cannot_be_held_at_the_goal_is_not_lifted(
 ):
     world = urdf_world(BARS.format(effort=15.0))
     path = JointPath(world.group("r"), np.array([[0.0, 0.0], [np.pi / 2, 0.0]]))
-    curve, report = refine(world, request_of(world, path, MotionLimits(effort=True)), deadline())
+    curve, report = refine(
+        world, request_of(world, path, MotionLimits(limits_effort=True)), deadline()
+    )
     assert curve is None
     assert report.reason == "the static torque exceeds an effort limit at the start or the goal"
 
@@ -147,7 +149,9 @@ def test_a_weight_that_cannot_be_lifted_at_all_is_refused(urdf_world: Callable[.
         BARS.format(effort=15.0).replace('lower="-3" upper="3"', 'lower="-0.4" upper="0.4"')
     )
     path = bars_path(world)
-    curve, report = refine(world, request_of(world, path, MotionLimits(effort=True)), deadline())
+    curve, report = refine(
+        world, request_of(world, path, MotionLimits(limits_effort=True)), deadline()
+    )
     assert curve is None
     assert "the static torque exceeds an effort limit" in report.reason
 
@@ -164,5 +168,5 @@ def test_no_motion_of_a_frame_beats_the_straight_way():
 def test_under_jerk_limits_both_signs_share_the_nearer_bound():
     (world, _), path = arm_of("ur5e"), path_of("ur5e", "speed")
     others = MotionLimits(acceleration_bounds={"arm::elbow_joint": (-0.5, 3.0)})
-    task = RefineProblem.of(world, request_of(world, path, others, jerk=True), deadline())
+    task = RefineProblem.of(world, request_of(world, path, others, limits_jerk=True), deadline())
     np.testing.assert_array_equal(task.rate_bounds.acceleration_range, [[-1.0] * 6, [1.0] * 6])

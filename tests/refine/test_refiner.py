@@ -61,7 +61,7 @@ def test_the_estimated_duration_is_what_the_retimer_needs(case):
     curve, report = case.outcome
     timed, _ = retime(curve, case.request.limits, RetimeOptions("toppra"))
     assert report.lower_bound <= report.duration_after
-    if case.request.jerk:
+    if case.request.limits_jerk:
         assert timed.duration < report.duration_after
     else:
         assert report.duration_after == pytest.approx(timed.duration, rel=0.02)
@@ -69,7 +69,7 @@ def test_the_estimated_duration_is_what_the_retimer_needs(case):
 
 def test_the_motion_is_quicker_than_along_the_path(case):
     curve, _ = case.outcome
-    options = RetimeOptions("ruckig" if case.request.jerk else "toppra")
+    options = RetimeOptions("ruckig" if case.request.limits_jerk else "toppra")
     rounded = blend_corners(case.request.path, 0.03, 2)
     limits = case.request.limits
     before, _ = retime(rounded, limits, options)

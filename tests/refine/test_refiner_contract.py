@@ -56,7 +56,7 @@ def way(request: pytest.FixtureRequest, options: RefineOptions) -> Case:
 
 def timed(case: Case, curve: object) -> TimedTrajectory:
     """Return what the pipeline would deliver of a curve."""
-    retiming = RetimeOptions("ruckig" if case.request.jerk else "toppra")
+    retiming = RetimeOptions("ruckig" if case.request.limits_jerk else "toppra")
     if isinstance(curve, TimedTrajectory):
         kept = keep_timing(curve, case.request.limits, retiming)
         assert kept is not None
@@ -94,9 +94,9 @@ def test_a_motion_with_its_own_time_keeps_limits_on_rates(way):
         pytest.skip("the retimer times it")
     times, limits = FINE * curve.duration, way.request.limits
     bounds = [limits.velocity, limits.acceleration, limits.jerk]
-    for order, bound in enumerate(bounds[: 3 if way.request.jerk else 2], start=1):
+    for order, bound in enumerate(bounds[: 3 if way.request.limits_jerk else 2], start=1):
         assert (np.abs(curve.tangents(times, order)) <= bound * (1 + 1e-4)).all(), order
-    rest = [1, 2] if way.request.jerk else [1]
+    rest = [1, 2] if way.request.limits_jerk else [1]
     for order in rest:
         ends = curve.tangents(np.array([0.0, curve.duration]), order)
         np.testing.assert_allclose(ends, 0.0, atol=1e-6)
@@ -104,7 +104,7 @@ def test_a_motion_with_its_own_time_keeps_limits_on_rates(way):
 
 def test_no_motion_is_worse_than_along_the_path_by_its_own_objective(way):
     curve, _ = way.outcome
-    smoothness = 2 if way.request.jerk else 1
+    smoothness = 2 if way.request.limits_jerk else 1
     before = timed(way, blend_corners(way.request.path, 0.03, smoothness))
     assert cost(way, timed(way, curve)) < cost(way, before)
     longest = (way.request.options.objective or QUICKEST).max_duration

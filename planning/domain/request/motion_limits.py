@@ -75,14 +75,14 @@ class MotionLimits(Value):
         tool_limits: Cartesian limits of frames.
         speed_zones: Boxes with lower speed limits, in world.
         acceleration_bounds: Signed acceleration bounds of joints.
-        effort: Whether the limits on joint torques and forces are kept.
+        limits_effort: Whether the limits on joint torques and forces are kept.
         payload: Mass carried by the group that the scene does not contain; it counts for efforts.
     """
 
     tool_limits: tuple[ToolLimit, ...] = ()
     speed_zones: tuple[SpeedZone, ...] = ()
     acceleration_bounds: AccelerationBounds = field(default_factory=dict)
-    effort: bool = False
+    limits_effort: bool = False
     payload: Payload | None = None
 
 

@@ -81,7 +81,7 @@ class DriveSolver:
             distance_query = ConstraintDistanceQuery(distance_query, constraints, FlatChart(path))
             limits = constraints.limits_with_locks(limits)
         limits = problem.limits_near_start(limits, request.fixed_coordinates)
-        segment_times = SegmentTimes.of(limits, problem.car_index, jerk=request.jerk)
+        segment_times = SegmentTimes.of(limits, problem.car_index, limits_jerk=request.limits_jerk)
         clearance_objective = make_clearance_objective(
             world, group, request.margins, request.options.clearance
         )

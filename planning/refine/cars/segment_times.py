@@ -40,16 +40,16 @@ class SegmentTimes:
         car_bounds: Bounds of the car on speed, acceleration and jerk, in metres, shape (3,).
         other_bounds: The same for all other bounded blocks, shape (3, b).
         other_blocks: Coordinates (of yaw and the other joints) to which each of these applies.
-        jerk: Whether jerk is bounded.
+        limits_jerk: Whether jerk is bounded.
     """
 
     car_bounds: Array
     other_bounds: Array
     other_blocks: tuple[list[int], ...]
-    jerk: bool
+    limits_jerk: bool
 
     @classmethod
-    def of(cls, limits: JointLimits, car_index: int, *, jerk: bool) -> "SegmentTimes":
+    def of(cls, limits: JointLimits, car_index: int, *, limits_jerk: bool) -> "SegmentTimes":
         """Return the durations for a group whose car's coordinates begin at `car_index` in v."""
         rates = np.minimum([limits.velocity, limits.acceleration, limits.jerk], _UNBOUNDED)
         rates = np.maximum(rates, 1 / _UNBOUNDED)
@@ -58,7 +58,7 @@ class SegmentTimes:
         car_block = limits.blocks.index((car_index, car_index + 1))
         remaining_blocks = limits.blocks[:car_block] + limits.blocks[car_block + 1 :]
         blocks = tuple([columns.index(v) for v in block] for block in remaining_blocks)
-        return cls(rates[:, car_block], np.delete(rates, car_block, axis=1), blocks, jerk)
+        return cls(rates[:, car_block], np.delete(rates, car_block, axis=1), blocks, limits_jerk)
 
     def durations(
         self,
@@ -82,7 +82,7 @@ class SegmentTimes:
             np.minimum(car_bounds[0], other_bounds[0]) ** 2, car_bounds[1] / turning_angles
         )
         times = _arc_durations(squared_top_speed, other_bounds[1], car_bounds[1], turning_angles)
-        if not self.jerk:
+        if not self.limits_jerk:
             return times
         squared_arc_speed = np.minimum(
             car_bounds[1] / turning_angles,

@@ -40,7 +40,7 @@ class RateBounds:
         cls,
         limits: JointLimits,
         *,
-        jerk: bool,
+        limits_jerk: bool,
         acceleration_bounds: Float64[np.ndarray, "2 nv"] | None = None,
         loads: tuple[Load, ...] = (),
     ) -> "RateBounds":
@@ -48,7 +48,7 @@ class RateBounds:
 
         Args:
             limits: Joint limits of the group.
-            jerk: Whether jerk is limited.
+            limits_jerk: Whether jerk is limited.
             acceleration_bounds: Lowest and highest accelerations in addition [rad/s^2 or m/s^2],
                 infinite where there are none.
             loads: Other quantities that bound the path velocity.
@@ -64,7 +64,7 @@ class RateBounds:
         by_sign = np.stack([acceleration, acceleration])
         if acceleration_bounds is not None:
             by_sign = np.minimum(by_sign, np.abs(acceleration_bounds))
-        if jerk:
+        if limits_jerk:
             # With jerk bounds a coordinate reaches its velocity in v / a + a / j, or 2 sqrt(v / j).
             ramp = np.where(
                 by_sign**2 < velocity * jerks,
@@ -75,5 +75,9 @@ class RateBounds:
         larger = by_sign.max(axis=0)
         acceleration_range = np.array([[-1.0], [1.0]]) * (by_sign / larger)
         return cls(
-            velocity, larger, _JERK_SHARE * jerks if jerk else None, acceleration_range, loads
+            velocity,
+            larger,
+            _JERK_SHARE * jerks if limits_jerk else None,
+            acceleration_range,
+            loads,
         )

@@ -29,12 +29,15 @@ def request_bounds(world: World, request: RefineRequest) -> RateBounds:
     acceleration_bounds = signed_accelerations(
         request.path.group, request.motion_limits.acceleration_bounds
     )
-    if acceleration_bounds is not None and request.jerk:
+    if acceleration_bounds is not None and request.limits_jerk:
         # Retimers with jerk bounds have one acceleration bound for both signs.
         acceleration_bounds = np.abs(acceleration_bounds).min(axis=0) * np.array([[-1.0], [1.0]])
     loads = _loads(world, request)
     return RateBounds.of(
-        request.limits, jerk=request.jerk, acceleration_bounds=acceleration_bounds, loads=loads
+        request.limits,
+        limits_jerk=request.limits_jerk,
+        acceleration_bounds=acceleration_bounds,
+        loads=loads,
     )
 
 
@@ -48,8 +51,10 @@ def exact_rate_bounds(request: RefineRequest, loads: tuple[Load, ...]) -> RateBo
     accelerations = signed_accelerations(
         request.path.group, request.motion_limits.acceleration_bounds
     )
-    bounds = RateBounds.of(limits, jerk=False, acceleration_bounds=accelerations, loads=loads)
-    if not request.jerk:
+    bounds = RateBounds.of(
+        limits, limits_jerk=False, acceleration_bounds=accelerations, loads=loads
+    )
+    if not request.limits_jerk:
         return bounds
     jerk = np.minimum(limits.per_coordinate(limits.jerk), UNBOUNDED_JERK)
     return replace(bounds, jerk=jerk)
@@ -78,7 +83,7 @@ def _loads(world: World, request: RefineRequest) -> tuple[Load, ...]:
         for limit in motion_limits.tool_limits
     )
     zones = tuple(ZoneLoad.of(world, group, zone) for zone in motion_limits.speed_zones)
-    if not motion_limits.effort:
+    if not motion_limits.limits_effort:
         return *tools, *zones
     efforts = TorqueLoad.of(GroupDynamics(world, group, motion_limits.payload), request.limits)
     return efforts, *tools, *zones

@@ -14,7 +14,7 @@ def duration_lower_bound(
     limits: JointLimits,
     displacement: Float64[np.ndarray, " nv"],
     *,
-    jerk: bool,
+    limits_jerk: bool,
     acceleration_bounds: Float64[np.ndarray, "2 nv"] | None = None,
 ) -> float:
     """Return a lower bound of the duration from rest to rest [s].
@@ -26,7 +26,7 @@ def duration_lower_bound(
     Args:
         limits: Joint limits of the group.
         displacement: Displacement from start to goal [rad or m].
-        jerk: Whether jerk is limited.
+        limits_jerk: Whether jerk is limited.
         acceleration_bounds: Lowest and highest accelerations in addition [rad/s^2 or m/s^2],
             infinite where there are none; only for blocks of one coordinate.
     """
@@ -43,7 +43,9 @@ def duration_lower_bound(
     first_indices = [block[0] for block in limits.blocks]
     if acceleration_bounds is not None:
         acceleration_bounds = acceleration_bounds[:, first_indices]
-    bounds = RateBounds.of(scalar_limits, jerk=jerk, acceleration_bounds=acceleration_bounds)
+    bounds = RateBounds.of(
+        scalar_limits, limits_jerk=limits_jerk, acceleration_bounds=acceleration_bounds
+    )
     v, a = bounds.velocity, bounds.acceleration
     # Speeding up and slowing down take v / up + v / down; only the sum matters, not the distance.
     down, up = np.abs(bounds.acceleration_range)

@@ -7,6 +7,7 @@ The native kernel has an interior-point solver for it; without the kernel Clarab
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,8 @@ class PenaltyRows:
 
     def violations(self, x: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " m"]:
         """Return the violation of each row at x, negative where it is satisfied with a margin."""
+        if not x.any():
+            return self.lower_bounds
         return self.lower_bounds - (self.values * np.append(x, 0.0)[self.columns]).sum(axis=1)
 
 
@@ -105,7 +108,7 @@ class ProductRows:
     lower_bounds: Float64[np.ndarray, " m"]
     penalty: float
 
-    @property
+    @cached_property
     def expanded(self) -> PenaltyRows:
         """The same rows with all their entries."""
         columns = self.columns[:, :, None] + np.arange(self.slopes.shape[1])

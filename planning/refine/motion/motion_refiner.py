@@ -112,7 +112,7 @@ def refine_motion(
 def _num_rest_points(request: RefineRequest, objective: RefineObjective) -> int:
     """Return how many control points at either end rest there."""
     integrates_jerk = objective.smoothness > 0 and objective.derivative == "jerk"
-    return NUM_SMOOTH_REST_POINTS if request.jerk or integrates_jerk else NUM_REST_POINTS
+    return NUM_SMOOTH_REST_POINTS if request.limits_jerk or integrates_jerk else NUM_REST_POINTS
 
 
 def _dynamics(

@@ -37,7 +37,7 @@ _MAX_PIECES = 64
 _NUM_PHASES = 48
 # Shortest phase relative to the others; shorter ones are left out, except at breaks.
 _MIN_PHASE_SHARE = 0.4
-_NUM_ROUNDS, _NUM_STEPS = 3, 8
+_NUM_ROUNDS, _NUM_STEPS = 6, 8
 # Largest utilization of limits at the beginning of a round.
 _INITIAL_UTILIZATION = 0.97
 # The barrier's weight relative to a phase's duration, and its factor per step.

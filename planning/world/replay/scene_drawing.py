@@ -16,6 +16,7 @@ from planning.world.replay.replay_view import ShownBody, ShownShape, WorldView
 _AXIS_COLORS = (Rgba(0.85, 0.1, 0.1, 1.0), Rgba(0.1, 0.65, 0.1, 1.0), Rgba(0.1, 0.2, 0.9, 1.0))
 _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
 MARKED = Rgba(0.86, 0.10, 0.10, 1.0)
+_TINT = 0.45
 
 
 def open_meshcat() -> Meshcat:
@@ -99,7 +100,15 @@ class SceneDrawing:
             self.meshcat.SetTransform(path, drawn.X_BS)
 
     def _color(self, shown: ShownBody, drawn: ShownShape) -> Rgba:
-        return MARKED if shown.name in self._marked else drawn.color
+        """Return red for a marked link, a tint of it for a marked object, which may be a floor."""
+        if shown.name not in self._marked:
+            return drawn.color
+        share, own = (1.0 if "::" in shown.name else _TINT), drawn.color
+        red, green, blue = (
+            share * mark + (1 - share) * plain
+            for mark, plain in zip(_channels(MARKED), _channels(own), strict=True)
+        )
+        return Rgba(red, green, blue, own.a())
 
     def _draw_frames(self, view: WorldView) -> None:
         """Draw the scene's named frames as small triads."""
@@ -114,6 +123,10 @@ class SceneDrawing:
                 path, center = f"/frames/{named.name}/{i}", _AXIS_LENGTH / 2 * np.eye(3)[i]
                 self.meshcat.SetObject(path, bar, _AXIS_COLORS[i])
                 self.meshcat.SetTransform(path, RigidTransform(turn, center))
+
+
+def _channels(color: Rgba) -> tuple[float, float, float]:
+    return color.r(), color.g(), color.b()
 
 
 def frame_labels(view: WorldView) -> list[Label]:

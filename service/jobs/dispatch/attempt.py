@@ -38,6 +38,7 @@ class Attempt:
         job: As it was queued.
         controls: That are set, to be passed to the task.
         has_begun: Whether it was given a worker.
+        has_start_to_write: Whether the worker has all that it needs, so that it will run there.
         cancel_requested_at: When its end was requested (UTC), if it was.
         concluded: Set once its end is in the table, or another server has the job.
         ended: The job as the table has it, once it has ended in this attempt.
@@ -65,6 +66,8 @@ class Attempt:
         self._stop = StopRequest(job.is_cancel_requested)
         self.cancel_requested_at = job.cancel_requested_at
         self._start: Transition | None = None
+        self._written_start: Transition | None = None
+        self.has_start_to_write = False
         self._start_is_decided = asyncio.Event()
         self._has_ended = False
         self._seconds = 0.0
@@ -98,9 +101,15 @@ class Attempt:
         own = {"events": self._events.is_refused, "end": self._has_ended}
         return list(dict.fromkeys([*known, *(what for what, is_so in own.items() if is_so)]))
 
-    def confirm(self, job: Job) -> None:
-        """Record what happens from now on: the table has the job, which reads so."""
+    def confirm(self, job: Job, start: Transition | None = None) -> None:
+        """Record what happens from now on.
+
+        Args:
+            job: As the table has it.
+            start: Its start, if that was written with it.
+        """
         self.job = job
+        self._written_start = start
         self._is_confirmed.set()
 
     def discard(self) -> None:
@@ -151,6 +160,7 @@ class Attempt:
             # Only what the table has can be queued again.
             await self._is_confirmed.wait()
             return not self._is_discarded
+        self.has_start_to_write = True
         start = asyncio.get_running_loop().create_task(self._write_start())
         start.add_done_callback(self._on_start)
         try:
@@ -193,8 +203,8 @@ class Attempt:
 
     async def _write_start(self) -> Transition | None:
         await self._is_confirmed.wait()
-        if self._is_discarded:
-            return None
+        if self._is_discarded or self._written_start is not None:
+            return self._written_start
         store, identifier = self._recorder.store, self.job.id
         # What the database forgot to have begun would be begun once more, and could not end.
         is_durable = store.may_crash_alone

@@ -1,5 +1,6 @@
 """Attempts: the jobs of a dispatcher that wait or run here, each until it has ended."""
 
+import asyncio
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
@@ -84,7 +85,9 @@ class Attempts(dict[str, Attempt]):
             self.pop(attempt.job.id, None)
             attempt.concluded.set()
         if attempt.ended is not None:
-            self._observer.note_end(attempt.ended.summary)
+            # Who waits for the end is told first.
+            loop = asyncio.get_running_loop()
+            loop.call_soon(self._observer.note_end, attempt.ended.summary)
         if is_queued_again:
             job = replace(
                 attempt.job,

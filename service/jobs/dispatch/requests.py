@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from typing import Any
@@ -21,12 +22,28 @@ from service.jobs.store.transitions import Transition
 _PROMPT = 0.5
 
 
+@dataclass(frozen=True)
+class _Written:
+    """Jobs as the table has them.
+
+    Attributes:
+        jobs: New ones, or the one that their key names.
+        are_new: Whether they are new.
+        starts: Of those that have begun, by their ids.
+    """
+
+    jobs: list[Job]
+    are_new: bool
+    starts: Mapping[str, Transition | None]
+
+
 class JobSubmission:
     """Submits jobs, which may run while they are written, and are answered once they are durable.
 
     To write a job takes a few milliseconds of the disk's, and many a job takes no more. One that
     may run twice does no harm if it ran for nothing, so it begins at once. Nothing of it is
-    recorded before the job itself, and what the table refuses leaves no trace.
+    recorded before the job itself, and what the table refuses leaves no trace. The start of one
+    that has begun by then is written with it.
 
     A server that follows another one writes them all the same, and that one runs them.
     """
@@ -71,16 +88,18 @@ class JobSubmission:
             # It is sent to its worker before the thread that writes takes part of the interpreter.
             await asyncio.sleep(0)
             # Not in this thread: while a locked database is waited for, others are to be stopped.
-            jobs, are_new = await self._write(drafts)
+            written = await self._write(drafts, attempts)
         except BaseException:
             self._take_back(attempts)
             raise
-        if are_new:
-            for attempt, job in zip(attempts, jobs, strict=True):
-                attempt.confirm(job)
+        if written.are_new:
+            for attempt, job in zip(attempts, written.jobs, strict=True):
+                start = written.starts.get(job.id)
+                self._recorder.publish(job.id, [] if start is None else [start.event])
+                attempt.confirm(job, start)
         else:
             self._take_back(attempts)
-        return jobs
+        return written.jobs
 
     def _take_back(self, attempts: Sequence[Attempt]) -> None:
         for attempt in reversed(attempts):  # what waits does not begin because of what ends
@@ -88,10 +107,10 @@ class JobSubmission:
 
     async def pass_on_all(self, specs: Sequence[JobSpec]) -> list[Job]:
         """Have the server that leads run jobs; returns and raises as `submit_all`."""
-        jobs, _ = await self._write([draft(spec) for spec in specs])
-        return jobs
+        return (await self._write([draft(spec) for spec in specs], ())).jobs
 
-    async def _write(self, drafts: Sequence[Draft]) -> tuple[list[Job], bool]:
+    async def _write(self, drafts: Sequence[Draft], attempts: Sequence[Attempt]) -> "_Written":
+        """Write jobs, and the starts of those that have begun, in one transaction."""
         name = drafts[0].job.queue
         own = {drafted.job.id for drafted in drafts}
         num_starting = self._attempts.num_starting(name, but=own)
@@ -103,7 +122,13 @@ class JobSubmission:
             if num_queued + len(drafts) > room:
                 raise QueueFull.of(name, num_queued, room - num_starting, retry_after, len(drafts))
 
-        insert = partial(self._recorder.store.insert_drafts, drafts, check)
+        def insert() -> _Written:
+            store = self._recorder.store
+            with store.transaction(is_durable=True):
+                jobs, are_new = store.insert_drafts(drafts, check)
+                begun = [each.job.id for each in attempts if are_new and each.has_start_to_write]
+                return _Written(jobs, are_new, {name: store.start(name) for name in begun})
+
         return await self._recorder.write(insert, within=self._within)
 
 

@@ -3,8 +3,10 @@
 import json
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
+from typing import Any
 
 from service.jobs.worker.main import Terms
+from service.telemetry.logs import LogTerms
 
 
 @dataclass(frozen=True)
@@ -55,17 +57,21 @@ class HostPlan:
         Raises:
             ValueError: It is no JSON.
             KeyError: It lacks something.
-            TypeError: It has what no plan has.
+            TypeError: The terms of a worker do, or it has what no plan has.
         """
         fields = json.loads(text)
         return cls(
             preload=tuple(fields["preload"]),
             warm_up=fields["warm_up"],
-            workers=tuple(Terms(**terms) for terms in fields["workers"]),
+            workers=tuple(_terms(**terms) for terms in fields["workers"]),
             version=fields["version"],
             folder=fields["folder"],
             timeouts=HostTimeouts(**fields["timeouts"]),
         )
+
+
+def _terms(*, logs: dict[str, Any] | None, **others: Any) -> Terms:
+    return Terms(**others, logs=None if logs is None else LogTerms(**logs))
 
 
 def own_version() -> str:

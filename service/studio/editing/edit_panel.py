@@ -21,7 +21,7 @@ from service.studio.editing.sizes import sizes_of, with_size
 from service.studio.newest import Newest
 from service.studio.numbers import Array
 
-_NOTHING = "(click or choose)"
+_NOTHING = "(choose)"
 _GIZMO = "/edit_gizmo"
 # Where new objects begin, beside what the robot does [m].
 _BESIDE = [0.4, -0.4, 0.3]

@@ -29,7 +29,7 @@ class OverlayPanel:
         with self._folder:
             self._frames = gui.add_checkbox("Frames", initial_value=True)
             self._margins = gui.add_checkbox("Margins", initial_value=False)
-            self._allowed = gui.add_checkbox("Pairs that may touch", initial_value=False)
+            self._allowed = gui.add_checkbox("Allowed pairs", initial_value=False)
             self._told = gui.add_html(texts.told(_words(cell.scene.document)))
         for switch in (self._frames, self._margins, self._allowed):
             switch.on_update(lambda _: self.refresh())
@@ -69,4 +69,4 @@ def _words(document: Mapping[str, Any]) -> str:
     kept = (
         f"margin {margin:.1f} mm" if margin else "no margin: bodies may come as near as they like"
     )
-    return f"{kept}; {len(pairs)} pairs may touch"
+    return f"{kept}; {len(pairs)} {'pair' if len(pairs) == 1 else 'pairs'} may touch"

@@ -29,7 +29,7 @@ from service.studio.numbers import Array
 # Instants at which the clearance is looked at, for the trace, its curve and the nearest points.
 _NUM_LOOKS = 100
 _CLEARANCE = "clearance"
-# While it plays, the cursor of the plot follows at every so manieth picture.
+# While it plays, the cursor of the plot follows once in a few pictures.
 _PICTURES_PER_CURSOR = 4
 
 

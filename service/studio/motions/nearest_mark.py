@@ -11,7 +11,7 @@ from service.studio.texts import short
 
 _THICKNESS = 0.005
 # Farther apart nothing is marked [m].
-_FAR = 0.15
+_FAR = 0.05
 
 
 class NearestMark:

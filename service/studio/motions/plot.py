@@ -27,7 +27,7 @@ class Plot:
             gui: Of one browser.
             folder: Where they are shown.
             times: Of the rows [s], shape (n,).
-            curves: At most so many as have colours are shown.
+            curves: as many as have colours are shown.
         """
         self._gui, self._folder, self._time = gui, folder, 0.0
         self._lock = threading.Lock()

@@ -6,6 +6,7 @@ import numpy as np
 
 from service.studio.motions.series import Series
 from service.studio.numbers import Array
+from service.studio.texts import spot
 
 BY_CLEARANCE, BY_LIMIT = "clearance", "binding limit"
 # Of clearance: red where something is as near as this [m], green beyond the other.
@@ -48,10 +49,8 @@ def legend(series: Series, kind: str) -> str:
             (_LIMITS[i % len(_LIMITS)], f"{series.limit_names[i]} {np.mean(which == i):.0%}")
             for i in np.unique(which[which >= 0])
         ]
+    style = "white-space:nowrap;margin-right:0.8em"
     spots = "".join(
-        f'<span style="white-space:nowrap;margin-right:0.8em"><span style="display:inline-block;'
-        f"width:0.7em;height:0.7em;border-radius:50%;margin-right:0.3em;background:"
-        f'rgb({r:.0f},{g:.0f},{b:.0f})"></span>{escape(text)}</span>'
-        for (r, g, b), text in steps
+        f'<span style="{style}">{spot((r, g, b))}{escape(text)}</span>' for (r, g, b), text in steps
     )
     return f'<div style="padding:0 0.75em 0.3em;font-size:0.75em;color:#64748b">{spots}</div>'

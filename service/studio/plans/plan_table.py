@@ -82,7 +82,7 @@ class PlanTable:
         with self._folder:
             self._table = gui.add_html(texts.told("There is none yet."))
             self._chosen: Any = gui.add_dropdown("Look at", (_NONE,), visible=False)
-            self._paths = gui.add_checkbox("Paths in the scene", initial_value=True)
+            self._paths = gui.add_checkbox("Paths", initial_value=True)
         self._chosen.on_update(lambda event: self._choose() if event.client else None)
         self._paths.on_update(lambda _: self._show_paths())
         self.renew()
@@ -149,7 +149,7 @@ def table_of(rows: list[PlanRow]) -> str:
     """Return plans as an HTML table, newest first."""
     head = "".join(f"<th>{name}</th>" for name in ("", "time", "clear", "way", ""))
     body = "".join(
-        f'<tr><td><span style="color:rgb{row.color}">●</span> {row.number}</td>'
+        f"<tr><td>{texts.spot(row.color)}{row.number}</td>"
         + "".join(f'<td style="text-align:right">{cell}</td>' for cell in row.cells)
         + "</tr>"
         for row in rows

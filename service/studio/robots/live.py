@@ -1,4 +1,4 @@
-"""LiveRobots: the robots where the server says that they are, whoever moves them."""
+"""LiveRobots: the robots where the server says that they are."""
 
 import threading
 from collections.abc import Callable, Mapping

@@ -9,7 +9,8 @@ import viser
 from service.studio import texts
 from service.studio.cell import Cell
 
-_SLOWEST, _FASTEST, _STEP = 0.1, 3.0, 0.1
+# Of the way back, of the fastest way there, and between them.
+_BACK, _FASTEST, _STEP = -1.0, 3.0, 0.1
 _FINAL = {"succeeded", "canceled", "aborted"}
 
 
@@ -35,7 +36,15 @@ class RobotPanel:
         )
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, visible=False)
         self._stop = gui.add_button("Stop", icon=viser.Icon.PLAYER_STOP, color="red", visible=False)
-        self._speed = gui.add_slider("Speed", _SLOWEST, _FASTEST, _STEP, 1.0, visible=False)
+        self._speed = gui.add_slider(
+            "Speed",
+            _BACK,
+            _FASTEST,
+            _STEP,
+            1.0,
+            visible=False,
+            hint="0 rests on the path; below 0 the robot goes back along it",
+        )
         self._bar = gui.add_progress_bar(0.0, color="orange", visible=False)
         self._told = gui.add_html(texts.told(""), visible=False)
         self._button.on_click(lambda _: on_execute())
@@ -61,6 +70,8 @@ class RobotPanel:
         if not self._lock.acquire(blocking=False):
             return False
         try:
+            if self._speed.value <= 0:  # it begins at the start, from where no way leads back
+                self._speed.value = 1.0
             execution = cell.api.execute(plan, self._speed.value)
             self._running = cell, execution.id
             self._show(is_moving=True)
@@ -100,7 +111,9 @@ class RobotPanel:
         self._bar.value = 100.0 * progress
         self._show_pause(is_paused=status["state"] == "paused")
         if status["state"] not in _FINAL:
-            self._tell(texts.told(f"{status['state']} · {100 * progress:.0f} %", "busy"))
+            off = 1000 * float(str(status.get("tracking_error") or 0.0))
+            text = f"{status['state']} · {100 * progress:.0f} % · {off:.1f} mrad (or mm) off"
+            self._tell(texts.told(text, "busy"))
 
     def _control(self, what: str, **body: float) -> None:
         running = self._running

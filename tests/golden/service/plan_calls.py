@@ -125,4 +125,10 @@ PLAN_CALLS = (
     get("failed_plans", "/v1/plans?state=failed&limit=2"),
     get("plans_of_a_scene", "/v1/plans?scene={cell}"),
     post("reverse", "/v1/plans/{configuration}/reverse?wait=60"),
+    get("view", "/v1/scenes/{square}/view.html"),
+    get("failure_page", "/v1/plans/{goal_in_collision}/failure.html"),
+    get("failure_page_of_a_motion", "/v1/plans/{configuration}/failure.html"),
+    get("report", "/v1/plans/{configuration}/report.html"),
+    get("bundle", "/v1/plans/{configuration}/bundle.zip"),
+    get("bundle_of_a_failure", "/v1/plans/{goal_in_collision}/bundle.zip"),
 )

@@ -100,7 +100,7 @@ def _length(drive: Drive, curve: JointSpline) -> float:
 
 def test_a_drive_with_bounded_jerk(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("parked")
-    curve, report = drive.refined(jerk=True)
+    curve, report = drive.refined(limits_jerk=True)
     assert curve is not None
     before, after = (drive.duration(c, "ruckig") for c in (drive.path.spline, curve))
     assert after < 0.9 * before
@@ -149,7 +149,7 @@ def test_colliding_paths_are_rejected(drive_of: Callable[[str], Drive]) -> None:
     drive = drive_of("parked")
     deadline, jerk = no_hurry(), drive.request().jerk
     solver = DriveSolver.of(drive.world, drive.request(), deadline)
-    times = SegmentTimes.of(solver.limits, solver.problem.car_index, jerk=jerk)
+    times = SegmentTimes.of(solver.limits, solver.problem.car_index, limits_jerk=jerk)
     model = DriveModel(solver.problem, NoObstacles(), solver.limits, times, None)
     found = replace(solver, model=model, trust_region=DriveTrustRegion(model, deadline)).run()
     assert found.path is None

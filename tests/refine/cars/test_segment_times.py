@@ -36,7 +36,7 @@ def test_segments_take_as_long_as_with_the_retimer(method: str, short: float, lo
 
 
 def test_shorter_segments_take_less_time_but_more_per_metre() -> None:
-    times = SegmentTimes.of(limits_of(GROUP), 1, jerk=False)
+    times = SegmentTimes.of(limits_of(GROUP), 1, limits_jerk=False)
     lengths = np.linspace(0.0, 1.0, 30)
     durations = times.durations(lengths, lengths / 0.3, np.zeros((30, 2)))
     assert durations[0] == pytest.approx(0.0, abs=1e-5)
@@ -46,7 +46,7 @@ def test_shorter_segments_take_less_time_but_more_per_metre() -> None:
 
 def test_joints_that_move_while_the_car_stands_take_time() -> None:
     limits = limits_of(GROUP)
-    times = SegmentTimes.of(limits, 1, jerk=False)
+    times = SegmentTimes.of(limits, 1, limits_jerk=False)
     alone = times.durations(np.zeros(1), np.zeros(1), np.array([[0.5, 0.0]]))[0]
     together = times.durations(np.array([0.01]), np.zeros(1), np.array([[0.5, 0.0]]))[0]
     assert alone > 0.1

@@ -139,7 +139,7 @@ def test_the_duration_is_what_the_retimer_finds(name, kind, seed):
     options = RetimeOptions(
         tool_limits=others.tool_limits,
         speed_zones=others.speed_zones,
-        effort=others.effort,
+        effort=others.limits_effort,
         payload=others.payload,
     )
     curve: JointSpline = joint_spline(group.joints, make_bspline(points))

@@ -59,7 +59,7 @@ def test_it_is_what_the_retimer_finds(seed, count):
     limits, points = limits_of(rng, 3), curve_of(rng, count, 3)
     joints = tuple(Joint(f"g::j{i}", JointType.REVOLUTE) for i in range(3))
     timed, _ = retime(joint_spline(joints, make_bspline(points)), limits, RetimeOptions())
-    found = duration(points, RateBounds.of(limits, jerk=False))
+    found = duration(points, RateBounds.of(limits, limits_jerk=False))
     assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
 
 
@@ -67,7 +67,7 @@ def test_it_is_what_the_retimer_finds(seed, count):
 @given(seed=SEEDS, jerk=st.booleans())
 def test_the_bounds_are_kept_and_met(seed, jerk):
     rng = np.random.default_rng(seed)
-    bounds = RateBounds.of(limits_of(rng, 3), jerk=jerk)
+    bounds = RateBounds.of(limits_of(rng, 3), limits_jerk=jerk)
     points, grid = curve_of(rng, 12, 3), path_grid(12)
     rates = NormalizedDerivatives.of(grid, points, bounds)
     path_velocity = minimum_time_path_velocity(grid, rates)
@@ -85,8 +85,10 @@ def test_no_curve_beats_the_lower_bound_and_a_line_of_one_joint_meets_it(seed):
     rng = np.random.default_rng(seed)
     limits = limits_of(rng, 1)
     points = greville_abscissae(14)[:, None] * rng.uniform(0.05, 3.0)
-    least = duration_lower_bound(limits, points[-1] - points[0], jerk=False)
-    assert duration(points, RateBounds.of(limits, jerk=False)) == pytest.approx(least, rel=0.02)
+    least = duration_lower_bound(limits, points[-1] - points[0], limits_jerk=False)
+    assert duration(points, RateBounds.of(limits, limits_jerk=False)) == pytest.approx(
+        least, rel=0.02
+    )
 
 
 @settings(max_examples=num_cases(6))
@@ -94,16 +96,16 @@ def test_no_curve_beats_the_lower_bound_and_a_line_of_one_joint_meets_it(seed):
 def test_no_curve_beats_the_lower_bound(seed):
     rng = np.random.default_rng(seed)
     limits, points = limits_of(rng, 3), curve_of(rng, 12, 3)
-    least = duration_lower_bound(limits, points[-1] - points[0], jerk=False)
+    least = duration_lower_bound(limits, points[-1] - points[0], limits_jerk=False)
     # The grid bounds accelerations at its points only, which gains it a little.
-    assert duration(points, RateBounds.of(limits, jerk=False)) > 0.98 * least
+    assert duration(points, RateBounds.of(limits, limits_jerk=False)) > 0.98 * least
 
 
 @pytest.mark.parametrize(("moved", "seconds"), [(0.5, 2 * np.sqrt(0.5)), (3.0, 3.0 + 1.0)])
 def test_the_lower_bound_by_hand(moved, seconds):
     ones = np.ones(2)
     limits = JointLimits(-ones, ones, ones, ones, ones, ones, ((0,), (1,)))
-    least = duration_lower_bound(limits, np.array([0.1, -moved]), jerk=False)
+    least = duration_lower_bound(limits, np.array([0.1, -moved]), limits_jerk=False)
     assert least == pytest.approx(seconds)
 
 
@@ -111,7 +113,7 @@ def test_coordinates_that_are_limited_together_share_the_bound():
     one = np.ones(1)
     limits = JointLimits(-np.ones(2), np.ones(2), one, one, one, one, ((0, 1),))
     moved = np.array([3.0, 4.0])
-    assert duration_lower_bound(limits, moved, jerk=False) == pytest.approx(5.0 + 1.0)
+    assert duration_lower_bound(limits, moved, limits_jerk=False) == pytest.approx(5.0 + 1.0)
 
 
 @given(seed=SEEDS)
@@ -135,7 +137,7 @@ def test_bounds_of_either_sign_are_kept_and_met(seed, jerk):
     rng = np.random.default_rng(seed)
     limits = limits_of(rng, 3)
     signed = signed_of(rng, 3)
-    bounds = RateBounds.of(limits, jerk=jerk, acceleration_bounds=signed)
+    bounds = RateBounds.of(limits, limits_jerk=jerk, acceleration_bounds=signed)
     lowest, highest = bounds.acceleration_range * bounds.acceleration
     assert (lowest >= np.maximum(signed[0], -limits.acceleration) * (1 + 1e-12)).all()
     assert (highest <= np.minimum(signed[1], limits.acceleration) * (1 + 1e-12)).all()
@@ -160,10 +162,10 @@ def test_speeding_up_and_slowing_down_differ_by_hand(seed):
     expected = length / top + top / 2 * (1 / up + 1 / down)
     for moved in (length, -length):
         least = duration_lower_bound(
-            limits, np.array([moved]), jerk=False, acceleration_bounds=signed
+            limits, np.array([moved]), limits_jerk=False, acceleration_bounds=signed
         )
         assert least == pytest.approx(expected)
-    bounds = RateBounds.of(limits, jerk=False, acceleration_bounds=signed)
+    bounds = RateBounds.of(limits, limits_jerk=False, acceleration_bounds=signed)
     assert duration(greville_abscissae(14)[:, None] * length, bounds) == pytest.approx(
         expected, rel=0.02
     )
@@ -182,11 +184,11 @@ def test_under_signed_bounds_too_it_is_what_the_retimer_finds(seed):
     spline = joint_spline(joints, make_bspline(points))
     timed, _ = retime(spline, limits, options, path_limits(world, group, options))
     signed = signed_accelerations(group, by_joint)
-    found = duration(points, RateBounds.of(limits, jerk=False, acceleration_bounds=signed))
+    found = duration(points, RateBounds.of(limits, limits_jerk=False, acceleration_bounds=signed))
     assert 0.98 * timed.duration <= found <= 1.16 * timed.duration
     moved = points[-1] - points[0]
     assert (
-        duration_lower_bound(limits, moved, jerk=False, acceleration_bounds=signed)
+        duration_lower_bound(limits, moved, limits_jerk=False, acceleration_bounds=signed)
         < 1.02 * timed.duration
     )
 

@@ -71,7 +71,7 @@ def test_torque_limits_are_kept_by_the_program(pillar):
     bound = replace(
         pillar.request,
         limits=limits,
-        motion_limits=MotionLimits(effort=True),
+        motion_limits=MotionLimits(limits_effort=True),
         options=RefineOptions("drake"),
     )
     curve, report = replace(pillar, request=bound).refined()

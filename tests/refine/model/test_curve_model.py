@@ -17,7 +17,7 @@ NUM_INSTANTS = 60
 def model_of(case, objective=None) -> tuple[CurveModel, np.ndarray, RateBounds]:
     path, limits = case.request.path, case.request.limits
     waypoints = unwrapped_waypoints(path)
-    bounds = RateBounds.of(limits, jerk=case.request.jerk)
+    bounds = RateBounds.of(limits, limits_jerk=case.request.limits_jerk)
     ends = case.world.embed(path.group, waypoints[[0, -1]])
     buffers = DistanceBuffers.from_ends(case.world, case.request.margins, ends)
     distance_query = make_distance_query(case.world, path.group, buffers)

@@ -97,7 +97,7 @@ def random_products(seed: int, num_variables: int, num_rows: int) -> ProductRows
 
 @settings(max_examples=num_cases(6))
 @given(seed=st.integers(0, 2**32 - 1), num_rows=st.integers(0, 40))
-def test_rows_of_products_are_those_with_all_their_entries(seed, num_rows):
+def test_rows_of_products_are_those_with_all_their_entries(seed: int, num_rows: int) -> None:
     program = random_program(seed, 15, 20)
     products = random_products(seed, 15, num_rows)
     compact = replace(program, products=products)

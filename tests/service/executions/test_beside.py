@@ -112,6 +112,22 @@ def test_one_that_holds_several_robots_is_in_the_way_of_each(client, scene):
         assert ended(client, execution)["state"] == "canceled"
 
 
+def test_one_that_may_go_on_with_another_motion_has_all_robots(client, scene):
+    """What was proven beside its motion is not proven beside the next one."""
+    one, other = planned(client, scene, "b"), planned(client, scene, "c")
+    execution = execute(client, plan=one, speed=0.02, on_conflict="replan").json()["id"]
+    begun(client, execution)
+    busy = execute(client, plan=other)
+    assert (busy.status_code, busy.json()["code"]) == (409, "robot_busy")
+    client.post(f"/v1/executions/{execution}/cancel")
+    ended(client, execution)
+    third = moving(client, scene, "c")
+    refused = execute(client, plan=planned(client, scene, "b"), on_conflict="replan")
+    assert (refused.status_code, refused.json()["code"]) == (409, "robot_busy")
+    client.post(f"/v1/executions/{third}/cancel")
+    assert ended(client, third)["state"] == "canceled"
+
+
 @only_campaign("2 s")
 def test_an_edit_is_judged_for_each_and_with_the_others_in_mind(client, scene):
     one, two = moving(client, scene, "b"), moving(client, scene, "c")

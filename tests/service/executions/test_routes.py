@@ -183,6 +183,7 @@ def test_a_motion_of_ones_own_is_proven_and_carried_out(client, scene):
         "speed": 20,
         "on_conflict": "stop",
         "when_busy": "refuse",
+        "on_not_certified": "refuse",
         "title": None,
     }
     end = motion["trajectory"]["positions"][-1]

@@ -51,6 +51,7 @@ def test_a_job_and_the_wait_for_it_are_a_dozen_statements_and_read_nothing(tmp_p
                 assert ended.summary.state is JobState.SUCCEEDED
             written = [said for said in told if said.startswith(("INSERT", "UPDATE", "DELETE"))]
             assert len(written) <= 5 * 11
+            assert len([said for said in told if "job_owner" in said]) <= 5 * 3
             read = [said for said in told if said.startswith("SELECT")]
             assert {said.split()[3] for said in read} <= {"job_owner"}
             assert len(told) <= 5 * 18

@@ -14,7 +14,7 @@ namespace wayproof {
 namespace {
 
 // As in profile_optimizer.py.
-constexpr int num_rounds = 3, num_steps = 8;
+constexpr int num_rounds = 6, num_steps = 8;
 constexpr double initial_utilization = 0.97;
 constexpr double barrier_weight = 0.1, barrier_factor = 0.5;
 constexpr double max_step = 0.3;
@@ -61,12 +61,14 @@ void line_search(const ProfileBarrier& barrier, TimingSpline& spline, std::vecto
                  const std::vector<double>& step, double slope) {
   const double initial = barrier.cost(spline, weight);
   std::vector<double> trial(h.size());
-  for (double length = 1; length > min_step_length; length /= 2) {
+  double length = 1;
+  while (length > min_step_length) {
     for (std::size_t k = 0; k < h.size(); ++k) trial[k] = h[k] * exp_of_small(length * step[k]);
     if (spline.set_durations(trial) && barrier.cost(spline, weight) <= initial + armijo_factor * length * slope) {
-      h = trial;
+      h = std::move(trial);
       return;
     }
+    length /= 2;
   }
   spline.set_durations(h);
 }

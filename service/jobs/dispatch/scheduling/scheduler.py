@@ -6,6 +6,7 @@ from collections.abc import Coroutine, Generator, Mapping
 from contextlib import contextmanager
 from contextvars import Context
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from service.jobs.dispatch.observer import Observer
@@ -195,8 +196,10 @@ class Scheduler:
             self._timers[queue.name] = loop.call_at(decided.decide_again, self._assign, queue)
         for entry, worker in decided.pairs:
             waited, was_warm = loop.time() - entry.place.since, queue.was_warm(worker)
-            self._observer.note_assignment(queue.name, waited, was_warm=was_warm)
             entry.use(worker)
+            # The worker is told first.
+            note = partial(self._observer.note_assignment, was_warm=was_warm)
+            loop.call_soon(note, queue.name, waited)
 
     def _on_done(self, task: asyncio.Task[Any]) -> None:
         self._tasks.discard(task)

@@ -28,6 +28,7 @@ from service.jobs.outcome import (
 )
 from service.jobs.worker.main import Terms
 from service.jobs.worker.protocol import RemoteFailure, dump_error, load_error
+from service.telemetry.logs import LogTerms
 
 MESSAGES = st.builds(
     HostMessage,
@@ -118,7 +119,7 @@ class StrangeToHosts(WayproofError):
 
 
 def test_a_plan_crosses_as_it_is():
-    terms = (Terms(), Terms(7, 2**30, 5.0))
+    terms = (Terms(), Terms(7, 2**30, 5.0, is_offline=True, logs=LogTerms("text", "debug")))
     plan = HostPlan(("a.b", "c"), "warm_up", terms, "0.1", "/data", HostTimeouts(lost=3.0))
     assert HostPlan.loaded(plan.dumped()) == plan
     with pytest.raises(TypeError):
