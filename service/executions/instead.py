@@ -29,7 +29,8 @@ async def planned_instead(
         raise fault
     goal = asked.motion.result.trajectory.positions[-1]
     group = asked.work.request.group
-    kept = KeptMotion(asked.scene, group, goal, **asked.demands)
+    asked_for = asked.demands
+    kept = KeptMotion(asked.scene, group, goal, asked_for["planned"], asked_for["own"])
     try:
         plan = await planned_anew(kept.request(None), terms, scenes)
     except NotFinished as none:

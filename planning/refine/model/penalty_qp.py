@@ -144,10 +144,7 @@ class PenaltyQp:
         """Return the minimizer, shape (n,)."""
         module: Any = native() if use_kernel else None
         if module is None:
-            everything = (
-                self.rows if self.products is None else (*self.rows, self.products.expanded)
-            )
-            return self._solve_with_clarabel(*_compressed(everything), *_bounds_of(everything))
+            return self._solve_with_clarabel()
         of_products, penalized = _NO_PRODUCTS, list[PenaltyRows | ProductRows](self.rows)
         if self.products is not None:
             products = self.products
@@ -164,12 +161,12 @@ class PenaltyQp:
         )
         if not np.isfinite(x).all():
             # Rows of very different size, as those of jerks, may exceed the kernel's precision.
-            return self._solve_with_clarabel(starts, entries, values, lower_bounds, penalties)
+            return self._solve_with_clarabel()
         return x
 
-    def _solve_with_clarabel(
-        self, starts: Any, entries: Any, values: Array, lower_bounds: Array, penalties: Array
-    ) -> Array:
+    def _solve_with_clarabel(self) -> Array:
+        starts, entries, values = _compressed(self._expanded_rows)
+        lower_bounds, penalties = _bounds_of(self._expanded_rows)
         matrix = np.zeros((len(lower_bounds), len(self.c)))
         matrix[np.repeat(np.arange(len(lower_bounds)), np.diff(starts)), entries] = values
         program = MathematicalProgram()
