@@ -5,41 +5,32 @@ from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from copy import copy
 from dataclasses import replace
-from functools import partial
 from typing import Any, Literal, Self
 
 from anyio import to_thread
 
 from service.errors import NotReady, ServerStopping, UnknownResource
-from service.jobs.artifacts import Artifact
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.release import JobRelease
 from service.jobs.dispatch.scheduling.scheduler import QueueLoad
 from service.jobs.errors import UnknownJob
 from service.jobs.job import (
     BatchMember,
-    BatchPage,
     Job,
-    JobPage,
     JobSpec,
     JobSummary,
     JobText,
     LoggedEvent,
 )
+from service.jobs.reader import JobReader
 from service.jobs.states import JobState
 from service.jobs.store.deletion import delete_on_request
-from service.jobs.store.entries import Entries
 from service.jobs.store.job_store import JobStore
-from service.jobs.task import artifacts_of
 from service.jobs.task_calls import CallTerms, TaskCalls
 
-_CHUNK = 20
 
-
-class JobService(TaskCalls):
+class JobService(JobReader, TaskCalls):
     """Submits, reads, follows, controls and cancels jobs, and calls short tasks.
-
-    An id has the prefix of its queue, so that an id of another queue is unknown without a look.
 
     Attributes:
         on_delete: Called after jobs were deleted on request.
@@ -64,10 +55,8 @@ class JobService(TaskCalls):
             queues: The names of all queues, in the order in which they are counted.
             terms: On which short tasks are called.
         """
-        super().__init__(dispatcher, terms or CallTerms())
-        self._store = store
-        self._prefixes = prefixes
-        self._queues = queues
+        JobReader.__init__(self, store, prefixes=prefixes, queues=queues)
+        TaskCalls.__init__(self, dispatcher, terms or CallTerms())
         self.on_delete: Callable[[], None] | None = None
 
     def for_client(self, client: str) -> Self:
@@ -97,40 +86,10 @@ class JobService(TaskCalls):
         own = [replace(spec, client=self.client) for spec in specs]
         return await self._dispatcher.submit_all(own)
 
-    async def members_of(self, batch: str) -> list[BatchMember]:
-        """Return the jobs of a batch in the order in which they were asked for; none if unknown."""
-        return await to_thread.run_sync(self._store.members_of, batch)
-
-    async def keep_artifact(self, artifact: Artifact, world_digest: str) -> str:
-        """Store an artifact for as long as a job or a scene has a content; return its digest."""
-        return await to_thread.run_sync(self._store.artifacts.keep, artifact, world_digest)
-
-    async def artifacts_of(self, job: Job) -> Mapping[str, bytes]:
-        """Return all artifacts that the task of a job reads, as far as they are stored."""
-        read = artifacts_of(job.task, job.payload)
-        parts = await self._store.artifacts.parts(read)
-        wanted = {*read, *(part for needed in parts.values() for part in needed)}
-        return await self._store.artifacts.contents(sorted(wanted))
-
-    async def entries(self, queue: str, scene: str) -> Entries:
-        """Return which jobs of a queue move robots in a scene, or wait to."""
-        return await to_thread.run_sync(self._store.entries, queue, scene)
-
     @property
     def waiting(self) -> JobRelease:
         """What releases jobs that wait for their robots; of a server that leads."""
         return self._dispatcher.waiting
-
-    async def find_by_key(self, spec: JobSpec) -> Job | None:
-        """Return the job that the spec's idempotency key names, if there is one.
-
-        Raises:
-            IdempotencyConflict: The key was used for another request.
-        """
-        if spec.key is None:
-            return None
-        request = (spec.queue, spec.key, spec.request_digest)
-        return await to_thread.run_sync(self._store.find_by_key, *request)
 
     async def open_job(self, queue: str, identifier: str) -> JobSummary:
         """Return a job that waits or runs here as memory has it, any other one as lists have it.
@@ -142,65 +101,6 @@ class JobService(TaskCalls):
         if run is not None and run.job.queue == queue:
             return run.snapshot()
         return await self._read(queue, identifier, self._store.summary)
-
-    async def job(self, queue: str, identifier: str) -> Job:
-        """Return a job.
-
-        Raises:
-            UnknownResource: The queue has none of that id.
-        """
-        return await self._read(queue, identifier, self._store.get)
-
-    async def job_text(self, queue: str, identifier: str) -> JobText:
-        """Return a job whose result is passed on as it is; raises as `job`."""
-        return await self._read(queue, identifier, self._store.text)
-
-    async def _read[T](self, queue: str, identifier: str, read: Callable[[str], T]) -> T:
-        if not identifier.startswith(f"{self._prefixes[queue]}_"):
-            raise UnknownResource.of(queue, identifier)
-        try:
-            return await to_thread.run_sync(read, identifier)
-        except UnknownJob as fault:
-            raise UnknownResource.of(queue, identifier) from fault
-
-    async def page(
-        self,
-        queue: str,
-        limit: int,
-        before: int | None,
-        *,
-        state: str | None = None,
-        scene: str | None = None,
-        batch: str | None = None,
-    ) -> JobPage:
-        """Return jobs of a queue, newest first, of those before a number of the list."""
-        wanted = {"state": state, "scene": scene, "batch": batch}
-        read = partial(self._store.page, queue, wanted, before=before, limit=limit + 1)
-        return JobPage.of(await to_thread.run_sync(read), limit)
-
-    async def batches(
-        self, queue: str, limit: int, before: int | None, **wanted: str | None
-    ) -> BatchPage:
-        """Return batches, newest first, that have a job with what is wanted; else as `page`."""
-        read = partial(self._store.batches, queue, wanted, before=before, limit=limit + 1)
-        return BatchPage.of(await to_thread.run_sync(read), limit)
-
-    async def newest(
-        self, queue: str, *, scene: str | None = None, world_digest: str | None = None
-    ) -> AsyncIterator[JobSummary]:
-        """Yield the jobs of a queue in a scene, or with a scene's content, newest first."""
-        wanted = {"scene": scene, "world_digest": world_digest}
-        before: int | None = None
-        limit = 1
-        # Mostly the first one is enough.
-        while True:
-            read = partial(self._store.page, queue, wanted, before=before, limit=limit)
-            found = await to_thread.run_sync(read)
-            for job in found:
-                yield job
-            if len(found) < limit:
-                return
-            before, limit = found[-1].sequence, min(2 * limit, _CHUNK)
 
     async def wait(self, job: Job, seconds: float) -> JobText:
         """Return a job when it has ended, or as it is after some seconds."""
@@ -291,10 +191,6 @@ class JobService(TaskCalls):
         """Whether the server ends: what is watched is told no more."""
         return self._dispatcher.is_stopping
 
-    async def last_recorded(self, job: JobSummary, event_type: str) -> LoggedEvent | None:
-        """Return the newest event of a type that is recorded, if there is one."""
-        return await to_thread.run_sync(self._store.last_event, job.id, event_type)
-
     async def latest_event(self, job: JobSummary, event_type: str) -> dict[str, Any] | None:
         """Return the data of the newest event of a type, recorded or not, if there is one."""
         run = self._dispatcher.attempt_of(job.id)
@@ -325,14 +221,3 @@ class JobService(TaskCalls):
     def loads(self) -> dict[str, QueueLoad]:
         """Return what waits and what works, by queue."""
         return self._dispatcher.loads()
-
-    async def counts(self) -> dict[str, dict[str, int]]:
-        """Return how many jobs there are, by state and queue."""
-        found = await to_thread.run_sync(self._store.counts)
-        counts: dict[str, dict[str, int]] = {
-            state: dict.fromkeys(self._queues, 0)
-            for state in ("queued", "running", "succeeded", "failed", "canceled")
-        }
-        for (queue, state), number in found.items():
-            counts[state][queue] = number
-        return counts
