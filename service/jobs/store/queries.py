@@ -1,7 +1,6 @@
 """JobQueries: reads the record of jobs; no query waits for what writes."""
 
 import json
-from collections import defaultdict
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -34,6 +33,7 @@ from service.jobs.job import (
 )
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
+from service.jobs.store.batches import read_batches
 from service.jobs.store.entries import WAITS_FOR_ROBOTS, Entries, read_entries
 from service.jobs.store.tables import bodies, events, job_robots, jobs, makers, summaries
 
@@ -60,18 +60,6 @@ _AFTER = _OF_JOB.where(events.c.number > bindparam("after")).order_by(events.c.n
 _OF_TYPE = _OF_JOB.where(events.c.type == bindparam("of_type"))
 _NEWEST = _OF_TYPE.order_by(events.c.number.desc()).limit(1)
 
-
-_BATCH_STATES = (
-    select(
-        jobs.c.batch,
-        jobs.c.state,
-        func.count(),
-        func.min(jobs.c.created_at),
-        func.max(jobs.c.finished_at),
-    )
-    .where(jobs.c.batch.in_(bindparam("ids", expanding=True)))
-    .group_by(jobs.c.batch, jobs.c.state)
-)
 _OPEN = [state.value for state in JobState if not state.is_final]
 # By its index: it is asked again and again.
 _WAITING = _SUMMARY.where(
@@ -176,20 +164,8 @@ class JobQueries:
             before: The sequence numbers of their first jobs are below it.
             limit: Largest number of batches.
         """
-        conditions = [jobs.c[name] == content for name, content in wanted.items() if content]
-        first = func.min(jobs.c.sequence)
-        query = select(jobs.c.batch, first).where(jobs.c.batch.is_not(None)).group_by(jobs.c.batch)
-        if conditions:
-            such = select(jobs.c.batch).where(jobs.c.queue == queue, *conditions)
-            query = query.where(jobs.c.batch.in_(such.where(jobs.c.batch.is_not(None))))
-        query = query if before is None else query.having(first < before)
         with self._engine.connect() as connection:
-            rows = connection.execute(query.order_by(first.desc()).limit(limit)).all()
-            states = defaultdict[str, list[Any]](list)
-            for name, *state in connection.execute(_BATCH_STATES, {"ids": [r[0] for r in rows]}):
-                states[name].append(state)
-        # One that was deleted between both looks has no states.
-        return [BatchSummary.of(name, n, states[name]) for name, n in rows if name in states]
+            return read_batches(connection, queue, wanted, before=before, limit=limit)
 
     def unfinished(self) -> list[Job]:
         """Return every job that is queued or running, and waits for no robot, oldest first."""
