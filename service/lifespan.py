@@ -11,8 +11,8 @@ from sqlalchemy import Connection
 
 from service.api.middleware.client_disconnect import call_for_client
 from service.executions.measured import keep_end, open_motions
-from service.executions.replanning import Replanner
-from service.executions.verdicts import judge
+from service.executions.proofs.verdicts import judge
+from service.executions.replanning.replanner import Replanner
 from service.executions.waiting_line import WaitingLine
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher

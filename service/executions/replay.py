@@ -10,8 +10,8 @@ from service.api.params import SceneId
 from service.api.responses import HTML_PAGE, problems
 from service.api.strict_route import StrictRoute
 from service.errors import NotFinished
-from service.executions.current_motion import MOTION
 from service.executions.models import ExecutionStatus, FollowedMotion
+from service.executions.motions.current_motion import MOTION
 from service.executions.position import last_status
 from service.executions.tasks import REPLAY_MOTIONS, ExecutionWork, ReplayWork, ShownWork
 from service.jobs.job import JobSummary

@@ -1,8 +1,8 @@
 """Executions as clients see them, from their jobs."""
 
 from service.api.failures.failure import Failure
-from service.executions.current_motion import followed
 from service.executions.models import Execution, ExecutionState, ExecutionStatus
+from service.executions.motions.current_motion import followed
 from service.executions.position import last_status
 from service.executions.tasks import ExecutionOutcome, ExecutionOutline
 from service.jobs.job import JobSummary

@@ -16,14 +16,14 @@ from service.api.responses import accepted, problems
 from service.api.strict_route import StrictRoute
 from service.api.submission import SubmissionDep
 from service.executions.commands import send_command
-from service.executions.controllers import check_speed
+from service.executions.drivers.controllers import check_speed
 from service.executions.models import (
     Execution,
     ExecutionEvent,
     ExecutionPage,
     ExecutionState,
 )
-from service.executions.new_plan import Terms
+from service.executions.replanning.new_plan import Terms
 from service.executions.requests import ExecutionRequest, SpeedRequest
 from service.executions.resource import JOB_STATES, execution_resource
 from service.executions.submit import submit_execution

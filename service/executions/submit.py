@@ -6,10 +6,10 @@ from dataclasses import replace
 from planning.errors import NotCertified
 from service.api.fingerprint import fingerprint
 from service.errors import RobotBusy, StartMismatch
-from service.executions.admission import Place, kept_at_rest, proven_work
-from service.executions.asked import asked_motion
-from service.executions.controllers import address_of, check_driven
-from service.executions.instead import planned_instead
+from service.executions.drivers.controllers import address_of, check_driven
+from service.executions.motions.requested_motion import asked_motion
+from service.executions.proofs.admission import Place, kept_at_rest, proven_work
+from service.executions.replanning.planned_instead import planned_instead
 from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, ExecutionOutline, ExecutionWork, WaitingExecution
 from service.jobs.errors import Overtaken

@@ -1,6 +1,4 @@
-"""Tasks about executions: to prove a motion before, to carry it out, to replay it after."""
-
-from typing import Self
+"""Tasks about executions: to carry a motion out, to replay it after."""
 
 from pydantic import Field
 
@@ -12,7 +10,7 @@ from service.jobs.task import Task, TaskModel
 from service.plans.models.request import PlanRequest
 from service.plans.models.trajectory import Polynomial
 from service.plans.tasks import DeliveredWork, Page
-from service.scenes.tasks import RequestWork, SceneWork
+from service.scenes.tasks import SceneWork
 from service.trajectories.models import CertifyMotionRequest
 
 # How far a robot may be from where a motion begins [rad or m]; executions end within 0.005.
@@ -105,32 +103,6 @@ class ExecutionWork(ExecutionOutline):
         return [each.margin for each in asked if each is not None] or [None]
 
 
-class GroupMotion(TaskModel):
-    """The motion of an execution, as others are proven beside it.
-
-    Attributes:
-        execution: Its id; empty for one that has none yet.
-        group: That moves.
-        trajectory: All of the motion.
-        margins: Distances of bodies that were asked for [m]; None for that of the scene.
-    """
-
-    execution: str
-    group: str
-    trajectory: Polynomial
-    margins: list[float | None]
-
-    @classmethod
-    def of(cls, execution: str, work: ExecutionWork) -> Self:
-        """Return the motion of an execution."""
-        return cls(
-            execution=execution,
-            group=work.group,
-            trajectory=work.trajectory,
-            margins=work.margins,
-        )
-
-
 class ExecutionOutcome(TaskModel):
     """The last status of an execution that reached its end, and the seconds of each stage.
 
@@ -143,24 +115,6 @@ class ExecutionOutcome(TaskModel):
     status: ExecutionStatus
     sampling: SamplingReserve | None = None
     timings: dict[str, float] = Field(default_factory=dict)
-
-
-class BesideWork(SceneWork):
-    """A motion to prove beside those of other executions, whatever the timing of each.
-
-    Attributes:
-        motion: The motion.
-        others: The other motions.
-    """
-
-    motion: GroupMotion
-    others: list[GroupMotion]
-
-
-class BesideProof(TaskModel):
-    """That a motion is proven beside others: how many these are."""
-
-    num_others: int
 
 
 class Block(TaskModel):
@@ -244,116 +198,6 @@ class Commands(TaskModel):
     next: NextMotion | None = None
 
 
-class SpliceWork(SceneWork):
-    """A motion to be left at an instant, for another one.
-
-    Attributes:
-        planned: Request of the plan that it is of, which says what it keeps.
-        own: The request, if it is a motion of one's own.
-        running: The whole motion.
-        time: When it is left [s].
-        onto: The motion that is joined.
-    """
-
-    planned: PlanRequest | None
-    own: CertifyMotionRequest | None
-    running: Polynomial
-    time: float
-    onto: Polynomial
-
-
-class ProofWork(SceneWork):
-    """A plan's motion to prove in a scene.
-
-    Attributes:
-        request: Of the plan.
-        origin: Of a motion backwards, the request of the plan forwards.
-        trajectory: The motion.
-    """
-
-    request: PlanRequest
-    origin: PlanRequest | None
-    trajectory: Polynomial
-
-
-class RecheckWork(SceneWork):
-    """A motion that is carried out, to prove again in its scene as that was edited.
-
-    Attributes:
-        planned: Request of the plan that it is of, which says what it keeps.
-        own: The request, if it is a motion of one's own.
-        members: The motions that it is made of, if it is of several plans.
-        group: That moves.
-        trajectory: The whole motion.
-        since: Where the robot is along it [s].
-        revision: Of the scene.
-        others: The motions of the other executions in the scene.
-        margins: Distances of bodies that were asked for [m]; None for that of the scene.
-    """
-
-    planned: PlanRequest | None
-    own: CertifyMotionRequest | None
-    members: list[MemberMotion]
-    group: str
-    trajectory: Polynomial
-    since: float
-    revision: int
-    others: list[GroupMotion]
-    margins: list[float | None]
-
-
-class Recheck(TaskModel):
-    """The verdict on a motion from where the robot is.
-
-    Attributes:
-        block: Where it does not hold on the way forwards; None if it does.
-        behind: Until where it holds on the way back [s]; None for all of it.
-    """
-
-    block: Block | None
-    behind: float | None = None
-
-
-class TogetherWork(SceneWork):
-    """Motions of several plans to prove as one in a scene.
-
-    Attributes:
-        members: The motions, the most urgent first.
-        delays: When each begins [s]; None for the smallest that are proven.
-    """
-
-    members: list[MemberMotion]
-    delays: list[float] | None
-
-
-class Proof(TaskModel):
-    """A lower bound on the distance of all pairs [m]; infinite, and null as JSON, without any."""
-
-    min_clearance: float | None
-
-
-class ProvenMotion(TaskModel):
-    """A motion that is proven.
-
-    Attributes:
-        trajectory: Its exact polynomial.
-        start: Its first configuration.
-        min_clearance: As of `Proof`.
-        delays: When each of several plans begins [s]; None for one motion.
-    """
-
-    trajectory: Polynomial
-    start: list[float]
-    min_clearance: float | None
-    delays: list[float] | None = None
-
-
-class Spliced(TaskModel):
-    """A motion up to where it is left, and on from there without a rest; None if none is proven."""
-
-    trajectory: Polynomial | None
-
-
 class ShownWork(DeliveredWork):
     """A motion of a replay: what stands above it, and when it ended [s], if before its end."""
 
@@ -378,10 +222,4 @@ EXECUTE = Task(
     max_attempts=1,
     outline=Outline(payload=("trajectory", "planned", "own", "members")),
 )
-PROVE = Task("prove_execution", ProofWork, Proof)
-RECHECK = Task("recheck_motion", RecheckWork, Recheck)
-SPLICE = Task("splice_execution", SpliceWork, Spliced)
-PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
-PROVE_BESIDE = Task("prove_beside", BesideWork, BesideProof)
-PROVE_TOGETHER = Task("prove_together", TogetherWork, ProvenMotion)
 REPLAY_MOTIONS = Task("replay_motions", ReplayWork, Page)

@@ -11,9 +11,9 @@ from dataclasses import replace
 
 from planning.errors import WayproofError
 from service.errors import status_of
-from service.executions.admission import Place, proven_work
-from service.executions.asked import asked_motion
-from service.executions.controllers import check_driven
+from service.executions.drivers.controllers import check_driven
+from service.executions.motions.requested_motion import asked_motion
+from service.executions.proofs.admission import Place, proven_work
 from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, WaitingExecution
 from service.jobs.errors import Overtaken

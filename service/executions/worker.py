@@ -14,10 +14,10 @@ from planning.execute.abort_reasons import tracking_failure
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
-from service.executions.drivers import driver_of, sampling_reserve
-from service.executions.followed_motions import FollowedMotions
-from service.executions.jitter import JitterLog
+from service.executions.drivers.drivers import driver_of, sampling_reserve
+from service.executions.drivers.jitter import JitterLog
 from service.executions.models import Contact, ExecutionStatus, SamplingReserve
+from service.executions.motions.followed_motions import FollowedMotions
 from service.executions.tasks import (
     EXECUTE,
     START_TOLERANCE,

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.executions.jitter import JitterLog
+from service.executions.drivers.jitter import JitterLog
 from tests.profiles import num_cases
 
 

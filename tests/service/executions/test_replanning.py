@@ -90,7 +90,7 @@ def test_without_a_way_it_stops_as_ever(client):
 
 @only_campaign("it comes to rest, and waits for a second plan: 5 s")
 def test_where_no_splice_is_proven_it_begins_anew_from_rest(client, monkeypatch):
-    monkeypatch.setattr("service.executions.splice._ALLOWED", 0.0)
+    monkeypatch.setattr("service.executions.proofs.splice._ALLOWED", 0.0)
     scene, plan, execution = swinging(client, driver="kinematic", speed=0.3)
     [verdict] = edit(client, scene, in_the_way(client, scene, plan))["executions"]
     assert verdict["action"] == "replan"

@@ -7,7 +7,7 @@ from starlette.testclient import TestClient
 from planning.domain.curves.interpolation import trajectory_through
 from planning.errors import NotCertified
 from service.app import create_app
-from service.executions.drivers import sampling_reserve
+from service.executions.drivers.drivers import sampling_reserve
 from service.executions.tasks import ExecutionWork
 from service.settings import Settings
 from tests.conftest import bundled_world

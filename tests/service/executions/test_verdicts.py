@@ -126,7 +126,7 @@ def test_a_scene_in_which_nothing_moves_has_no_verdicts(client):
 def test_what_cannot_be_decided_is_blocked(client, moved, monkeypatch):
     plan, _ = moved
     scene, execution = begun(client, plan)
-    monkeypatch.setattr("service.executions.recheck._ALLOWED", 0.0)
+    monkeypatch.setattr("service.executions.proofs.recheck._ALLOWED", 0.0)
     [verdict] = edit(client, scene, box("far", [3.0, 3.0, 0.5]))["executions"]
     assert (verdict["verdict"], verdict["check"]) == ("conflict", "undecided")
     assert ended(client, execution)["failure"]["code"] == "path_blocked"

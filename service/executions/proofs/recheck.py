@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from planning import Deadline, World, certify_rest, certify_trajectory
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Certificate
-from service.executions.beside_proof import BESIDE, first_in_the_way
-from service.executions.demands import kept_by
-from service.executions.tasks import RECHECK, Block, GroupMotion, Recheck, RecheckWork
-from service.executions.together_proof import (
+from service.executions.proofs.beside_proof import BESIDE, first_in_the_way
+from service.executions.proofs.demands import kept_by
+from service.executions.proofs.tasks import RECHECK, GroupMotion, Recheck, RecheckWork
+from service.executions.proofs.together_proof import (
     certificate_of,
     failed_besides_clearance,
     largest_margin,
 )
+from service.executions.tasks import Block
 from service.jobs.context import TaskContext
 from service.scenes.world_cache import borrow_world
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 from planning.domain.robot.spanning_group import common_joint
 from planning.errors import ProblemInvalid
-from service.executions.motions import Demands, PlannedMotion
+from service.executions.motions.asked_motion import Demands, PlannedMotion
 from service.executions.position import check_at_start
-from service.executions.tasks import PROVE_TOGETHER, MemberMotion, ProvenMotion, TogetherWork
+from service.executions.proofs.tasks import PROVE_TOGETHER, ProvenMotion, TogetherWork
+from service.executions.tasks import MemberMotion
 from service.jobs.service import JobService
 from service.scenes.models.summary import Group
 from service.scenes.store.records import SceneRecord

@@ -15,10 +15,11 @@ from typing import Self
 import numpy as np
 
 from planning.errors import NotCertified, WayproofError
-from service.executions.current_motion import MOTION, CurrentMotion
 from service.executions.models import ExecutionStatus
-from service.executions.new_plan import KeptMotion, Terms, planned_anew
-from service.executions.tasks import SPLICE, Bounds, ExecutionWork, NextMotion, SpliceWork
+from service.executions.motions.current_motion import MOTION, CurrentMotion
+from service.executions.proofs.tasks import SPLICE, SpliceWork
+from service.executions.replanning.new_plan import KeptMotion, Terms, planned_anew
+from service.executions.tasks import Bounds, ExecutionWork, NextMotion
 from service.jobs.job import Job, JobSummary
 from service.jobs.service import JobService
 from service.plans.models.request import PlanRequest

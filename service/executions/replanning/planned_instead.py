@@ -3,8 +3,8 @@
 from planning.errors import NotCertified
 from service.errors import NotFinished, StartMismatch
 from service.executions.models import Replanned
-from service.executions.motions import AskedMotion, PlannedMotion
-from service.executions.new_plan import KeptMotion, planned_anew
+from service.executions.motions.asked_motion import AskedMotion, PlannedMotion
+from service.executions.replanning.new_plan import KeptMotion, planned_anew
 from service.plans.resource import motion_of, work_of
 from service.plans.submit import PlanTerms
 from service.scenes.store.scene_store import SceneStore

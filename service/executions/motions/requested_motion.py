@@ -1,8 +1,8 @@
 """The motion that a request asks for: of a plan, of several as one, or of the client."""
 
-from service.executions.motions import AskedMotion, OwnMotion, PlannedMotion
+from service.executions.motions.asked_motion import AskedMotion, OwnMotion, PlannedMotion
+from service.executions.motions.plans_together import PlansTogether
 from service.executions.requests import ExecutionRequest
-from service.executions.together import PlansTogether
 from service.jobs.service import JobService
 from service.plans.resource import motion_of, work_of
 

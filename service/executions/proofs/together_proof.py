@@ -12,8 +12,9 @@ from planning import Deadline, GroupMotion, World, certify_trajectory, schedule_
 from planning.api.combine_motions import combine_motions
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Certificate, Check
-from service.executions.proof import refusal
-from service.executions.tasks import PROVE_TOGETHER, MemberMotion, ProvenMotion, TogetherWork
+from service.executions.proofs.proof import refusal
+from service.executions.proofs.tasks import PROVE_TOGETHER, ProvenMotion, TogetherWork
+from service.executions.tasks import MemberMotion
 from service.jobs.context import TaskContext
 from service.plans.models.trajectory import Polynomial
 from service.scenes.world_cache import borrow_world

@@ -6,8 +6,9 @@ from typing import Protocol, TypedDict
 from planning.errors import UnknownName
 from service.api.names import located
 from service.executions.position import check_at_start
+from service.executions.proofs.tasks import PROVE, PROVE_MOTION, ProofWork, ProvenMotion
 from service.executions.requests import ExecutionRequest
-from service.executions.tasks import PROVE, PROVE_MOTION, MemberMotion, ProofWork, ProvenMotion
+from service.executions.tasks import MemberMotion
 from service.jobs.service import JobService
 from service.plans.models.request import PlanRequest
 from service.plans.resource import DeliveredMotion

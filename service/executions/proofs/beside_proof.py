@@ -13,8 +13,8 @@ import numpy as np
 from planning import Deadline, World, certify_beside
 from planning.domain.report.beside_report import BesideCheck, BesideOutcome
 from planning.errors import NotCertified, ProblemInvalid
-from service.executions.tasks import PROVE_BESIDE, BesideProof, BesideWork, GroupMotion
-from service.executions.together_proof import largest_margin
+from service.executions.proofs.tasks import PROVE_BESIDE, BesideProof, BesideWork, GroupMotion
+from service.executions.proofs.together_proof import largest_margin
 from service.jobs.context import TaskContext
 from service.scenes.world_cache import borrow_world
 

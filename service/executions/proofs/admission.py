@@ -5,10 +5,11 @@ import math
 from dataclasses import dataclass
 
 from service.errors import UnknownResource
-from service.executions.motions import AskedMotion
+from service.executions.motions.asked_motion import AskedMotion
 from service.executions.position import require_known
+from service.executions.proofs.tasks import PROVE_BESIDE, BesideWork, GroupMotion
 from service.executions.requests import ExecutionTerms
-from service.executions.tasks import EXECUTE, PROVE_BESIDE, BesideWork, ExecutionWork, GroupMotion
+from service.executions.tasks import EXECUTE, ExecutionWork
 from service.jobs.errors import Overtaken
 from service.jobs.service import JobService
 from service.jobs.store.entries import Entries

@@ -7,18 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from planning.errors import InputError, WayproofError
-from service.executions.current_motion import CurrentMotion, current_motion
+from service.executions.motions.current_motion import CurrentMotion, current_motion
 from service.executions.position import last_status
-from service.executions.replanning import Conflict, Replanner
-from service.executions.tasks import (
-    RECHECK,
-    Block,
-    Bounds,
-    ExecutionWork,
-    GroupMotion,
-    Recheck,
-    RecheckWork,
-)
+from service.executions.proofs.tasks import RECHECK, GroupMotion, Recheck, RecheckWork
+from service.executions.replanning.replanner import Conflict, Replanner
+from service.executions.tasks import Block, Bounds, ExecutionWork
 from service.jobs.job import CONTROLS, JobSummary
 from service.jobs.service import JobService
 from service.jobs.states import JobState

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from planning import Deadline, TimedTrajectory, splice_motion
 from planning.errors import PlanningFailure
-from service.executions.demands import kept_by
-from service.executions.tasks import SPLICE, Spliced, SpliceWork
+from service.executions.proofs.demands import kept_by
+from service.executions.proofs.tasks import SPLICE, Spliced, SpliceWork
 from service.jobs.context import TaskContext
 from service.plans.models.trajectory import Polynomial
 from service.scenes.world_cache import borrow_world

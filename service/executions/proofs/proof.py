@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from planning import Deadline, certify_trajectory
 from planning.domain.report.certificate import Certificate, Check
 from planning.errors import NotCertified, ProblemInvalid
-from service.executions.tasks import PROVE, PROVE_MOTION, Proof, ProofWork, ProvenMotion
+from service.executions.proofs.tasks import PROVE, PROVE_MOTION, Proof, ProofWork, ProvenMotion
 from service.jobs.context import TaskContext
 from service.plans.models.trajectory import Polynomial
 from service.scenes.tasks import RequestWork

@@ -1,0 +1,1 @@
+"""How the drivers of executions are made and watched."""

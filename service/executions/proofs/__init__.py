@@ -1,0 +1,1 @@
+"""Proofs of motions in the scene as it is: before they begin, and while they are carried out."""

@@ -1,0 +1,1 @@
+"""Other motions for executions whose own does not hold."""
