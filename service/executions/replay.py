@@ -11,9 +11,8 @@ from service.api.responses import HTML_PAGE, problems
 from service.api.strict_route import StrictRoute
 from service.errors import NotFinished
 from service.executions.models import ExecutionStatus, FollowedMotion
-from service.executions.motions.current_motion import MOTION
 from service.executions.position import last_status
-from service.executions.tasks import REPLAY_MOTIONS, ExecutionWork, ReplayWork, ShownWork
+from service.executions.tasks import MOTION, REPLAY_MOTIONS, ExecutionWork, ReplayWork, ShownWork
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.plans.models.trajectory import Polynomial

@@ -15,6 +15,8 @@ from service.trajectories.models import CertifyMotionRequest
 
 # How far a robot may be from where a motion begins [rad or m]; executions end within 0.005.
 START_TOLERANCE = 0.02
+# Type of the event that says which motion is followed from then on.
+MOTION = "motion"
 
 
 class ExecutionOutline(SceneWork):

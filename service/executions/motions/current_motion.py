@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 from service.executions.models import FollowedMotion
-from service.executions.tasks import ExecutionWork
+from service.executions.tasks import MOTION, ExecutionWork
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.plans.models.trajectory import Polynomial
-
-# Type of the event that says which motion is followed from then on.
-MOTION = "motion"
 
 
 @dataclass(frozen=True)

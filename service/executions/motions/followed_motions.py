@@ -5,8 +5,7 @@ from typing import Any
 from planning.errors import ProblemInvalid
 from planning.execute.runner import Runner
 from service.executions.models import FollowedMotion
-from service.executions.motions.current_motion import MOTION
-from service.executions.tasks import Bounds, Commands, NextMotion
+from service.executions.tasks import MOTION, Bounds, Commands, NextMotion
 from service.jobs.context import TaskContext
 
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from planning.errors import NotCertified, WayproofError
 from service.executions.models import ExecutionStatus
-from service.executions.motions.current_motion import MOTION, CurrentMotion
+from service.executions.motions.current_motion import CurrentMotion
 from service.executions.proofs.tasks import SPLICE, SpliceWork
 from service.executions.replanning.new_plan import KeptMotion, Terms, planned_anew
-from service.executions.tasks import Bounds, ExecutionWork, NextMotion
+from service.executions.tasks import MOTION, Bounds, ExecutionWork, NextMotion
 from service.jobs.job import Job, JobSummary
 from service.jobs.service import JobService
 from service.plans.models.request import PlanRequest

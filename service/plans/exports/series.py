@@ -1,15 +1,17 @@
 """Series: the numbers of the plots: a motion, its rates, efforts, distances and limits."""
 
 from collections.abc import Iterable
-from typing import Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Field
 
-from planning.api.motion_series import MotionSeries
 from planning.domain.arrays import Array
 from service.api.arrays import FiniteOrNull, Row, Rows
 from service.api.models import ResponseModel
+
+if TYPE_CHECKING:  # the server imports no engine
+    from planning.api.motion_series import MotionSeries
 
 type Bound = Annotated[list[FiniteOrNull], Field(description="Per coordinate; null: none")]
 
@@ -73,7 +75,7 @@ class Series(ResponseModel):
     )
 
     @classmethod
-    def from_series(cls, series: MotionSeries, *, distances: bool) -> Self:
+    def from_series(cls, series: "MotionSeries", *, distances: bool) -> Self:
         """Return the model of a series.
 
         Args:
@@ -100,7 +102,7 @@ class Series(ResponseModel):
         })
 
 
-def _limits(series: MotionSeries) -> dict[str, Bounds]:
+def _limits(series: "MotionSeries") -> dict[str, Bounds]:
     limits = series.limits
     rates = {"velocity": limits.velocity, "torque": limits.effort}
     if series.is_jerk_limited:
@@ -115,7 +117,7 @@ def _limits(series: MotionSeries) -> dict[str, Bounds]:
     return found
 
 
-def _per_coordinate(series: MotionSeries, bound: Array) -> Array:
+def _per_coordinate(series: "MotionSeries", bound: Array) -> Array:
     row = np.zeros(series.derivatives.shape[2])
     for block, value in zip(series.limits.blocks, bound, strict=True):
         row[list(block)] = value

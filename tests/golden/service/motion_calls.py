@@ -131,7 +131,8 @@ SEVERAL_CALLS = (
     post("two", "/v1/scenes", _TWO),
     plan("plan_of_one", _ACROSS, "two", "a"),
     plan("plan_of_the_other", _UP, "two", "b"),
-    plan("plan_of_both", _BOTH, "two", ["a", "b"]),
+    # Refined, it would end elsewhere on another kind of machine.
+    plan("plan_of_both", _BOTH, "two", ["a", "b"], refine={"method": "none"}),
     _schedule("schedule", "plan_of_one", "plan_of_the_other"),
     _schedule("schedule_of_one_robot_twice", "plan_of_one", "plan_of_one"),
 )

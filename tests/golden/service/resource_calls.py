@@ -23,6 +23,7 @@ RESOURCE_CALLS = (
     post("keyed_scene_of_another_body", "/v1/scenes", {**SQUARE, "name": "x"}, headers=_KEY),
     post("batch", "/v1/plans/batch?wait=60", {"problems": [_ENDED]}),
     get("batch_again", "/v1/batches/{batch}"),
+    get("batches", "/v1/batches?limit=1"),
     get("batch_events", "/v1/batches/{batch}/events"),
     post("batch_that_ended", "/v1/batches/{batch}/cancel"),
     get("plans_of_a_batch", "/v1/plans?batch={batch}"),

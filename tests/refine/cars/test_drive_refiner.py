@@ -147,7 +147,7 @@ class NoObstacles:
 def test_colliding_paths_are_rejected(drive_of: Callable[[str], Drive]) -> None:
     """A model without obstacles finds paths through them; the audit rejects all of them."""
     drive = drive_of("parked")
-    deadline, jerk = no_hurry(), drive.request().jerk
+    deadline, jerk = no_hurry(), drive.request().limits_jerk
     solver = DriveSolver.of(drive.world, drive.request(), deadline)
     times = SegmentTimes.of(solver.limits, solver.problem.car_index, limits_jerk=jerk)
     model = DriveModel(solver.problem, NoObstacles(), solver.limits, times, None)

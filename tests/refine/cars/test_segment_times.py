@@ -21,7 +21,7 @@ GROUP = steered(
 )
 def test_segments_take_as_long_as_with_the_retimer(method: str, short: float, long: float) -> None:
     limits = limits_of(GROUP)
-    times = SegmentTimes.of(limits, 1, jerk=method == "ruckig")
+    times = SegmentTimes.of(limits, 1, limits_jerk=method == "ruckig")
     rng = np.random.default_rng(4)
     for _ in range(8):
         length = 10 ** rng.uniform(-2.5, 0.2) * rng.choice([-1, 1])

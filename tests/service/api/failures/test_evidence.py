@@ -83,7 +83,9 @@ def test_every_error_has_a_model_of_its_evidence():
     unread |= {"records_exist", "client_left", "key_exists", "unguarded"}
     unread |= {"backup_impossible"}
     assert set(failures()) | set(problems()) | unread == known
-    assert set(failures()) == {
+    # What waits for its robots may be refused once they are free.
+    late = {"robot_state_unknown", "start_mismatch", "not_found"}
+    assert set(failures()) == late | {
         error.code for error in EVIDENCE if issubclass(error, StageFailure | InputError)
     }
 

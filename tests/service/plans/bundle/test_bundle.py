@@ -170,7 +170,9 @@ def test_what_is_too_large_is_refused_whatever_its_header_says(packed, stored):
 def test_a_plan_that_was_canceled_has_no_bundle(client, scene):
     request = {"scene": scene, "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
     plan = client.post("/v1/plans", json=request).json()
-    canceled = client.post(f"/v1/plans/{plan['id']}/cancel").json()
-    answer = client.get(f"/v1/plans/{canceled['id']}/bundle.zip")
-    assert answer.status_code == (200 if canceled["state"] == "succeeded" else 409)
+    client.post(f"/v1/plans/{plan['id']}/cancel")
+    client.get(f"/v1/plans/{plan['id']}/events")  # until it has ended, canceled or quicker
+    ended = client.get(f"/v1/plans/{plan['id']}").json()
+    answer = client.get(f"/v1/plans/{plan['id']}/bundle.zip")
+    assert answer.status_code == (200 if ended["state"] == "succeeded" else 409)
     assert client.get("/v1/plans/pln_0/bundle.zip").status_code == 404
