@@ -34,7 +34,7 @@ def stepped(execution: Execution, driver: EchoDriver, count: int) -> tuple[Execu
     return execution, places
 
 
-@settings(max_examples=num_cases(8), deadline=None)
+@settings(max_examples=num_cases(5), deadline=None)
 @given(st.integers(0, 10_000), st.floats(1.001, 2.0), st.floats(0.0, 1.0), st.integers(0, 120))
 def test_it_rests_before_a_barrier_and_goes_on_once_it_is_lifted(
     seed: int, slack: float, share: float, steps: int
@@ -57,7 +57,7 @@ def test_it_rests_before_a_barrier_and_goes_on_once_it_is_lifted(
     assert_kept(driver.sent, motion, limits)
 
 
-@settings(max_examples=num_cases(4), deadline=None)
+@settings(max_examples=num_cases(2), deadline=None)
 @given(st.integers(0, 10_000), st.floats(0.0, 0.7), st.floats(-1.0, -0.2))
 def test_it_rests_before_a_barrier_on_the_way_back(seed: int, share: float, speed: float) -> None:
     motion = random_motion(seed)
