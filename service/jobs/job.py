@@ -219,7 +219,7 @@ class JobPage:
 
     @classmethod
     def of(cls, found: list[JobSummary], limit: int) -> Self:
-        """Return a page of at most so many jobs, of what was found, which may be one more."""
+        """Return a page of at most `limit` jobs, of what was found, which may be one more."""
         return cls(found[:limit], found[limit - 1].sequence if len(found) > limit else None)
 
 
@@ -232,5 +232,5 @@ class BatchPage:
 
     @classmethod
     def of(cls, found: list[BatchSummary], limit: int) -> Self:
-        """Return a page of at most so many batches, of what was found, which may be one more."""
+        """Return a page of at most `limit` batches, of what was found, which may be one more."""
         return cls(found[:limit], found[limit - 1].sequence if len(found) > limit else None)
