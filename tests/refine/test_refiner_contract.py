@@ -31,6 +31,9 @@ WAYS = {
     "trajopt, sum": RefineOptions(
         "trajopt", objective=RefineObjective(1.0, 0.05, path_length=1.0, max_duration=4.0)
     ),
+    "trajopt, jerk": RefineOptions(
+        "trajopt", objective=RefineObjective(1.0, 0.001, derivative="jerk")
+    ),
     "trajopt, short": RefineOptions("trajopt", objective=RefineObjective(path_length=1.0)),
     "drake": RefineOptions("drake"),
     "drake, smooth": RefineOptions(

@@ -159,9 +159,6 @@ class PenaltyQp:
             _TOLERANCE,
             _MAX_STEPS,
         )
-        if not np.isfinite(x).all():
-            # Rows of very different size, as those of jerks, may exceed the kernel's precision.
-            return self._solve_with_clarabel()
         return x
 
     def _solve_with_clarabel(self) -> Array:

@@ -29,9 +29,6 @@ _DISTANCE_PENALTY, _BOUND_PENALTY, _RESIDUAL_PENALTY = 100.0, 30.0, 30.0
 _PROXIMAL_WEIGHT = 1e-6
 # Range of a residual, in square roots of the first motion's cost.
 _MAX_RESIDUAL = 10.0
-# Largest change of a residual by one control point within the box, in the same unit: with larger
-# ones the interior-point method runs out of digits.
-_MAX_CHANGE = 20.0
 # Relative reserve to bounds on rates and loads.
 _RESERVE = 1e-5
 # Least width of the box, even where position limits or the bound on the duration leave none.
@@ -104,7 +101,6 @@ class MotionModel:
         """
         motion = evaluation.motion
         residuals = list(cost_residuals(self._task.cost, *_of(motion)))
-        radius *= self._box_share(residuals, radius)
         radii = radius * self._task.bounds.velocity
         program = self._make_program(evaluation, residuals, radius)
         x, layout = program.solve(), self._layout
@@ -122,22 +118,6 @@ class MotionModel:
         points = motion.points.copy()
         points[inner] = np.clip(points[inner], limits.lower, limits.upper)
         return SplineMotion(points, motion.duration)
-
-    def _box_share(self, residuals: list[Residuals], radius: float) -> float:
-        """Return the share of a box within which no residual changes by more than permitted."""
-        radii, root = radius * self._task.bounds.velocity, np.sqrt(self._scale)
-        largest = max(
-            (
-                float(
-                    np.abs(
-                        part.by_point * (radii[:, None] if part.by_point.ndim == 3 else radii)
-                    ).max()
-                )
-                for part in residuals
-            ),
-            default=0.0,
-        )
-        return min(1.0, _MAX_CHANGE / max(root * largest, 1e-9))
 
     def _residual_values(self, residuals: list[Residuals]) -> Array:
         values = [part.values.ravel() for part in residuals]

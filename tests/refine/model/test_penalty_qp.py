@@ -114,3 +114,38 @@ def test_rows_of_products_are_those_with_all_their_entries(seed: int, num_rows: 
         assert products.expanded.violations(x)[k] == pytest.approx(violation)
     assert compact.cost(x) == expanded.cost(x)
     np.testing.assert_allclose(compact.solve(), expanded.solve(), atol=1e-6)
+
+
+def resized(program: PenaltyQp, sizes: np.ndarray) -> PenaltyQp:
+    """Return the program with rows in other units, at the same price for the same violation."""
+    rows = [part.selected([k]) for part in program.rows for k in range(len(part.lower_bounds))]
+    return replace(
+        program,
+        rows=tuple(
+            PenaltyRows(row.columns, row.values * size, row.lower_bounds * size, row.penalty / size)
+            for row, size in zip(rows, sizes, strict=True)
+        ),
+    )
+
+
+@settings(max_examples=num_cases(8))
+@given(seed=st.integers(0, 2**32 - 1), decades=st.integers(1, 60))
+def test_the_size_of_a_row_does_not_matter(seed: int, decades: int) -> None:
+    # Jerks, torques and distances differ by many powers of ten.
+    program = random_program(seed, 12, 36)
+    sizes = 10.0 ** np.random.default_rng(seed).uniform(-decades / 2, decades / 2, 40)
+    x, in_other_units = program.solve(), resized(program, sizes).solve()
+    assert (in_other_units >= program.lower - 1e-9).all()
+    assert (in_other_units <= program.upper + 1e-9).all()
+    assert program.cost(in_other_units) == pytest.approx(program.cost(x), abs=1e-4)
+
+
+@settings(max_examples=num_cases(8))
+@given(seed=st.integers(0, 2**32 - 1), decades=st.integers(1, 10))
+def test_large_rows_beside_small_ones_are_solved(seed: int, decades: int) -> None:
+    program = random_program(seed, 12, 36)
+    size = 10.0 ** np.random.default_rng(seed).uniform(0, decades, (36, 1))
+    wild = replace(program.rows[0], values=program.rows[0].values * size)
+    program = replace(program, rows=(wild, program.rows[1]))
+    cost, reference = (program.cost(program.solve(use_kernel=k)) for k in (True, False))
+    assert cost <= reference + 1e-3 * max(1.0, abs(reference))

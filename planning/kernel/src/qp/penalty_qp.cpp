@@ -10,7 +10,42 @@
 namespace wayproof {
 namespace {
 
-constexpr double to_the_wall = 0.99;
+constexpr double to_the_wall = 0.99, unbounded = 1e300;
+
+bool is_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
+}
+
+// Divides each row by a power of two, after which its largest entry is at least 1 and below 2, and multiplies its
+// price. Where rows differ much in size, as those of jerks do, the normal equations lose the digits of the small ones.
+void scale_rows(PenaltyQp& program) {
+  const std::size_t num_sparse = program.starts.size() - 1;
+  ProductRows& products = program.products;
+  const auto scale = [&program](std::size_t k, double largest, double* values, double* end) {
+    if (!(largest > 0)) return;
+    const double size = std::exp2(std::ilogb(largest));
+    for (double* value = values; value != end; ++value) *value /= size;
+    program.least[k] /= size;
+    program.price[k] *= size;
+  };
+  const auto largest_of = [](const double* begin, const double* end) {
+    double largest = 0;
+    for (const double* value = begin; value != end; ++value) largest = std::max(largest, std::abs(*value));
+    return largest;
+  };
+  for (std::size_t k = 0; k < num_sparse; ++k) {
+    double *values = program.values.data() + program.starts[k], *end = program.values.data() + program.starts[k + 1];
+    scale(k, largest_of(values, end), values, end);
+  }
+  for (std::size_t r = 0; r < products.rows(); ++r) {
+    double* slopes = products.slopes.data() + r * products.num_slopes;
+    double weight = 0;
+    for (std::size_t i = r * products.num_weights; i < (r + 1) * products.num_weights; ++i)
+      if (products.columns[i] != -1) weight = std::max(weight, std::abs(products.weights[i]));
+    scale(num_sparse + r, weight * largest_of(slopes, slopes + products.num_slopes), slopes,
+          slopes + products.num_slopes);
+  }
+}
 
 // Slacks s > 0 with their multipliers z > 0 (complementary pairs), and a step of both.
 struct ComplementaryPairs {
@@ -30,7 +65,7 @@ struct ComplementaryPairs {
     return sum;
   }
   static double longest(const std::vector<double>& x, const std::vector<double>& dx) {
-    double step = 1e300;
+    double step = unbounded;
     for (std::size_t i = 0; i < x.size(); ++i)
       if (dx[i] < 0) step = std::min(step, -x[i] / dx[i]);
     return step;
@@ -75,11 +110,14 @@ class Search {
   PenaltySolution run(double tolerance, int max_steps) {
     const double count = 2.0 * (n + m);
     int step = 0;
-    double gap = 0;
+    double gap = 0, last_wrong = unbounded;
     for (;; ++step) {
       gap = (low.product() + high.product() + over.product() + under.product()) / count;
       const double wrong = residuals();
-      if ((gap < tolerance && wrong < 10 * tolerance) || step == max_steps) break;
+      // Residuals that do not shrink any more are rounding: further steps would only add to it.
+      const bool is_exhausted = wrong > 0.5 * last_wrong;
+      if ((gap < tolerance && (wrong < 10 * tolerance || is_exhausted)) || step == max_steps) break;
+      last_wrong = wrong;
       factor();
       aim(0, false);
       const double primal = std::min(1.0, reach(true)), dual = std::min(1.0, reach(false));
@@ -90,6 +128,7 @@ class Search {
       aim(gap * std::max(ratio * ratio * ratio, 1e-6), true);
       const double p_step = std::min(1.0, to_the_wall * reach(true)),
                    d_step = std::min(1.0, to_the_wall * reach(false));
+      if (!is_finite(dx)) break;
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
       for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
     }
@@ -158,7 +197,7 @@ class Search {
   }
 
   double reach(bool primal) const {
-    double step = 1e300;
+    double step = unbounded;
     for (const ComplementaryPairs* pair : {&low, &high, &over, &under})
       step = std::min(step, primal ? ComplementaryPairs::longest(pair->s, pair->ds)
                                    : ComplementaryPairs::longest(pair->z, pair->dz));
@@ -176,7 +215,8 @@ class Search {
 
 }  // namespace
 
-PenaltySolution solve(const PenaltyQp& program, double tolerance, int max_steps) {
+PenaltySolution solve(PenaltyQp program, double tolerance, int max_steps) {
+  scale_rows(program);
   return Search(program).run(tolerance, max_steps);
 }
 

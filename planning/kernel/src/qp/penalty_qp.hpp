@@ -30,6 +30,6 @@ struct PenaltySolution {
 };
 
 // Stops once residuals and gap are below `tolerance`, relative to the cost, or after `max_steps`.
-PenaltySolution solve(const PenaltyQp& program, double tolerance, int max_steps);
+PenaltySolution solve(PenaltyQp program, double tolerance, int max_steps);
 
 }  // namespace wayproof
