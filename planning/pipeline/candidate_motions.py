@@ -8,7 +8,7 @@ from planning.domain.curves.path import JointPath
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.motion_limits import MotionLimits
-from planning.domain.request.options import RetimeOptions, SearchOptions
+from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup
@@ -22,6 +22,9 @@ from planning.retime.limits.path_limit import PathLimit
 from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
+
+# Share of a requested duration that an optimized motion leaves for the retimer's tolerances.
+_TIME_RESERVE = 1e-5
 
 
 def refine_and_proof_deadlines(
@@ -45,8 +48,12 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     watch: Stopwatch,
     *,
     path_limits: tuple[PathLimit, ...],
+    longest: float | None = None,
 ) -> Iterator[CandidateMotion]:
     """Yield timed motions along a path: the better of the refined and the rounded curve first.
+
+    By an objective other than the duration they take no longer than `longest` [s] if they need not;
+    None for no such limit.
 
     Raises:
         RetimingFailed: After all other curves the path itself, with a rest at every corner, cannot
@@ -59,7 +66,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     group, retime_options = world.group(problem.group), problem.retime
     limits = world.limits(group)
     timing = CandidateTiming(
-        world, group, path_limits, retime_options, problem.refine, watch, deadline
+        world, group, path_limits, retime_options, problem.refine, watch, deadline, longest
     )
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
@@ -68,7 +75,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
             path,
             scaled,
             margins,
-            problem.refine,
+            _bounded(problem.refine, longest),
             limits_jerk=retime_options.limits_jerk,
             fixed_coordinates=_fixed_coordinates(group, problem.search),
             motion_limits=_motion_limits(retime_options),
@@ -136,6 +143,13 @@ def _motion_limits(options: RetimeOptions) -> MotionLimits:
         options.effort,
         options.payload,
     )
+
+
+def _bounded(options: RefineOptions, longest: float | None) -> RefineOptions:
+    """Return options whose objective leaves a reserve for what the retimer slows."""
+    if options.objective is None or longest is None:
+        return options
+    return replace(options, objective=options.objective.within(longest * (1 - _TIME_RESERVE)))
 
 
 def _fixed_coordinates(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:

@@ -65,6 +65,8 @@ class CandidateTiming:
         refine: Options of the refinement, for its objective.
         watch: Times the work.
         deadline: Time limit.
+        longest: Time that the request leaves for the motion, besides the objective's bound [s];
+            None for no such limit.
         failures: Why curves were not timed, in order.
     """
 
@@ -75,6 +77,7 @@ class CandidateTiming:
     refine: RefineOptions
     watch: Stopwatch
     deadline: Deadline
+    longest: float | None = None
     failures: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
 
     @property
@@ -141,7 +144,9 @@ class CandidateTiming:
             if longest is not None and measured.duration > longest * (1 + _DURATION_TOLERANCE):
                 self.failures.append(_too_slow(measured.duration, longest))
                 continue
-            slowdown = 1.0 if self.options.duration else measured.best_slowdown
+            # A slower motion may break a constraint of a term, on its duration say.
+            keeps_time = self.options.duration is not None or bool(self.refine.terms)
+            slowdown = 1.0 if keeps_time else measured.best_slowdown
             after = measured.values(slowdown)
             report = replace(candidate.refine, before=before, after=after)
             slowed = candidate if slowdown == 1 else self._slowed(candidate, after.duration)
@@ -195,11 +200,12 @@ class CandidateTiming:
         return replace(candidate, trajectory=kept[0], retime=report)
 
     def _objectives(self, candidate: CandidateMotion) -> MotionObjectives:
+        objective = self.refine.objective
         return MotionObjectives.of(
             self.world,
             self.group,
             candidate.trajectory,
-            self.refine.objective,
+            objective and objective.within(self.longest),
             self.options.payload,
         )
 

@@ -21,8 +21,8 @@ from planning.world.world import World
 
 # Nodes per piece for integrals of squared rates: exact up to degree 7 of the rate.
 _NODES = 8
-# Instants at which torques are evaluated.
-_NUM_TORQUE_SAMPLES = 161
+# Instants at which torques are evaluated, at least; and in every piece.
+_MIN_TORQUE_NODES, _TORQUE_NODES = 160, 2
 # Jump of accelerations that counts as none, as a share of the largest one.
 _JUMP_TOLERANCE = 1e-6
 # Factors of the duration that are compared, from coarse to fine.
@@ -119,8 +119,8 @@ def _is_acceleration_continuous(trajectory: TimedTrajectory) -> bool:
     return float(np.abs(jumps).max()) <= _JUMP_TOLERANCE * max(float(np.abs(begins).max()), 1e-12)
 
 
-def _nodes() -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+def _nodes(count: int = _NODES) -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(count)
     return (nodes + 1) / 2, weights / 2
 
 
@@ -140,16 +140,19 @@ def _squared_rates(trajectory: TimedTrajectory, order: int) -> Array:
 def _torque_products(
     world: World, group: JointGroup, trajectory: TimedTrajectory, payload: Payload | None
 ) -> Array | None:
-    """Return the integrals of products of the parts of the torques, by the trapezoidal rule."""
+    """Return the integrals of products of the parts of the torques.
+
+    They jump with the accelerations, from piece to piece, so each piece is integrated by itself.
+    """
     if not Manifold(group.joints).is_flat or steering_of(group):
         return None
-    times = trajectory.evenly_spaced_times(_NUM_TORQUE_SAMPLES)
+    nodes, node_weights = _nodes(max(_TORQUE_NODES, -(-_MIN_TORQUE_NODES // trajectory.num_pieces)))
+    times = (trajectory.breaks[:-1, None] + trajectory.widths[:, None] * nodes).ravel()
     q, v = trajectory.positions(times), trajectory.velocities(times)
     dynamics = GroupDynamics(world, group, payload)
     damping = dynamics.damping * v
     gravity = dynamics.efforts(q, np.zeros_like(v), np.zeros_like(v))
     inertia = dynamics.efforts(q, v, trajectory.accelerations(times)) - damping - gravity
     parts = np.stack([inertia, damping, gravity])
-    steps = np.diff(times)
-    weights = (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+    weights = (trajectory.widths[:, None] * node_weights).ravel()
     return np.einsum("amj,bmj,m->ab", parts, parts, weights)

@@ -9,6 +9,7 @@ from planning.domain.robot.payload import Payload
 from planning.refine.motion.motion_objectives import MotionObjectives
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import keep_timing, retime
+from planning.world.mechanics.dynamics import GroupDynamics
 
 JERK = RefineObjective(smoothness=1.0, derivative="jerk", max_duration=9.0)
 
@@ -33,6 +34,17 @@ def test_values_are_integrals_over_time(pillar):
     assert values.path_length == pytest.approx(speeds.sum() * step, rel=1e-3)
     assert values.smoothness == pytest.approx((accelerations**2).sum() * step, rel=1e-2)
     assert values.energy > 0
+
+
+def test_energy_is_integrated_between_the_jumps_of_accelerations(pillar):
+    """To a ten-thousandth by midpoints, of which few fall on a piece with a jump."""
+    motion = motion_of(pillar)
+    width = motion.duration / 40_000
+    times = (np.arange(40_000) + 0.5) * width
+    dynamics = GroupDynamics(pillar.world, pillar.request.path.group)
+    rates = motion.positions(times), motion.velocities(times), motion.accelerations(times)
+    expected = float((dynamics.efforts(*rates) ** 2).sum()) * width
+    assert measured(pillar, motion).values().energy == pytest.approx(expected, rel=1e-4)
 
 
 def test_jerk_is_infinite_where_accelerations_jump(pillar):
