@@ -17,6 +17,8 @@ from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import keep_timing, retime
 from planning.world.world import World
 
+# Name of the candidate along the refined curve.
+REFINED_CURVE = "refined curve"
 # Share of the time for timing another curve when there is a timed motion already.
 _COMPARISON_TIME_FRACTION = 0.5
 # Relative difference up to which durations count as equal.
@@ -92,11 +94,10 @@ class CandidateTiming:
 
         If it cannot be timed, the failure is stored and there is none.
         """
-        name = "refined curve"
         if curve is None:
             return []
         if not isinstance(curve, TimedTrajectory):
-            return self._retimed(name, curve, report)
+            return self._retimed(REFINED_CURVE, curve, report)
         spline = _geometry(curve)
         with self.watch.stage("retime"):
             try:
@@ -107,8 +108,8 @@ class CandidateTiming:
                 self.failures.append(failure)
                 return []
         if kept is None:
-            return self._retimed(name, spline, report)
-        return [CandidateMotion(name, spline, kept[0], report, kept[1])]
+            return self._retimed(REFINED_CURVE, spline, report)
+        return [CandidateMotion(REFINED_CURVE, spline, kept[0], report, kept[1])]
 
     def along_path(self, curve: PathCurve, report: RefineReport) -> list[CandidateMotion]:
         """Return the candidate along a curve near the path, or none and store the failure."""
