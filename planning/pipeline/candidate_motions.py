@@ -8,13 +8,14 @@ from planning.domain.curves.path import JointPath
 from planning.domain.report.stage_reports import RefineReport
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.motion_limits import MotionLimits
-from planning.domain.request.options import RetimeOptions, SearchOptions
+from planning.domain.request.options import RefineOptions, RetimeOptions, SearchOptions
 from planning.domain.request.problem import PlanningProblem
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup
 from planning.errors import DeadlineExceeded
+from planning.pipeline.timing.candidate_order import cheapest_first
 from planning.pipeline.timing.candidate_timing import CandidateMotion, CandidateTiming
-from planning.pipeline.timing.path_curves import collision_free_curves
+from planning.pipeline.timing.path_curves import PathCurve, collision_free_curves
 from planning.refine.constraints.clearance_objective import ClearanceCost, make_clearance_objective
 from planning.refine.refiner import refine
 from planning.refine.request import RefineRequest
@@ -22,6 +23,9 @@ from planning.retime.limits.path_limit import PathLimit
 from planning.world.collision.margins import PairMargins
 from planning.world.constraints.path_constraints import PathConstraints
 from planning.world.world import World
+
+# Share of a requested duration that an optimized motion leaves for the retimer's tolerances.
+_TIME_RESERVE = 1e-5
 
 
 def refine_and_proof_deadlines(
@@ -45,8 +49,12 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     watch: Stopwatch,
     *,
     path_limits: tuple[PathLimit, ...],
+    longest: float | None = None,
 ) -> Iterator[CandidateMotion]:
     """Yield timed motions along a path: the better of the refined and the rounded curve first.
+
+    By an objective other than the duration they take no longer than `longest` [s] if they need not;
+    None for no such limit.
 
     Raises:
         RetimingFailed: After all other curves the path itself, with a rest at every corner, cannot
@@ -59,7 +67,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     group, retime_options = world.group(problem.group), problem.retime
     limits = world.limits(group)
     timing = CandidateTiming(
-        world, group, path_limits, retime_options, problem.refine, watch, deadline
+        world, group, path_limits, retime_options, problem.refine, watch, deadline, longest
     )
     with watch.stage("refine"):
         scaled = limits.scaled(retime_options.velocity_scale, retime_options.acceleration_scale)
@@ -68,7 +76,7 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
             path,
             scaled,
             margins,
-            problem.refine,
+            _bounded(problem.refine, longest),
             limits_jerk=retime_options.limits_jerk,
             fixed_coordinates=_fixed_coordinates(group, problem.search),
             motion_limits=_motion_limits(retime_options),
@@ -90,35 +98,51 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     curves = collision_free_curves(path, retime_options, oracle, constraints)
     with watch.stage("retime"):
         first_curves = list(curves) if retime_options.limits_jerk else [next(curves)]
-    new_candidates: list[CandidateMotion] = []
-    along_path: list[CandidateMotion] = []
-    for i, curve in enumerate(first_curves):
-        try:
-            new_candidates = (timing.for_comparison if timed or along_path else timing).along_path(
-                curve, unrefined_report
-            )
-        except DeadlineExceeded:
-            # The remaining time is for certifying the motion that is timed already.
-            if not timed and not along_path:
-                raise
-            curves = chain(first_curves[i:], curves)
-            break
-        along_path += new_candidates
+    results = _along_path(timing, first_curves, unrefined_report, has_other=bool(timed))
+    is_cut = len(results) < len(first_curves)
+    along_path = list(chain.from_iterable(results))
     before = timing.values(along_path)
-    timed = timing.weighed([*timed, *along_path], before)
-    new_candidates = new_candidates if timed else []
     objective = refined and make_clearance_objective(
         world, group, margins, problem.refine.clearance
     )
-    if objective is not None:
-        timed = [_with_clearance_penalty(candidate, objective) for candidate in timed]
-    yield from sorted(timed, key=lambda candidate: candidate.cost)
+
+    def weighed(found: list[CandidateMotion]) -> list[CandidateMotion]:
+        found = timing.weighed(found, before)
+        if objective is None:
+            return found
+        return [_with_clearance_penalty(candidate, objective) for candidate in found]
+
+    def time_curve(curve: PathCurve, is_compared: bool) -> list[CandidateMotion]:  # noqa: FBT001
+        settings = timing.for_comparison if is_compared else timing
+        return weighed(settings.along_path(curve, unrefined_report))
+
+    timed = weighed([*timed, *along_path])
     # The collision check of a curve counts as retiming.
-    for curve in watch.each("retime", curves):
-        new_candidates = timing.weighed(timing.along_path(curve, unrefined_report), before)
-        yield from new_candidates
-    if not new_candidates:
+    further = chain(first_curves[len(results) :], watch.each("retime", curves))
+    last = yield from cheapest_first(timed, further, time_curve, compares=not is_cut)
+    if last is None:
+        last = results[-1] if timed and results else []
+    if not last:
         raise timing.failure
+
+
+def _along_path(
+    timing: CandidateTiming, curves: list[PathCurve], report: RefineReport, *, has_other: bool
+) -> list[list[CandidateMotion]]:
+    """Return the candidates of each curve; of the first ones where the time to compare runs out."""
+    results: list[list[CandidateMotion]] = []
+    for curve in curves:
+        is_compared = has_other or any(results)
+        try:
+            results.append(
+                (timing.for_comparison if is_compared else timing).along_path(curve, report)
+            )
+        except DeadlineExceeded:
+            # The remaining time is for certifying the motion that is timed already.
+            if not is_compared:
+                raise
+            break
+    return results
 
 
 def _with_clearance_penalty(motion: CandidateMotion, objective: ClearanceCost) -> CandidateMotion:
@@ -136,6 +160,13 @@ def _motion_limits(options: RetimeOptions) -> MotionLimits:
         options.effort,
         options.payload,
     )
+
+
+def _bounded(options: RefineOptions, longest: float | None) -> RefineOptions:
+    """Return options whose objective leaves a reserve for what the retimer slows."""
+    if options.objective is None or longest is None:
+        return options
+    return replace(options, objective=options.objective.within(longest * (1 - _TIME_RESERVE)))
 
 
 def _fixed_coordinates(group: JointGroup, search: SearchOptions) -> tuple[int, ...]:

@@ -127,6 +127,8 @@ class Motion:
         options: RetimeOptions,
         path_limits: Sequence[PathLimit],
         deadline: Deadline,
+        *,
+        may_be_slower: bool = False,
     ) -> "Motion":
         """Return the motion with reports that explain the duration of its segments.
 
@@ -137,16 +139,19 @@ class Motion:
             options: Options with which they were timed.
             path_limits: Path limits with which they were timed.
             deadline: Time limit of the explanation.
+            may_be_slower: Whether the free segments may have been slowed by an objective.
 
         Raises:
             Canceled: Cancellation was requested.
         """
-        retime_inputs = limits, options, path_limits, deadline
+        explanations: list[DurationExplanation] = []
         try:
-            explanations = [
-                explain_duration(segment.curve, segment.trajectory, *retime_inputs)
-                for segment in self.segments
-            ]
+            for segment in self.segments:
+                motion, stated = segment.trajectory, options
+                if may_be_slower and segment.kind == "free":
+                    stated = replace(options, duration=motion.duration)
+                inputs = segment.curve, motion, limits, stated, path_limits, deadline
+                explanations.append(explain_duration(*inputs))
         except DeadlineExceeded:
             return self
         return Motion(

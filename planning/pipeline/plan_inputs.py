@@ -84,7 +84,7 @@ def resolve(
     if problem.search.allowed_planning_time <= 0:
         message = "search.allowed_planning_time must be positive"
         raise ProblemInvalid(message, {"field": "search.allowed_planning_time"})
-    validate_refinement(problem.refine, group, problem.goal)
+    validate_refinement(problem.refine, group, problem.goal, problem.retime.duration)
     validate_regions(problem, world, group)
     validate_roadmap_options(problem)
     return ResolvedProblem(

@@ -1,22 +1,34 @@
 """validate_refinement(): which options of refinement go together, and what each method can do."""
 
-import numpy as np
-
 from planning.domain.goals.goal import Goal, LineGoal, PoseGoal, RegionGoal
 from planning.domain.request.options import RefineOptions
-from planning.domain.request.refine_objective import RefineObjective
+from planning.domain.request.refine_objective import (
+    DERIVATIVES,
+    MAX_DURATION,
+    MAX_WEIGHT,
+    RefineObjective,
+)
 from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.manifold import Manifold
 from planning.domain.robot.steering import steering_of
-from planning.errors import ProblemInvalid
+from planning.errors import ProblemInvalid, UnknownName
 from planning.refine.constraints.clearance_objective import validate_clearance_objective
 
 
-def validate_refinement(options: RefineOptions, group: JointGroup, goal: Goal) -> None:
+def validate_refinement(
+    options: RefineOptions, group: JointGroup, goal: Goal, duration: float | None = None
+) -> None:
     """Check the options of a request's refinement.
+
+    Args:
+        options: The options.
+        group: The group that moves.
+        goal: Its goal.
+        duration: Requested duration of the whole motion [s]; None for the least.
 
     Raises:
         ProblemInvalid: A number is invalid, or the method cannot do what is asked.
+        UnknownName: There is no such derivative.
     """
     validate_clearance_objective(options)
     if options.method == "drake" and options.clearance is not None:
@@ -25,6 +37,7 @@ def validate_refinement(options: RefineOptions, group: JointGroup, goal: Goal) -
         raise _invalid("method", "drake's splines do not keep the steering of a car")
     if options.objective is not None:
         _validate_objective(options, options.objective, group)
+        _validate_against_goal(options.objective, goal, duration)
     if options.terms:
         _validate_terms(options, group, goal)
 
@@ -32,12 +45,7 @@ def validate_refinement(options: RefineOptions, group: JointGroup, goal: Goal) -
 def _validate_objective(
     options: RefineOptions, objective: RefineObjective, group: JointGroup
 ) -> None:
-    for name, weight in objective.weights.items():
-        if not 0 <= weight < np.inf:
-            raise _invalid(f"objective.{name}", "it must be finite and not negative")
-    longest = objective.max_duration
-    if longest is not None and not 0 < longest < np.inf:
-        raise _invalid("objective.max_duration", "it must be positive and finite")
+    _validate_values(objective)
     fault = objective.fault_with(options.method)
     if not fault and options.clearance is not None:
         fault = "clearance is weighed against the duration in seconds; leave one of the two out"
@@ -47,6 +55,31 @@ def _validate_objective(
         fault = f"the energy of {group.name!r} is not known: a joint of it floats"
     if fault:
         raise _invalid("objective", fault)
+
+
+def _validate_values(objective: RefineObjective) -> None:
+    for name, weight in objective.weights.items():
+        if not 0 <= weight <= MAX_WEIGHT:
+            rule = f"it must be finite and not negative, at most {MAX_WEIGHT:g}"
+            raise _invalid(f"objective.{name}", rule)
+    if objective.derivative not in DERIVATIVES:
+        raise UnknownName.among("derivative", objective.derivative, DERIVATIVES)
+    longest = objective.max_duration
+    if longest is not None and not 0 < longest <= MAX_DURATION:
+        rule = f"it must be positive and finite, at most {MAX_DURATION:g} s"
+        raise _invalid("objective.max_duration", rule)
+
+
+def _validate_against_goal(objective: RefineObjective, goal: Goal, duration: float | None) -> None:
+    longest = objective.max_duration
+    if isinstance(goal, LineGoal):
+        if longest is not None or not objective.is_duration_alone:
+            raise _invalid("objective", "goals along lines are not optimized")
+    elif longest is not None and duration is not None and duration > longest:
+        has_moves = isinstance(goal, PoseGoal | RegionGoal) and _has_linear_moves(goal)
+        if not has_moves:
+            fault = f"it is {longest:g} s, but a duration of {duration:g} s is requested"
+            raise _invalid("objective.max_duration", fault)
 
 
 def _validate_terms(options: RefineOptions, group: JointGroup, goal: Goal) -> None:

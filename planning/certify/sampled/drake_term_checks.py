@@ -48,6 +48,8 @@ def _check(
     num_own = len(program.GetAllConstraints())
     term.add(trajopt, model.plant)
     violations = [_violation(program, b) for b in program.GetAllConstraints()[num_own:]]
+    if not violations:
+        where = "it has no constraints"
     worst = max(violations, default=0.0)
     passed = worst <= _TOLERANCE
     return Check(name, worst, _TOLERANCE, "1", np.inf, passed=passed, where=where)

@@ -1,12 +1,18 @@
 """RefineObjective: weights of what an optimized motion costs, and the bound on its duration."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from planning.domain.value import Value
 
 # Weight of a second beside a weight of 1 on length: of the shortest motions the quickest is meant.
 _TIE_BREAK = 1e-3
+# What `smoothness` can integrate, with the order of the derivative.
+DERIVATIVES = {"acceleration": 2, "jerk": 3}
+# Largest weight, and largest bound on the duration [s].
+MAX_WEIGHT = 1e9
+MAX_DURATION = 86_400.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +65,20 @@ class RefineObjective(Value):
     @property
     def derivative_order(self) -> int:
         """Order of the derivative that `smoothness` integrates: 2 or 3."""
-        return 2 if self.derivative == "acceleration" else 3
+        return DERIVATIVES[self.derivative]
+
+    @property
+    def normalized(self) -> "RefineObjective":
+        """The same objective with the largest weight from 1 to 2, all scaled by a power of two."""
+        _, exponent = math.frexp(max(self.weights.values()))
+        weights = {name: math.ldexp(weight, 1 - exponent) for name, weight in self.weights.items()}
+        return replace(self, **weights)
+
+    def within(self, seconds: float | None) -> "RefineObjective":
+        """Return the objective for a motion that may take no longer; None for no further bound."""
+        if seconds is None or (self.max_duration is not None and self.max_duration <= seconds):
+            return self
+        return replace(self, max_duration=seconds)
 
     def fault_with(self, method: str) -> str:
         """Return why a method of refinement cannot minimize this, or ""."""

@@ -17,6 +17,8 @@ from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import keep_timing, retime
 from planning.world.world import World
 
+# Name of the candidate along the refined curve.
+REFINED_CURVE = "refined curve"
 # Share of the time for timing another curve when there is a timed motion already.
 _COMPARISON_TIME_FRACTION = 0.5
 # Relative difference up to which durations count as equal.
@@ -65,6 +67,8 @@ class CandidateTiming:
         refine: Options of the refinement, for its objective.
         watch: Times the work.
         deadline: Time limit.
+        longest: Time that the request leaves for the motion, besides the objective's bound [s];
+            None for no such limit.
         failures: Why curves were not timed, in order.
     """
 
@@ -75,6 +79,7 @@ class CandidateTiming:
     refine: RefineOptions
     watch: Stopwatch
     deadline: Deadline
+    longest: float | None = None
     failures: list[RetimingFailed] = field(default_factory=list[RetimingFailed])
 
     @property
@@ -89,11 +94,10 @@ class CandidateTiming:
 
         If it cannot be timed, the failure is stored and there is none.
         """
-        name = "refined curve"
         if curve is None:
             return []
         if not isinstance(curve, TimedTrajectory):
-            return self._retimed(name, curve, report)
+            return self._retimed(REFINED_CURVE, curve, report)
         spline = _geometry(curve)
         with self.watch.stage("retime"):
             try:
@@ -104,8 +108,8 @@ class CandidateTiming:
                 self.failures.append(failure)
                 return []
         if kept is None:
-            return self._retimed(name, spline, report)
-        return [CandidateMotion(name, spline, kept[0], report, kept[1])]
+            return self._retimed(REFINED_CURVE, spline, report)
+        return [CandidateMotion(REFINED_CURVE, spline, kept[0], report, kept[1])]
 
     def along_path(self, curve: PathCurve, report: RefineReport) -> list[CandidateMotion]:
         """Return the candidate along a curve near the path, or none and store the failure."""
@@ -141,7 +145,9 @@ class CandidateTiming:
             if longest is not None and measured.duration > longest * (1 + _DURATION_TOLERANCE):
                 self.failures.append(_too_slow(measured.duration, longest))
                 continue
-            slowdown = 1.0 if self.options.duration else measured.best_slowdown
+            # A slower motion may break a constraint of a term, on its duration say.
+            keeps_time = self.options.duration is not None or bool(self.refine.terms)
+            slowdown = 1.0 if keeps_time else measured.best_slowdown
             after = measured.values(slowdown)
             report = replace(candidate.refine, before=before, after=after)
             slowed = candidate if slowdown == 1 else self._slowed(candidate, after.duration)
@@ -195,11 +201,12 @@ class CandidateTiming:
         return replace(candidate, trajectory=kept[0], retime=report)
 
     def _objectives(self, candidate: CandidateMotion) -> MotionObjectives:
+        objective = self.refine.objective
         return MotionObjectives.of(
             self.world,
             self.group,
             candidate.trajectory,
-            self.refine.objective,
+            objective and objective.within(self.longest),
             self.options.payload,
         )
 

@@ -19,6 +19,7 @@ from planning.refine.curves.bspline_basis import ORDER, make_bspline
 from planning.refine.drake.autodiff import constraint_evaluator, cost_evaluator
 from planning.refine.drake.margin_rows import MarginRows
 from planning.refine.motion.load_rows import LoadRows
+from planning.refine.motion.motion_cost import LEAST_COST
 from planning.refine.motion.motion_program import OUT_OF_TIME, MotionTask, Solution
 from planning.refine.motion.spline_matrices import rate_maps, split
 from planning.refine.motion.spline_motion import SplineMotion
@@ -138,7 +139,8 @@ class DrakeProgram:
                 np.concatenate([points[:, j], rates[:, j]]),
             )
         offset = guess.points - points_of @ at_guess
-        latest, scale = [guess], 1 / max(self.task.cost.value(guess.points, guess.duration), 1e-9)
+        latest = [guess]
+        scale = 1 / max(self.task.cost.value(guess.points, guess.duration), LEAST_COST)
 
         def scaled(x: Array) -> tuple[float, Array]:
             self._check_time()

@@ -20,6 +20,8 @@ from planning.world.mechanics.dynamics import GroupDynamics
 _NODES, _ENERGY_NODES = 4, 2
 # Speed below which the length's gradient fades [rad or m], per unit of s.
 _LEAST_SPEED = 1e-6
+# Cost that stands for none where others are divided by it.
+LEAST_COST = 1e-100
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from planning.refine.curves.bspline_basis import basis_weights, greville_absciss
 from planning.refine.model.distance_rows import distance_rows
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
 from planning.refine.motion.load_rows import LoadRows
+from planning.refine.motion.motion_cost import LEAST_COST
 from planning.refine.motion.motion_program import MotionTask
 from planning.refine.motion.motion_residuals import NUM_NODES, Residuals, cost_residuals
 from planning.refine.motion.spline_matrices import quadrature_nodes, rate_maps
@@ -66,7 +67,7 @@ class MotionModel:
         """Build the model; `first` is where its cost is 1."""
         self._task = task
         self._count = task.cost.num_control_points
-        self._scale = 1 / max(task.cost.value(first.points, first.duration), 1e-9)
+        self._scale = 1 / max(task.cost.value(first.points, first.duration), LEAST_COST)
         self._weights = basis_weights(self._count, instants)
         self._loads = tuple(LoadRows.of(load, self._count) for load in task.bounds.loads)
         self._layout = _Layout.of(task, len(list(cost_residuals(task.cost, *_of(first)))))

@@ -21,8 +21,10 @@ from planning.world.world import World
 
 # Nodes per piece for integrals of squared rates: exact up to degree 7 of the rate.
 _NODES = 8
-# Instants at which torques are evaluated.
-_NUM_TORQUE_SAMPLES = 161
+# Instants at which torques are evaluated, at least; and in every piece.
+_MIN_TORQUE_NODES, _TORQUE_NODES = 160, 2
+# Step of difference quotients of accelerations, as a share of a piece.
+_DIFFERENCE_STEP = 1e-3
 # Jump of accelerations that counts as none, as a share of the largest one.
 _JUMP_TOLERANCE = 1e-6
 # Factors of the duration that are compared, from coarse to fine.
@@ -112,15 +114,14 @@ def _smoothness(trajectory: TimedTrajectory, order: int) -> float | None:
 
 def _is_acceleration_continuous(trajectory: TimedTrajectory) -> bool:
     """Return whether accelerations have no jumps, from rest to rest."""
-    rates = derivative(trajectory.coefficients, 2)
-    powers = trajectory.widths[:, None] ** np.arange(rates.shape[1])
-    begins, ends = rates[:, 0], np.einsum("nk,nkj->nj", powers, rates)
+    edges = trajectory.widths[:, None] * np.array([0.0, 1.0])
+    begins, ends = np.moveaxis(_rates(trajectory, edges, 2), 1, 0)
     jumps = [begins[0], ends[-1], *(b - a for a, b in zip(ends[:-1], begins[1:], strict=True))]
     return float(np.abs(jumps).max()) <= _JUMP_TOLERANCE * max(float(np.abs(begins).max()), 1e-12)
 
 
-def _nodes() -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+def _nodes(count: int = _NODES) -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(count)
     return (nodes + 1) / 2, weights / 2
 
 
@@ -131,25 +132,57 @@ def _node_widths(trajectory: TimedTrajectory) -> Array:
 
 def _squared_rates(trajectory: TimedTrajectory, order: int) -> Array:
     """Return the squared norm of the rate of an order at all nodes, shape (pieces, nodes)."""
+    rates = _rates(trajectory, trajectory.widths[:, None] * _nodes()[0], order)
+    return (rates**2).sum(axis=2)
+
+
+def _rates(trajectory: TimedTrajectory, local: Array, order: int) -> Array:
+    """Return velocities, accelerations or jerks in each piece, shape (pieces, m, nv).
+
+    Those of floating bodies are of Drake's velocities: the derivatives of a piece's own coordinates
+    are others away from its base.
+
+    Args:
+        trajectory: The motion.
+        local: Times after the begin of each piece [s], shape (pieces, m).
+        order: 1, 2 or 3.
+    """
+    if trajectory.manifold.is_flat:
+        return _tangents(trajectory, local, order)
+    if order > 2:
+        step = _DIFFERENCE_STEP * trajectory.widths[:, None]
+        ends = (_rates(trajectory, local + sign * step, 2) for sign in (1.0, -1.0))
+        return (next(ends) - next(ends)) / (2 * step[:, :, None])
+    delta, *rates = (_tangents(trajectory, local, k) for k in range(order + 1))
+    q = trajectory.manifold.plus(trajectory.bases[:, None], delta)
+    if order == 1:
+        return trajectory.manifold.generalized_velocity(q, delta, rates[0])
+    return trajectory.manifold.generalized_acceleration(q, delta, rates[0], rates[1])
+
+
+def _tangents(trajectory: TimedTrajectory, local: Array, order: int) -> Array:
+    """Return the derivative of an order of each piece's coordinates, shape (pieces, m, nv)."""
     rates = derivative(trajectory.coefficients, order)
-    local = trajectory.widths[:, None] * _nodes()[0]
     powers = local[:, :, None] ** np.arange(rates.shape[1])
-    return (np.einsum("nmk,nkj->nmj", powers, rates) ** 2).sum(axis=2)
+    return np.einsum("nmk,nkj->nmj", powers, rates)
 
 
 def _torque_products(
     world: World, group: JointGroup, trajectory: TimedTrajectory, payload: Payload | None
 ) -> Array | None:
-    """Return the integrals of products of the parts of the torques, by the trapezoidal rule."""
+    """Return the integrals of products of the parts of the torques.
+
+    They jump with the accelerations, from piece to piece, so each piece is integrated by itself.
+    """
     if not Manifold(group.joints).is_flat or steering_of(group):
         return None
-    times = trajectory.evenly_spaced_times(_NUM_TORQUE_SAMPLES)
+    nodes, node_weights = _nodes(max(_TORQUE_NODES, -(-_MIN_TORQUE_NODES // trajectory.num_pieces)))
+    times = (trajectory.breaks[:-1, None] + trajectory.widths[:, None] * nodes).ravel()
     q, v = trajectory.positions(times), trajectory.velocities(times)
     dynamics = GroupDynamics(world, group, payload)
     damping = dynamics.damping * v
     gravity = dynamics.efforts(q, np.zeros_like(v), np.zeros_like(v))
     inertia = dynamics.efforts(q, v, trajectory.accelerations(times)) - damping - gravity
     parts = np.stack([inertia, damping, gravity])
-    steps = np.diff(times)
-    weights = (np.append(steps, 0.0) + np.append(0.0, steps)) / 2
+    weights = (trajectory.widths[:, None] * node_weights).ravel()
     return np.einsum("amj,bmj,m->ab", parts, parts, weights)

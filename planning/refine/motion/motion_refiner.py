@@ -88,7 +88,7 @@ def refine_motion(
         return None, replace(report, reason=STATIC_LOAD_REASON)
     result = solve_multi_start(world, first)
     report = replace(report, duration_before=first.duration_of(result.first_guess))
-    objective = request.options.objective or QUICKEST
+    objective = (request.options.objective or QUICKEST).normalized
     num_rest_points = _num_rest_points(request, objective)
     start = _start(result, num_rest_points)
     problem = replace(start.problem, deadline=deadline)

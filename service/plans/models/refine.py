@@ -5,11 +5,12 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from planning.domain.request import options as domain
+from planning.domain.request.refine_objective import MAX_DURATION, MAX_WEIGHT
 from planning.domain.request.refine_objective import RefineObjective as DomainObjective
 from service.api.fingerprint import ADDED
 from service.api.models import Real, RequestModel
 
-Weight = Annotated[Real, Field(ge=0, le=1e9)]
+Weight = Annotated[Real, Field(ge=0, le=MAX_WEIGHT)]
 
 
 class ClearanceObjective(RequestModel):
@@ -49,7 +50,7 @@ class RefineObjective(RequestModel):
     derivative: Literal["acceleration", "jerk"] = Field(
         default="acceleration", description="What smoothness integrates"
     )
-    max_duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
+    max_duration: Annotated[Real, Field(gt=0, le=MAX_DURATION)] | None = Field(
         default=None,
         description="How long the motion may take [s], approach and retreat not counted; less than "
         "the limits allow is `retiming_failed`. Smoothness and energy need it unless the duration "

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
+from planning.domain.curves.path import JointPath
 from planning.domain.request.options import RetimeOptions
 from planning.domain.request.refine_objective import RefineObjective
 from planning.domain.robot.payload import Payload
 from planning.refine.motion.motion_objectives import MotionObjectives
 from planning.retime.blend import blend_corners
 from planning.retime.retimer import keep_timing, retime
+from planning.world.mechanics.dynamics import GroupDynamics
+from tests.conftest import bundled_world
 
 JERK = RefineObjective(smoothness=1.0, derivative="jerk", max_duration=9.0)
 
@@ -33,6 +36,17 @@ def test_values_are_integrals_over_time(pillar):
     assert values.path_length == pytest.approx(speeds.sum() * step, rel=1e-3)
     assert values.smoothness == pytest.approx((accelerations**2).sum() * step, rel=1e-2)
     assert values.energy > 0
+
+
+def test_energy_is_integrated_between_the_jumps_of_accelerations(pillar):
+    """To a ten-thousandth by midpoints, of which few fall on a piece with a jump."""
+    motion = motion_of(pillar)
+    width = motion.duration / 40_000
+    times = (np.arange(40_000) + 0.5) * width
+    dynamics = GroupDynamics(pillar.world, pillar.request.path.group)
+    rates = motion.positions(times), motion.velocities(times), motion.accelerations(times)
+    expected = float((dynamics.efforts(*rates) ** 2).sum()) * width
+    assert measured(pillar, motion).values().energy == pytest.approx(expected, rel=1e-4)
 
 
 def test_jerk_is_infinite_where_accelerations_jump(pillar):
@@ -96,3 +110,38 @@ def test_a_hair_too_fast_is_slowed(pillar):
     trajectory, report = keep_timing(motion, limits, RetimeOptions("toppra"))
     assert 1 < report.slowed < 1.001
     assert trajectory.duration == pytest.approx(motion.duration * report.slowed)
+
+
+def turning_about_two_axes(method):
+    """Return a floating body's motion around a corner at which its axis of rotation changes."""
+    world = bundled_world("window_3d")
+    group = world.group("body")
+    corners = np.array([
+        [1.0, 0.0, 0.0, 0.0, -0.7, 0.0, 0.5],
+        [0.8, 0.6, 0.0, 0.0, -0.6, 0.0, 0.5],
+        [0.48, 0.36, 0.8, 0.0, -0.5, 0.1, 0.5],
+    ])
+    spline = blend_corners(JointPath(group, corners), 0.3, 2)
+    return world, group, retime(spline, world.limits(group), RetimeOptions(method))[0]
+
+
+@pytest.mark.parametrize("derivative", ["acceleration", "jerk"])
+def test_rates_of_a_floating_body_are_those_of_its_twist(derivative):
+    """By midpoints of the body's accelerations, not of the coordinates that the curve has."""
+    world, group, motion = turning_about_two_axes("ruckig")
+    width = motion.duration / 100_000
+    times = (np.arange(100_000) + 0.5) * width
+    rates = motion.accelerations(times)
+    if derivative == "jerk":
+        rates = np.diff(rates, axis=0) / width
+    expected = float((rates**2).sum()) * width
+    objective = RefineObjective(smoothness=1.0, derivative=derivative, max_duration=9.0)
+    values = MotionObjectives.of(world, group, motion, objective, None).values()
+    assert values.smoothness == pytest.approx(expected, rel=1e-3)
+    length = float(np.linalg.norm(motion.velocities(times), axis=1).sum()) * width
+    assert values.path_length == pytest.approx(length, rel=1e-6)
+
+
+def test_a_floating_bodys_jerk_is_infinite_where_its_accelerations_jump():
+    world, group, motion = turning_about_two_axes("toppra")
+    assert MotionObjectives.of(world, group, motion, JERK, None).values().smoothness is None
