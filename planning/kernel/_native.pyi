@@ -136,6 +136,39 @@ class DistanceQuery:
         self, qs: _Doubles, reach: _Doubles
     ) -> tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles]: ...
 
+class CurveGrid:
+    def __init__(
+        self,
+        first_points: _Integers,
+        num_points: int,
+        first: _Doubles,
+        second: _Doubles,
+        third: _Doubles,
+        step: float,
+    ) -> None: ...
+    def path_velocity(
+        self,
+        bounds: tuple[_Doubles, _Doubles, _Doubles, _Doubles],
+        points: _Doubles,
+        low: _Doubles,
+        high: _Doubles,
+        tolerance: float,
+        max_steps: int,
+    ) -> tuple[_Doubles, float]: ...
+    def step(
+        self,
+        bounds: tuple[_Doubles, _Doubles, _Doubles, _Doubles],
+        points: _Doubles,
+        path_velocity: _Doubles,
+        layout: tuple[_Integers, _Integers, int],
+        model_weights: _Doubles,
+        box: tuple[_Doubles, _Doubles, _Doubles],
+        rows: tuple[_Integers, _Integers, _Doubles, _Doubles, _Doubles],
+        margins: tuple[_Integers, _Doubles, _Integers, _Doubles, _Doubles, float],
+        tolerance: float,
+        max_steps: int,
+    ) -> tuple[_Doubles, float]: ...
+
 class ClosestApproach:
     @property
     def pair(self) -> int: ...

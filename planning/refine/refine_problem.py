@@ -150,7 +150,7 @@ class RefineProblem:
 
     def duration_of(self, points: Array) -> float:
         """Return the least duration of a curve [s], free or not."""
-        _, path_velocity, _ = path_velocity_along(points, self.rate_bounds)
+        path_velocity, _ = path_velocity_along(points, self.rate_bounds)
         return duration_of(path_grid(len(points)), path_velocity)
 
     def optimize(self, guess: Array) -> tuple[CurveEvaluation | None, int, str]:

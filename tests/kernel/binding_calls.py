@@ -22,6 +22,7 @@ from tests.kernel.call_rules import (
     Call,
     call,
 )
+from tests.kernel.curve_calls import curve_calls
 from tests.kernel.timing_calls import timing_calls
 
 IDENTITY = np.array([1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0, 0, 0, 0])
@@ -252,6 +253,7 @@ def calls() -> dict[str, Call]:
         "BesideProver.prove": call(beside_prover().prove, interrupt=(int, OBJECT)),
         "Prover.bounds": call(prover().bounds, halvings=([0, 1, 1], INDICES)),
         **timing_calls(module),
+        **curve_calls(module),
         "batch_kernels": call(module.batch_kernels),
         "peak": call(module.peak, coefficients=(np.ones((2, 3)), ANY), tolerance=(1e-6, ANY)),
         "solve_penalty_qp": call(

@@ -7,7 +7,6 @@ import numpy as np
 
 from planning.domain.arrays import Array
 from planning.refine.constraints.distance_query import DistanceRows
-from planning.refine.curves.path_velocity import NormalizedDerivatives
 from planning.refine.model.load_evaluation import LoadEvaluation
 from planning.refine.model.load_linearization import LoadLinearization
 
@@ -21,7 +20,6 @@ class CurveEvaluation:
 
     Attributes:
         points: Its control points, shape (k, nq).
-        derivatives: Its derivatives over the rate bounds.
         path_velocity: Minimum-time squared path velocity b [1/s^2] at the grid, shape (n + 1,).
         duration: Duration at that path velocity [s].
         distances: Distances of near pairs at the instants.
@@ -31,7 +29,6 @@ class CurveEvaluation:
     """
 
     points: Array
-    derivatives: NormalizedDerivatives
     path_velocity: Array
     duration: float
     distances: DistanceRows

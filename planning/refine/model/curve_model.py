@@ -20,7 +20,9 @@ from planning.refine.constraints.distance_query import DistanceQuery, DistanceRo
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_basis import BasisWeights, basis_weights
 from planning.refine.curves.curve_evaluation import DISTANCE_PENALTY, CurveEvaluation
+from planning.refine.curves.native_grid import native_grid
 from planning.refine.curves.path_velocity import (
+    NormalizedDerivatives,
     both_ends,
     duration_gradient,
     duration_of,
@@ -28,6 +30,7 @@ from planning.refine.curves.path_velocity import (
 )
 from planning.refine.model.distance_rows import distance_rows, reachable_distances
 from planning.refine.model.load_evaluation import path_velocity_along
+from planning.refine.model.native_steps import NativeSteps
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
 from planning.refine.model.variable_layout import make_variable_layout
@@ -46,6 +49,16 @@ _MIN_ACCELERATION_RATIO, _MIN_VELOCITY_RATIO = 0.3, 0.4
 _PENALTY_RATIO = 2.0
 # Least width of the box, even where the position limits leave none.
 _MIN_BOX_WIDTH = 1e-6
+# The same for the kernel, in its order.
+_MODEL_WEIGHTS = (
+    _PROXIMAL_WEIGHT,
+    _MAX_RELATIVE_DECREASE,
+    _MAX_RELATIVE_INCREASE,
+    _MIN_ACCELERATION_RATIO,
+    _MIN_VELOCITY_RATIO,
+    RATE_PENALTY,
+    _MIN_BOX_WIDTH,
+)
 
 
 class CurveModel:
@@ -74,6 +87,12 @@ class CurveModel:
         self.parameters = np.linspace(0.0, 1.0, num_samples + 2)[1:-1]
         self._distance_weights: BasisWeights = basis_weights(num_control_points, self.parameters)
         self._clearance_weights = self._distance_weights
+        grid = native_grid(num_control_points)
+        self._native_steps = (
+            None
+            if grid is None or clearance_objective is not None
+            else NativeSteps(grid, self._layout, bounds, limits, _MODEL_WEIGHTS)
+        )
 
     def add_samples(self, parameters: Float64[np.ndarray, " m"]) -> None:
         """Add instants at which distances are kept; earlier evaluations are outdated then."""
@@ -82,20 +101,20 @@ class CurveModel:
 
     def evaluate(self, points: Float64[np.ndarray, "k nq"]) -> CurveEvaluation:
         """Return the evaluation of a curve."""
-        derivatives, path_velocity, loads = path_velocity_along(points, self._bounds)
+        path_velocity, loads = path_velocity_along(points, self._bounds)
         duration = duration_of(self._grid, path_velocity)
         distances = self._distance_query.within(
             self._distance_weights.apply(points), _INFLUENCE_DISTANCE
         )
         if self._clearance_objective is None:
             return CurveEvaluation(
-                points, derivatives, path_velocity, duration, distances, None, duration, loads
+                points, path_velocity, duration, distances, None, duration, loads
             )
         qs = self._clearance_weights.apply(points)
         clearances = self._clearance_objective.distance_query.within(qs, _INFLUENCE_DISTANCE)
         objective = duration + self._clearance_objective.cost(clearances, len(qs))
         return CurveEvaluation(
-            points, derivatives, path_velocity, duration, distances, clearances, objective, loads
+            points, path_velocity, duration, distances, clearances, objective, loads
         )
 
     def step(self, evaluation: CurveEvaluation, radius: float) -> tuple[Array, float]:
@@ -106,6 +125,16 @@ class CurveModel:
             radius: Half of the box's sides around every control point, as the time to cross it at
                 the velocity limit.
         """
+        radii = radius * self._bounds.velocity
+        step = None
+        if self._native_steps is not None:
+            step = self._native_steps.step(
+                evaluation, radii, self._load_rows(evaluation, radii), self._distance_weights
+            )
+        return step or self.reference_step(evaluation, radius)
+
+    def reference_step(self, evaluation: CurveEvaluation, radius: float) -> tuple[Array, float]:
+        """Return the same by numpy, with the clearance objective if there is one."""
         radii = radius * self._bounds.velocity
         program = self._make_program(evaluation, radii)
         x = program.solve()
@@ -136,16 +165,9 @@ class CurveModel:
         upper[points] = np.minimum((self._limits.upper - evaluation.points[1:-1]) / radii, 1.0)
         lower = np.minimum(lower, 0.0)
         upper = np.maximum(upper, lower + _MIN_BOX_WIDTH)
-        rows = [self._acceleration_rows(evaluation, radii), self._velocity_rows(evaluation, radii)]
-        if self._bounds.jerk is not None:
-            rows.append(self._jerk_rows(evaluation, radii, self._bounds.jerk))
-        layout = self._layout
-        rows += [
-            load_linearization.rows(layout.control_points, layout.path_velocity, radii)
-            for load_linearization in evaluation.load_linearizations
-        ]
+        rows = [*self._rate_rows(evaluation, radii), *self._load_rows(evaluation, radii)]
         distances = distance_rows(
-            layout.control_points,
+            self._layout.control_points,
             evaluation.distances,
             self._distance_weights,
             radii,
@@ -168,26 +190,47 @@ class CurveModel:
             )
         return PenaltyQp(c, q, lower, upper, tuple(rows), distances)
 
-    def _acceleration_rows(self, evaluation: CurveEvaluation, radii: Array) -> PenaltyRows:
+    def _load_rows(self, evaluation: CurveEvaluation, radii: Array) -> list[PenaltyRows]:
+        layout = self._layout
+        return [
+            load_linearization.rows(layout.control_points, layout.path_velocity, radii)
+            for load_linearization in evaluation.load_linearizations
+        ]
+
+    def _rate_rows(self, evaluation: CurveEvaluation, radii: Array) -> list[PenaltyRows]:
+        derivatives = NormalizedDerivatives.of(self._grid, evaluation.points, self._bounds)
+        rows = [
+            self._acceleration_rows(evaluation, derivatives, radii),
+            self._velocity_rows(evaluation, derivatives, radii),
+        ]
+        if self._bounds.jerk is not None:
+            rows.append(self._jerk_rows(evaluation, derivatives, radii, self._bounds.jerk))
+        return rows
+
+    def _acceleration_rows(
+        self, evaluation: CurveEvaluation, derivatives: NormalizedDerivatives, radii: Array
+    ) -> PenaltyRows:
         """Return rows that bound r'' b + r' u in both signs, by interval, coordinate and end."""
         grid, b = self._grid, evaluation.path_velocity
         u = np.diff(b) / (2 * grid.step)
         weights = grid.second * both_ends(b)[..., None] + grid.first * u[:, None, None]
         by_control_point = weights[:, None] * (radii / self._bounds.acceleration)[:, None, None]
-        at_low, at_high = evaluation.derivatives.acceleration_gradients(grid)
+        at_low, at_high = derivatives.acceleration_gradients(grid)
         by_path_velocity = np.stack(
             [at_low * b[:-1, None, None], at_high * b[1:, None, None]], axis=-1
         )
         values = np.concatenate([by_control_point, by_path_velocity.transpose(0, 2, 1, 3)], axis=-1)
-        current = evaluation.derivatives.accelerations(grid, b).transpose(0, 2, 1)
+        current = derivatives.accelerations(grid, b).transpose(0, 2, 1)
         bounds = self._bounds.acceleration_range[:, None, :, None]
         rows = PenaltyRows.between(self._columns(2), values, current, bounds, RATE_PENALTY)
         return rows.selected(rows.lower_bounds > _MIN_ACCELERATION_RATIO - 1)
 
-    def _velocity_rows(self, evaluation: CurveEvaluation, radii: Array) -> PenaltyRows:
+    def _velocity_rows(
+        self, evaluation: CurveEvaluation, derivatives: NormalizedDerivatives, radii: Array
+    ) -> PenaltyRows:
         """Return rows that bound |r'| sqrt(b) at the low end of every interval but the first."""
         root = np.sqrt(evaluation.path_velocity[1:-1])
-        current = evaluation.derivatives.first_by_velocity[1:, 0] * root[:, None]
+        current = derivatives.first_by_velocity[1:, 0] * root[:, None]
         signs = np.sign(current)
         by_control_point = (self._grid.first[1:, 0] * root[:, None])[:, None, :] * (
             radii / self._bounds.velocity * signs
@@ -202,10 +245,16 @@ class CurveModel:
             RATE_PENALTY,
         )
 
-    def _jerk_rows(self, evaluation: CurveEvaluation, radii: Array, jerk: Array) -> PenaltyRows:
+    def _jerk_rows(
+        self,
+        evaluation: CurveEvaluation,
+        derivatives: NormalizedDerivatives,
+        radii: Array,
+        jerk: Array,
+    ) -> PenaltyRows:
         """Return rows that bound |r'''| b^(3/2) at both ends of every interval."""
         b = both_ends(evaluation.path_velocity) ** 1.5
-        current = evaluation.derivatives.third_by_jerk[:, :, None] * b[:, None]
+        current = derivatives.third_by_jerk[:, :, None] * b[:, None]
         signs = np.sign(current)
         by_control_point = (
             self._grid.third[:, None, None]

@@ -10,6 +10,7 @@ from planning.domain.arrays import Array
 from planning.refine.constraints.load import MAX_STATIC_LOAD, Load
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.curve_samples import CurveSamples, grid_weights
+from planning.refine.curves.native_grid import native_path_velocity
 from planning.refine.curves.path_velocity import (
     NormalizedDerivatives,
     minimum_time_path_velocity,
@@ -90,15 +91,13 @@ def _static_load_excess(static_loads: Float64[np.ndarray, "m k"]) -> float:
 
 def path_velocity_along(
     points: Float64[np.ndarray, "k nq"], bounds: RateBounds
-) -> tuple[NormalizedDerivatives, Float64[np.ndarray, " n_plus_1"], LoadEvaluation | None]:
-    """Return a curve's derivatives, its minimum-time path velocity, and its loads if any."""
-    grid = path_grid(len(points))
-    derivatives = NormalizedDerivatives.of(grid, points, bounds)
-    if not bounds.loads:
-        return derivatives, minimum_time_path_velocity(grid, derivatives), None
-    loads = LoadEvaluation.of(points, bounds.loads)
-    return (
-        derivatives,
-        minimum_time_path_velocity(grid, derivatives, loads.path_velocity_constraints),
-        loads,
-    )
+) -> tuple[Float64[np.ndarray, " n_plus_1"], LoadEvaluation | None]:
+    """Return a curve's minimum-time path velocity, and its loads if any."""
+    loads = LoadEvaluation.of(points, bounds.loads) if bounds.loads else None
+    constraints = None if loads is None else loads.path_velocity_constraints
+    path_velocity = native_path_velocity(points, bounds, constraints)
+    if path_velocity is None:
+        grid = path_grid(len(points))
+        derivatives = NormalizedDerivatives.of(grid, points, bounds)
+        path_velocity = minimum_time_path_velocity(grid, derivatives, constraints)
+    return path_velocity, loads

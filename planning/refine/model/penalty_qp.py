@@ -18,8 +18,8 @@ from planning.domain.arrays import Array
 from planning.kernel.native import native
 
 # Residuals and gap, relative to the cost, at which the interior-point method ends.
-_TOLERANCE = 1e-7
-_MAX_STEPS = 40
+TOLERANCE = 1e-7
+MAX_STEPS = 40
 _NO_PRODUCTS = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0)), np.zeros((0, 0))
 # Rows per block: Drake takes dense blocks, which are mostly zeros if they are large.
 _BLOCK_SIZE = 64
@@ -153,17 +153,17 @@ class PenaltyQp:
             penalized.append(products)
         x, _, _ = module.solve_penalty_qp(
             (self.c, self.q, self.lower, self.upper),
-            _compressed(self.rows),
+            compressed(self.rows),
             of_products,
-            *_bounds_of(penalized),
-            _TOLERANCE,
-            _MAX_STEPS,
+            *bounds_of(penalized),
+            TOLERANCE,
+            MAX_STEPS,
         )
         return x
 
     def _solve_with_clarabel(self) -> Array:
-        starts, entries, values = _compressed(self._expanded_rows)
-        lower_bounds, penalties = _bounds_of(self._expanded_rows)
+        starts, entries, values = compressed(self._expanded_rows)
+        lower_bounds, penalties = bounds_of(self._expanded_rows)
         matrix = np.zeros((len(lower_bounds), len(self.c)))
         matrix[np.repeat(np.arange(len(lower_bounds)), np.diff(starts)), entries] = values
         program = MathematicalProgram()
@@ -183,7 +183,7 @@ class PenaltyQp:
         return np.array(ClarabelSolver().Solve(program).GetSolution(x))
 
 
-def _compressed(rows: Sequence[PenaltyRows]) -> tuple[Any, Any, Array]:
+def compressed(rows: Sequence[PenaltyRows]) -> tuple[Any, Any, Array]:
     """Return rows as compressed sparse rows: starts, columns and values."""
     masks = [part.columns >= 0 for part in rows]
     counts = np.concatenate([mask.sum(axis=1) for mask in masks])
@@ -195,7 +195,7 @@ def _compressed(rows: Sequence[PenaltyRows]) -> tuple[Any, Any, Array]:
     )
 
 
-def _bounds_of(rows: Sequence[PenaltyRows | ProductRows]) -> tuple[Array, Array]:
+def bounds_of(rows: Sequence[PenaltyRows | ProductRows]) -> tuple[Array, Array]:
     """Return the lower bounds and penalties of rows."""
     penalties = [np.full(len(part.lower_bounds), part.penalty) for part in rows]
     return np.concatenate([part.lower_bounds for part in rows]), np.concatenate(penalties)

@@ -131,7 +131,7 @@ def _start(result: MultiStartResult, num_rest_points: int) -> _Start:
         curve: JointSpline | None = problem.curve_of(best) if result.num_steps else None
     else:
         points, quickest, curve = result.first_guess, np.inf, None
-        _, b, _ = path_velocity_along(points, problem.rate_bounds)
+        b, _ = path_velocity_along(points, problem.rate_bounds)
     motion = fit_motion(points, b, _NUM_CONTROL_POINTS, num_rest_points)
     return _Start(problem, motion, quickest, curve)
 

@@ -13,7 +13,7 @@ from planning.refine.constraints.load import MAX_STATIC_LOAD
 from planning.refine.constraints.request_bounds import request_bounds
 from planning.refine.curves.bspline_basis import make_bspline
 from planning.refine.curves.curve_samples import CurveSamples
-from planning.refine.curves.path_velocity import duration_of, path_grid
+from planning.refine.curves.path_velocity import NormalizedDerivatives, duration_of, path_grid
 from planning.refine.curves.power_basis import joint_spline
 from planning.refine.model.load_evaluation import LoadEvaluation, path_velocity_along
 from planning.retime.limits.request_limits import path_limits
@@ -75,7 +75,7 @@ def test_linearizations_predict_the_loads_of_nearby_motions(name, kind, seed):
     rng = np.random.default_rng(seed)
     bounds = bounds_under(name, limits_of(name, kind))
     points = curve_points(name, rng)
-    _, path_velocity, evaluation = path_velocity_along(points, bounds)
+    path_velocity, evaluation = path_velocity_along(points, bounds)
     (linearization,) = [
         s for s in evaluation.load_linearizations(path_velocity, 1.0) if s.bound == 1.0
     ]
@@ -112,8 +112,9 @@ def test_linearizations_predict_the_loads_of_nearby_motions(name, kind, seed):
 def test_the_path_velocity_keeps_loads_and_meets_a_bound_everywhere(name, kind, seed):
     bounds = bounds_under(name, limits_of(name, kind))
     points = curve_points(name, np.random.default_rng(seed))
-    rates, path_velocity, evaluation = path_velocity_along(points, bounds)
+    path_velocity, evaluation = path_velocity_along(points, bounds)
     grid = path_grid(len(points))
+    rates = NormalizedDerivatives.of(grid, points, bounds)
     loads = lengths(evaluation, path_velocity)
     assert loads.max() <= 1 + 1e-6
     assert rates.max_acceleration_ratio(grid, path_velocity) <= 1 + 1e-9
@@ -135,7 +136,7 @@ def test_the_duration_is_what_the_retimer_finds(name, kind, seed):
     others = limits_of(name, kind)
     bounds = bounds_under(name, others)
     points = curve_points(name, np.random.default_rng(seed), 14)
-    _, path_velocity, _ = path_velocity_along(points, bounds)
+    path_velocity, _ = path_velocity_along(points, bounds)
     options = RetimeOptions(
         tool_limits=others.tool_limits,
         speed_zones=others.speed_zones,
@@ -154,7 +155,7 @@ def test_without_limits_on_loads_there_are_no_loads():
     bounds = bounds_under("ur5e", MotionLimits())
     assert bounds.loads == ()
     np.testing.assert_array_equal(bounds.acceleration_range, [[-1.0] * 6, [1.0] * 6])
-    _, _, evaluation = path_velocity_along(curve_points("ur5e", np.random.default_rng(0)), bounds)
+    _, evaluation = path_velocity_along(curve_points("ur5e", np.random.default_rng(0)), bounds)
     assert evaluation is None
 
 
@@ -162,7 +163,7 @@ def test_a_load_that_is_nowhere_near_makes_no_rows():
     others = MotionLimits((ToolLimit("arm::tcp", speed=100.0, acceleration=1e4),))
     bounds = bounds_under("ur5e", others)
     points = curve_points("ur5e", np.random.default_rng(1))
-    _, path_velocity, evaluation = path_velocity_along(points, bounds)
+    path_velocity, evaluation = path_velocity_along(points, bounds)
     for linearization in evaluation.load_linearizations(path_velocity, 1.0):
         numbers = np.arange(points.size).reshape(points.shape), np.arange(len(path_velocity))
         assert len(linearization.rows(*numbers, np.ones(6)).lower_bounds) == 0

@@ -127,6 +127,15 @@ std::vector<int> indices(std::span<const std::int64_t> values, std::size_t count
   return found;
 }
 
+void require_starts(std::span<const std::int64_t> starts, std::size_t rows, std::size_t entries) {
+  if (starts.size() != rows + 1)
+    refuse("starts has " + std::to_string(starts.size()) + " numbers, not " + std::to_string(rows + 1) +
+           ": one more than there are rows");
+  if (!(starts.front() == 0 && starts.back() == static_cast<std::int64_t>(entries) &&
+        std::is_sorted(starts.begin(), starts.end())))
+    refuse("starts do not rise from 0 to the number of entries, " + std::to_string(entries));
+}
+
 int link_or_world(std::int64_t value, const Scene& scene, const char* name) {
   return value == -1 ? -1 : index(value, scene.tree.links.size(), name);
 }

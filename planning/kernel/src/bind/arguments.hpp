@@ -59,6 +59,8 @@ double positive(double number, const char* name);
 // An index from 0 to count - 1.
 int index(std::int64_t value, std::size_t count, const char* name);
 std::vector<int> indices(std::span<const std::int64_t> values, std::size_t count, const char* name);
+// Starts of compressed sparse rows: from 0 on, none before the one before it, to the number of entries.
+void require_starts(std::span<const std::int64_t> starts, std::size_t rows, std::size_t entries);
 // An index of the scene's links, or -1 for the world.
 int link_or_world(std::int64_t value, const Scene& scene, const char* name);
 

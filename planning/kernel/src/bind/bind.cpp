@@ -12,5 +12,6 @@ NB_MODULE(_native, m) {
   wayproof::bind_ik(m);
   wayproof::bind_prover(m);
   wayproof::bind_refine(m);
+  wayproof::bind_curve(m);
   wayproof::bind_timing(m);
 }

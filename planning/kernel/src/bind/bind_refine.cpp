@@ -46,16 +46,6 @@ auto within(const DistanceQuery& query, const Doubles& qs, const Doubles& reach)
                         array_of(found.gradient, count, nv));
 }
 
-// Starts of compressed sparse rows: from 0 on, none before the one before it, to the number of entries.
-void require_starts(const std::vector<std::int64_t>& starts, std::size_t rows, std::size_t entries) {
-  if (starts.size() != rows + 1)
-    refuse("starts has " + std::to_string(starts.size()) + " numbers, not " + std::to_string(rows + 1) +
-           ": one more than there are rows");
-  if (!(starts.front() == 0 && starts.back() == static_cast<std::int64_t>(entries) &&
-        std::is_sorted(starts.begin(), starts.end())))
-    refuse("starts do not rise from 0 to the number of entries, " + std::to_string(entries));
-}
-
 // Rows of products: the columns of the first slope of every weight, of which -1 is none; weights and slopes.
 ProductRows products_of(const std::tuple<Integers, Doubles, Doubles>& given, std::size_t num_variables) {
   const auto& [columns, weights, slopes] = given;

@@ -220,4 +220,13 @@ PenaltySolution solve(PenaltyQp program, double tolerance, int max_steps) {
   return Search(program).run(tolerance, max_steps);
 }
 
+double cost_of(const PenaltyQp& program, const std::vector<double>& x) {
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += x[i] * (program.c[i] + program.q[i] * x[i] / 2);
+  std::vector<double> along;
+  RowBlocks(program).times(x, along);
+  for (std::size_t k = 0; k < along.size(); ++k) sum += program.price[k] * std::max(0.0, program.least[k] - along[k]);
+  return sum;
+}
+
 }  // namespace wayproof

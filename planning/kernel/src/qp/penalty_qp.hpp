@@ -32,4 +32,7 @@ struct PenaltySolution {
 // Stops once residuals and gap are below `tolerance`, relative to the cost, or after `max_steps`.
 PenaltySolution solve(PenaltyQp program, double tolerance, int max_steps);
 
+// What is minimised, at x.
+double cost_of(const PenaltyQp& program, const std::vector<double>& x);
+
 }  // namespace wayproof
