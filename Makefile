@@ -4,6 +4,7 @@ VENV := .venv
 PYTHON := $(VENV)/bin/python
 STAMP := $(VENV)/.ready
 RAY := $(VENV)/.ray
+RERUN := $(VENV)/.rerun
 UV_VERSION := 0.13.8
 # Modules are compiled once and for all: the tests alone start a hundred processes that import them.
 unexport PYTHONDONTWRITEBYTECODE
@@ -31,7 +32,7 @@ CONFIGURE = $(VENV)/bin/cmake -S . -G Ninja -DSKBUILD_DATA_DIR=data \
 # Generators of clients, which only `make clients` needs.
 GENERATORS := build/generators
 
-.PHONY: demo test clients costs check format lint imports types docs spell tidy drake-only ray shapes golden record campaign sanitize setup lock \
+.PHONY: demo test clients costs check format lint imports types docs spell tidy drake-only ray rerun shapes golden record campaign sanitize setup lock \
         bench bench-cars bench-execution bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
         chaos soak pictures serve clean
 
@@ -129,6 +130,14 @@ $(RAY): $(STAMP) requirements-ray.lock
 	@UV=$$(command -v uv || echo .uv/bin/uv); \
 	"$$UV" pip install --quiet --python $(PYTHON) --no-deps --require-hashes -r requirements-ray.lock; touch $@
 
+# Recordings for Rerun, read back by Rerun: half a gigabyte more to install.
+rerun: $(RERUN)
+	@WAYPROOF_TEST_RERUN=yes $(PYTHON) -m pytest tests/service/plans/rerun
+
+$(RERUN): $(STAMP) requirements-rerun.lock
+	@UV=$$(command -v uv || echo .uv/bin/uv); \
+	"$$UV" pip install --quiet --python $(PYTHON) --no-deps --require-hashes -r requirements-rerun.lock; touch $@
+
 # The kernel's own tests with addresses and undefined behaviour checked; needs gcc or clang.
 sanitize: setup
 	@SANITIZED=$$(mktemp -d) && trap 'rm -rf "$$SANITIZED"' EXIT && \
@@ -224,9 +233,11 @@ lock:
 	"$$UV" pip compile pyproject.toml --group dev --universal --python-version 3.12 \
 	  --generate-hashes --no-emit-index-url --no-emit-package wayproof-client --no-header --quiet \
 	  -o requirements.lock; \
-	$(PYTHON) -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['ray'])" | \
-	"$$UV" pip compile - -c requirements.lock --universal --python-version 3.12 --generate-hashes --no-emit-index-url \
-	  --no-header --no-annotate --quiet -o requirements-ray.lock
+	for EXTRA in ray rerun; do \
+	  $(PYTHON) -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['$$EXTRA'])" | \
+	  "$$UV" pip compile - -c requirements.lock --universal --python-version 3.12 --generate-hashes --no-emit-index-url \
+	    --no-header --no-annotate --quiet -o requirements-$$EXTRA.lock || exit 1; \
+	done
 
 clean:
 	rm -rf $(VENV) .uv .pytest_cache .ruff_cache .hypothesis out

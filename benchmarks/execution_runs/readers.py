@@ -18,7 +18,7 @@ _SPEED = 0.5
 
 
 def readers(host: Host, counts: list[int]) -> Iterator[Row]:
-    """Carry the same plan out again and again, each time with so many readers of its events.
+    """Carry the same plan out again and again, each time with a number of readers of its events.
 
     Args:
         host: Of the server.

@@ -142,7 +142,7 @@ def _first_certified(
 
     named_candidates = ((candidate.name, candidate) for candidate in all_candidates)
     candidate, certificate, report = first_certified(
-        named_candidates, certify_candidate, Refusals()
+        named_candidates, certify_candidate, lambda timed: timed.trajectory, Refusals()
     )
     motion = Motion((free_segment(path, candidate),))
     if timing.explain:

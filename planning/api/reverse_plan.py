@@ -90,7 +90,7 @@ def reverse_plan(
         with watch.stage("certify"):
             certificate, report = certify(world.drake, request, deadline)
         if not certificate.proven:
-            raise not_certified(certificate, ["the reversed motion"])
+            raise not_certified(certificate, ["the reversed motion"], reversed_motion)
     reversed_path = JointPath(group, path.waypoints[::-1])
     stages = StageReports(
         GoalConfigurations(reversed_motion.end[None], (0,), Funnel(1, 1, 1, 1, 1)),

@@ -84,7 +84,7 @@ def schedule_motions(
             refused.append(f"delays {found.delays}: {failed_checks(certificate)}")
             is_clearance = {check.name for check in certificate.failed} == {"clearance"}
             if not (is_clearance and scheduler.block(found, certificate.pair)):
-                raise not_certified(certificate, refused)
+                raise not_certified(certificate, refused, whole.trajectory)
             if len(refused) >= _MAX_REFUSALS:
                 raise _none_proven(scheduler.names, certificate, len(refused))
 

@@ -92,7 +92,9 @@ class _RunningMotion:
         with watch.timing_failures():
             timed = watch.each("retime", motions)
             named_motions = ((f"in {motion.duration:.3f} s", motion) for motion in timed)
-            return ProvenMotion(*first_certified(named_motions, certify_motion, Refusals()))
+            return ProvenMotion(
+                *first_certified(named_motions, certify_motion, lambda motion: motion, Refusals())
+            )
 
 
 def stop_motion(  # noqa: PLR0913  (all inputs of a request)

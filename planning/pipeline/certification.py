@@ -22,25 +22,28 @@ class Refusals:
     Attributes:
         reasons: Failed checks of each motion, one line per motion.
         last: Certificate of the last motion; None if there is none.
+        trajectory: The last motion; None if there is none.
     """
 
     reasons: list[str] = field(default_factory=list[str])
     last: Certificate | None = None
+    trajectory: TimedTrajectory | None = None
 
-    def add(self, name: str, certificate: Certificate) -> None:
-        """Add a motion by its name and its failed certificate."""
+    def add(self, name: str, certificate: Certificate, trajectory: TimedTrajectory) -> None:
+        """Add a motion by its name, with its failed certificate."""
         self.reasons.append(f"{name}: {failed_checks(certificate)}")
-        self.last = certificate
+        self.last, self.trajectory = certificate, trajectory
 
     @property
     def failure(self) -> NotCertified:
         """Failure with all refusals as evidence."""
-        return not_certified(self.last, self.reasons)
+        return not_certified(self.last, self.reasons, self.trajectory)
 
 
 def first_certified[T](
     motions: Iterable[tuple[str, T]],
     certify: Callable[[T], tuple[Certificate, CertifyReport]],
+    trajectory_of: Callable[[T], TimedTrajectory],
     refusals: Refusals,
     is_hopeless: Callable[[Certificate], bool] = lambda _: False,
 ) -> tuple[T, Certificate, CertifyReport]:
@@ -49,6 +52,7 @@ def first_certified[T](
     Args:
         motions: Names and motions, best first; consumed one by one.
         certify: Certifies a motion.
+        trajectory_of: Returns the trajectory of a motion, for evidence.
         refusals: Receives the motions that are not proven.
         is_hopeless: Returns whether a failed certificate rules out all other motions as well.
 
@@ -59,7 +63,7 @@ def first_certified[T](
         certificate, report = certify(motion)
         if certificate.proven:
             return motion, certificate, report
-        refusals.add(name, certificate)
+        refusals.add(name, certificate, trajectory_of(motion))
         if is_hopeless(certificate):
             break
     raise refusals.failure

@@ -83,7 +83,8 @@ def _follow_lines(context: PlanContext) -> CertifiedMotion:
     context.report_progress(Progress("certify", 0.8, "certifying the lines"))
     certificate, report = certify_motion(context, motion)
     if not certificate.proven:
-        raise not_certified(certificate, ["the motion along the straight lines"])
+        refused = ["the motion along the straight lines"]
+        raise not_certified(certificate, refused, motion.trajectory)
     motion = with_explanation(context, motion)
     return CertifiedMotion(
         goal_row=0,
@@ -107,6 +108,7 @@ def _search(context: PlanContext) -> CertifiedMotion:
             (motion, refine), certificate, report = first_certified(
                 motions,
                 lambda timed: certify_motion(context, timed[0]),
+                lambda timed: timed[0].trajectory,
                 refusals,
                 _has_only_failed_stops,
             )

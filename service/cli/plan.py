@@ -14,12 +14,13 @@ from wayproof_client import Client
 from wayproof_client.models import Plan
 
 # What a file has, by its ending: the whole plan, its replay, or a format of its samples.
-_ENDINGS: dict[str, Literal["json", "html", "csv", "npz", "mcap", "urscript"]] = {
+_ENDINGS: dict[str, Literal["json", "html", "csv", "npz", "mcap", "rerun", "urscript"]] = {
     ".json": "json",
     ".csv": "csv",
     ".html": "html",
     ".npz": "npz",
     ".mcap": "mcap",
+    ".rrd": "rerun",
     ".script": "urscript",
 }
 
@@ -38,7 +39,7 @@ def plan(  # noqa: PLR0913  (one parameter per option)
         Path | None,
         typer.Option(
             help="Where to write the motion: .json (everything), .csv, .html (replay), "
-            ".npz (NumPy), .mcap (Foxglove) or .script (URScript)."
+            ".npz (NumPy), .mcap (Foxglove), .rrd (Rerun) or .script (URScript)."
         ),
     ] = None,
     server: ServerUrl = None,

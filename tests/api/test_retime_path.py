@@ -14,7 +14,7 @@ from planning.errors import NotCertified, ProblemInvalid, UnknownName
 from planning.world.world import World
 from tests.clocks import no_hurry
 from tests.conftest import bundled_world
-from tests.profiles import num_cases
+from tests.profiles import num_cases, rng_of, seeds
 
 LOCKED = (planning.LockedJoints(("arm::elbow_joint",)),)
 
@@ -104,3 +104,20 @@ def test_corners_are_rounded_no_farther_than_asked_for(deviation: float, method:
 def test_a_deviation_that_is_no_length_is_refused(pickup: World, deviation: float) -> None:
     with pytest.raises(ProblemInvalid, match="deviation"):
         retimed(pickup, through(pickup, [0.1] * 6), options=RetimeOptions(deviation=deviation))
+
+
+@pytest.mark.parametrize("seed", seeds(6))
+def test_a_refusal_has_the_configuration_at_which_each_check_fails(
+    pickup: World, seed: int
+) -> None:
+    group = pickup.group("arm")
+    path = through(pickup, rng_of(seed).uniform(-1.0, 1.0, 6).tolist())
+    margin = 0.5  # more than any arm keeps from its table
+    with pytest.raises(NotCertified) as caught:
+        retimed(pickup, path, margin=margin)
+    (check,) = (c for c in caught.value.evidence["checks"] if c["name"] == "clearance")
+    q = np.array(check["positions"])
+    assert away_from(path, q) < 1e-9
+    (there,) = planning.check_configurations(pickup, group.name, q[None], margin)
+    named = {"-".join(pair.bodies): pair.distance for pair in there.violations}
+    assert named[check["where"]] == pytest.approx(check["value"], abs=1e-6)

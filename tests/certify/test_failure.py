@@ -23,5 +23,7 @@ from planning.domain.report.certificate import Certificate, Check
 )
 def test_failed_checks_are_described_in_words(check: Check, described: str, named: str) -> None:
     certificate = Certificate(False, 0.1, 0.1, ("", ""), 0.0, (check,))
-    assert not_certified(certificate, ["it"]).detail.endswith(f"; the last failed {described}")
+    assert not_certified(certificate, ["it"], None).detail.endswith(
+        f"; the last failed {described}"
+    )
     assert failed_checks(certificate) == named

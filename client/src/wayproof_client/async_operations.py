@@ -464,7 +464,7 @@ class AsyncOperations(AsyncCaller):
         self,
         plan: str,
         *,
-        format: Literal["json", "csv", "ros2", "npz", "urscript", "mcap"],
+        format: Literal["json", "csv", "ros2", "npz", "urscript", "mcap", "rerun"],
         period: float | None = None,
         points: int | None = None,
         even: bool | None = None,

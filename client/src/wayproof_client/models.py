@@ -1320,6 +1320,8 @@ class FailedCheck(Answer):
     """Its worst value, in the unit of the check; null where it is not finite."""
     where: str
     """The joint, frame or bodies, or empty."""
+    positions: list[float] | None = None
+    """The group's positions at that time [rad or m]."""
     time: float | None = None
     """On the motion [s]."""
     unit: str | None = None

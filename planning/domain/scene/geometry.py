@@ -56,3 +56,22 @@ class VisibleBody:
     name: str
     X_WB: Pose | None
     shapes: tuple[VisibleShape, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneMotion(Value):
+    """A scene at the instants of a motion: what its bodies look like, and where each one is.
+
+    Attributes:
+        bodies: All visible bodies.
+        fixed: X_WF of bodies and named frames that stand still, by name.
+        moving: X_WF of those that move, by name, shape (n, 4, 4): one per instant.
+        tool_path: Origin of the group's default tool frame [m], shape (n, 3); no row without one.
+        meshes: Binary glTF files by sha256, of all that the bodies name.
+    """
+
+    bodies: tuple[VisibleBody, ...]
+    fixed: dict[str, Pose]
+    moving: dict[str, Float64[np.ndarray, "n 4 4"]]
+    tool_path: Float64[np.ndarray, "k 3"]
+    meshes: dict[str, bytes]

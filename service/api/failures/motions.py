@@ -155,6 +155,8 @@ class FailedCheck(TypedDict):
     """The joint, frame or bodies, or empty"""
     time: NotRequired[float]
     """On the motion [s]"""
+    positions: NotRequired[list[float]]
+    """The group's positions at that time [rad or m]"""
 
 
 @with_config(OPEN)

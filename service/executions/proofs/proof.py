@@ -2,8 +2,11 @@
 
 import time
 from collections.abc import Sequence
+from typing import Any
 
-from planning import Deadline, certify_trajectory
+import numpy as np
+
+from planning import Deadline, TimedTrajectory, certify_trajectory
 from planning.domain.report.certificate import Certificate, Check
 from planning.errors import NotCertified, ProblemInvalid
 from service.executions.proofs.tasks import PROVE, PROVE_MOTION, Proof, ProofWork, ProvenMotion
@@ -29,18 +32,19 @@ def certify_again(work: ProofWork, context: TaskContext) -> Proof:
     """
     # A motion backwards keeps what the one forwards was asked to keep.
     problem = (work.origin or work.request).to_domain()
+    trajectory = work.trajectory.to_domain()
     with borrow_world(work) as world:
         certificate, _ = certify_trajectory(
             world,
             problem.group,
-            work.trajectory.to_domain(),
+            trajectory,
             deadline=Deadline.after(_ALLOWED, time.monotonic, context.is_canceled),
             options=problem.retime,
             margin=problem.margin,
             constraints=problem.constraints,
         )
     if not certificate.proven:
-        raise refusal(certificate)
+        raise refusal(certificate, trajectory)
     return Proof(min_clearance=certificate.min_clearance)
 
 
@@ -73,7 +77,7 @@ def prove_motion(work: RequestWork[CertifyMotionRequest], context: TaskContext) 
             **demands_of(request, options_of(request, limit_jerk=request.limit_jerk)),
         )
     if not certificate.proven:
-        raise refusal(certificate)
+        raise refusal(certificate, trajectory)
     polynomial = Polynomial.from_domain(trajectory)
     return ProvenMotion(
         trajectory=polynomial,
@@ -82,11 +86,14 @@ def prove_motion(work: RequestWork[CertifyMotionRequest], context: TaskContext) 
     )
 
 
-def refusal(certificate: Certificate, failed: Sequence[Check] = ()) -> NotCertified:
+def refusal(
+    certificate: Certificate, trajectory: TimedTrajectory, failed: Sequence[Check] = ()
+) -> NotCertified:
     """Return the failure of a motion that is not proven.
 
     Args:
         certificate: Of the motion.
+        trajectory: The motion: where each check fails.
         failed: The failed checks that count; none for all of them.
     """
     failed = failed or certificate.failed
@@ -104,9 +111,15 @@ def refusal(certificate: Certificate, failed: Sequence[Check] = ()) -> NotCertif
         "time": worst.time,
         "value": worst.value,
         "bound": worst.bound,
-        "checks": [
-            {"name": check.name, "value": check.value, "bound": check.bound, "where": check.where}
-            for check in failed
-        ],
+        "checks": _checks(failed, trajectory),
     }
     return NotCertified(message, evidence)
+
+
+def _checks(failed: Sequence[Check], trajectory: TimedTrajectory) -> list[dict[str, Any]]:
+    names = ("name", "value", "bound", "unit", "where", "time")
+    places = trajectory.positions(np.array([check.time for check in failed])).tolist()
+    return [
+        {**{name: getattr(check, name) for name in names}, "positions": q}
+        for check, q in zip(failed, places, strict=True)
+    ]

@@ -55,11 +55,12 @@ def prove_together(work: TogetherWork, context: TaskContext) -> ProvenMotion:
                 world, motion.group, motion.trajectory, deadline=deadline, margin=margin
             )
         if not certificate.proven:
-            raise refusal(certificate)
+            raise refusal(certificate, motion.trajectory)
         for member in work.members:
-            own = certificate_of(world, member, member.trajectory.to_domain(), deadline)
+            alone = member.trajectory.to_domain()
+            own = certificate_of(world, member, alone, deadline)
             if failed_besides_clearance(own):
-                raise refusal(own, failed_besides_clearance(own))
+                raise refusal(own, alone, failed_besides_clearance(own))
     return ProvenMotion(
         trajectory=Polynomial.from_domain(motion.trajectory),
         start=motion.trajectory.start.tolist(),

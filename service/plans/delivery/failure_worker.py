@@ -70,6 +70,7 @@ def shown_configuration(
         choices = [
             ("the goal, where it is least infeasible", _inner(evidence, "relaxation", "positions")),
             ("where the line stops", _inner(evidence, "stopped_by", "positions")),
+            _failed_check(evidence),
             ("the goal", goal),
             (
                 "where the search came nearest to a goal",
@@ -81,6 +82,15 @@ def shown_configuration(
         if row is not None:
             return place, row
     return "the start", None
+
+
+def _failed_check(evidence: Mapping[str, Any]) -> tuple[str, Any]:
+    """Return where the last motion fails the certificate: at its clearance, if that fails too."""
+    checks = [check for check in evidence.get("checks") or () if check.get("positions")]
+    if not checks:
+        return "", None
+    worst = min(checks, key=lambda check: check["name"] != "clearance")
+    return f"the motion at {worst['time']:.3f} s, where {worst['name']} fails", worst["positions"]
 
 
 def _inner(evidence: Mapping[str, Any], *names: str) -> Any:

@@ -29,10 +29,11 @@ from service.plans.tasks import (
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
 
 type Format = Annotated[
-    Literal["json", "csv", "ros2", "npz", "urscript", "mcap"],
+    Literal["json", "csv", "ros2", "npz", "urscript", "mcap", "rerun"],
     Query(
-        description="What to answer with: the last four are files of ROS 2 (a `JointTrajectory` as "
-        "JSON), of NumPy, of Universal Robots, and a log for Foxglove"
+        description="Format of the answer: `ros2` is a `JointTrajectory` as JSON, `npz` has arrays "
+        "of NumPy, `urscript` is a program for Universal Robots, `mcap` a log for Foxglove and "
+        "`rerun` a recording for Rerun, both with the scene"
     ),
 ]
 type Period = Annotated[

@@ -11,7 +11,10 @@ from planning.api.motion_series import MotionSeries, motion_series
 from planning.api.sample_motion import sample_plan, unproven_samples
 from planning.errors import InputError
 from planning.world.replay.replay_writer import replay_html
+from planning.world.replay.scene_motion import scene_motion
+from service.api.arrays import matrix
 from service.jobs.context import TaskContext
+from service.plans.exports.exported_motion import ExportedMotion
 from service.plans.exports.formats import FORMATS, require_format
 from service.plans.exports.series import Series
 from service.plans.models.sampling import IN_QUERY, require_few
@@ -84,10 +87,15 @@ def export(work: ExportWork, context: TaskContext) -> ExportedFile:
 
     Raises:
         ProblemInvalid: That would be too many samples, or the format cannot hold them.
+        InputError: The format shows the scene, which does not load any more.
     """
     require_format(work.format, work.trajectory.joint_types)
     samples = sample(work, context)
-    content = FORMATS[work.format].write(samples)
+    form, scene = FORMATS[work.format], None
+    if form.shows_scene:
+        with borrow_world(work) as world:
+            scene = scene_motion(world, world.group(work.group), matrix(samples.positions))
+    content = form.write(ExportedMotion(samples, scene))
     return ExportedFile(base64=b64encode(content).decode(), proven=_verdicts(samples))
 
 

@@ -7,16 +7,19 @@ from typing import Literal
 
 from planning.errors import ProblemInvalid
 from service.plans.exports.bag import to_bag
+from service.plans.exports.exported_motion import ExportedMotion
 from service.plans.exports.joint_trajectory import to_joint_trajectory
 from service.plans.exports.numpy_arrays import to_arrays
+from service.plans.exports.recording import to_recording
 from service.plans.exports.urscript import to_urscript
-from service.plans.models.trajectory import Trajectory
 
-type FormatName = Literal["ros2", "npz", "urscript", "mcap"]
+type FormatName = Literal["ros2", "npz", "urscript", "mcap", "rerun"]
 
 _UR_JOINTS = 6
-# Of the extra `mcap`.
-_MCAP = "mcap_ros2"
+# Formats with names of coordinates, where others have one number for each joint.
+_OF_ANY_JOINT = {"npz", "rerun"}
+# What the extra of a format's name brings.
+_MODULES = {"mcap": "mcap_ros2", "rerun": "rerun"}
 
 
 @dataclass(frozen=True)
@@ -25,31 +28,45 @@ class Format:
 
     Attributes:
         media_type: Of the answer.
-        write: Returns samples as the bytes of a file.
+        write: Returns a motion as the bytes of a file.
         told: What it is, for the document.
+        shows_scene: Whether the file has the scene too.
     """
 
     media_type: str
-    write: Callable[[Trajectory], bytes]
+    write: Callable[[ExportedMotion], bytes]
     told: str
+    shows_scene: bool = False
 
 
 FORMATS: dict[FormatName, Format] = {
     "ros2": Format(
         "application/vnd.ros2.joint-trajectory+json",
-        to_joint_trajectory,
+        lambda motion: to_joint_trajectory(motion.samples),
         "The JSON of a `trajectory_msgs/msg/JointTrajectory`",
     ),
-    "npz": Format("application/x-npz", to_arrays, "Arrays of NumPy, named as in the JSON"),
+    "npz": Format(
+        "application/x-npz",
+        lambda motion: to_arrays(motion.samples),
+        "Arrays of NumPy, named as in the JSON",
+    ),
     "urscript": Format(
         "text/x-urscript",
-        to_urscript,
+        lambda motion: to_urscript(motion.samples),
         "A program of Universal Robots: it stops unless the robot is where the motion begins",
     ),
     "mcap": Format(
         "application/x-mcap",
         to_bag,
-        "A log of `/joint_states` and `/joint_trajectory` (ROS 2), which Foxglove opens",
+        "A log of ROS 2, which Foxglove opens: `/joint_states`, `/joint_trajectory`, `/tf`, "
+        "`/tf_static` and `/markers`",
+        shows_scene=True,
+    ),
+    "rerun": Format(
+        "application/x-rerun",
+        to_recording,
+        "A recording for Rerun: the scene in motion, and curves of its joints",
+        shows_scene=True,
     ),
 }
 
@@ -60,15 +77,15 @@ def require_format(name: FormatName, joint_types: list[str]) -> None:
     Raises:
         ProblemInvalid: It cannot, or the server lacks what writes it.
     """
-    if name == "npz":
+    if name in _MODULES and find_spec(_MODULES[name]) is None:
+        _refuse(name, f"needs the extra `{name}`, which this server lacks")
+    if name in _OF_ANY_JOINT:
         return
     if any(kind in {"floating", "planar"} for kind in joint_types):
         _refuse(name, "has one number per joint, and a planar or floating joint has several")
     turning = [kind in {"revolute", "continuous"} for kind in joint_types]
     if name == "urscript" and turning != [True] * _UR_JOINTS:
         _refuse(name, f"is for six revolute joints, not for: {', '.join(joint_types)}")
-    if name == "mcap" and find_spec(_MCAP) is None:
-        _refuse(name, "needs the extra `mcap`, which this server lacks")
 
 
 def _refuse(name: str, why: str) -> None:

@@ -19,8 +19,10 @@ from wayproof_openapi.api.plans import create_plan, get_replay, get_trajectory
 from wayproof_openapi.api.queries import check_configurations, solve_inverse_kinematics
 from wayproof_openapi.api.scenes import create_scene, get_scene_replay
 from wayproof_openapi.models import (
+    Certificate,
     CheckRequest,
     CheckResponse,
+    DriverName,
     Execution,
     ExecutionRequest,
     FinishedData,
@@ -64,6 +66,8 @@ def main(url: str, scene_file: str) -> dict[str, object]:
     plan = create_plan.sync(client=client, body=request, wait=60)
     assert isinstance(plan, Plan), plan
     assert plan.result is not None, plan.failure
+    certificate = plan.result.certificate  # absent only where `include` leaves it out
+    assert isinstance(certificate, Certificate)
     samples = get_trajectory.sync(plan.id, client=client, period=0.01)
     assert isinstance(samples, Trajectory), samples
     page = get_replay.sync(plan.id, client=client)
@@ -82,7 +86,7 @@ def main(url: str, scene_file: str) -> dict[str, object]:
         "valid": verdicts.results[0].valid,
         "num_configurations": len(solved.configurations),
         "clearance": nearest.clearance,
-        "proven": plan.result.certificate.proven,
+        "proven": certificate.proven,
         "duration": samples.duration,
         "last_time": samples.times[-1],
         "stages": stages,
@@ -113,7 +117,8 @@ def models(client: AuthenticatedClient) -> dict[str, list[str]]:
 
 def execute(client: AuthenticatedClient, plan: Plan) -> Execution:
     """Carry a plan out, watch it until it ends, and return how it ended."""
-    request = ExecutionRequest(plan=plan.id, driver="simulated", speed=10.0, title="to the can")
+    driver = DriverName.SIMULATED
+    request = ExecutionRequest(plan=plan.id, driver=driver, speed=10.0, title="to the can")
     begun = create_execution.sync(client=client, body=request)
     assert isinstance(begun, Execution), begun
     told = list(events(client, f"/v1/executions/{begun.id}/events"))

@@ -70,6 +70,10 @@ def test_an_obstacle_that_came_later_stops_an_execution_before_it_starts(client)
     assert problem["evidence"]["check"] == "clearance"
     assert "late" in problem["evidence"]["pair"]
     assert 0 < problem["evidence"]["time"] < plan["result"]["trajectory"]["duration"]
+    (failed,) = problem["evidence"]["checks"]
+    there = {"group": "arm", "configurations": [failed["positions"]]}
+    (verdict,) = client.post(f"/v1/scenes/{scene['id']}/check", json=there).json()["results"]
+    assert any("late" in pair["bodies"] for pair in verdict["collisions"])
     edit(client, scene, {"op": "remove", "object": "late"})
     assert executed(client, plan).json()["state"] == "succeeded"
 

@@ -7,6 +7,8 @@ from html.parser import HTMLParser
 import pytest
 
 from planning.world.replay.replay_page import labelled
+from service.plans.delivery.failure_worker import shown_configuration
+from service.plans.models.request import PlanRequest
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +60,20 @@ def test_a_start_in_collision_is_shown_where_it_starts(client, scene):
     shown = told(page(client, f"/v1/plans/{job['id']}/failure.html"))
     assert "Shown: the start." in shown["notes"]
     assert any("overlap by" in note for note in shown["notes"])
+
+
+def test_a_motion_that_is_not_certified_is_shown_where_its_check_fails(client, scene):
+    request = {"scene": scene, "group": "arm", "certify": {"max_stopping_time": 1e-4}}
+    request["goal"] = {"type": "configuration", "name": "ready"}
+    job = client.post("/v1/plans?wait=60", json=request).json()
+    (check,) = job["failure"]["evidence"]["checks"]
+    assert (job["failure"]["code"], check["name"]) == ("not_certified", "stop")
+    shown = told(page(client, f"/v1/plans/{job['id']}/failure.html"))
+    assert f"Shown: the motion at {check['time']:.3f} s, where stop fails." in shown["notes"]
+    _, positions = shown_configuration(PlanRequest.model_validate(request), job["failure"], 6)
+    assert positions.tolist() == check["positions"]
+    at_rest = client.get(f"/v1/scenes/{scene}").json()["groups"][0]["positions"]
+    assert check["positions"] != at_rest
 
 
 def test_a_plan_without_a_failure_has_no_picture_of_it(client, solved):
