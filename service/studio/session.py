@@ -15,10 +15,11 @@ from service.studio import texts
 from service.studio.api import Api, ByName, evidence_of
 from service.studio.cell import Cell, open_cell
 from service.studio.cell_panels import CellPanels, Places
+from service.studio.forms.words import FormError
 from service.studio.motions.motion import load_motion
 from service.studio.motions.motion_panel import MotionPanel
 from service.studio.plans.failure_view import place_of, show_failure
-from service.studio.plans.plan_panel import PLANNING_TIME, PlanPanel
+from service.studio.plans.plan_panel import PlanPanel
 from service.studio.plans.relaxations import Relaxation, relaxations_of
 from service.studio.robots.robot_panel import RobotPanel
 from service.studio.scene_list import SceneList
@@ -66,7 +67,7 @@ class Session:
         self._lock = threading.Lock()
         self._closed = threading.Event()
         client.gui.configure_theme(
-            show_logo=False, show_share_button=False, brand_color=_BRAND, control_width="medium"
+            show_logo=False, show_share_button=False, brand_color=_BRAND, control_width="large"
         )
         client.gui.set_panel_label("Wayproof studio")
         try:
@@ -113,13 +114,14 @@ class Session:
         self._group: Any = gui.add_dropdown("Robot", ("",), hint="The group that is planned for")
         tabs = gui.add_tab_group()
         self._plan_tab = tabs.add_tab("Plan", viser.Icon.ROUTE)
+        options_tab = tabs.add_tab("Options", viser.Icon.ADJUSTMENTS)
         scene_tab = tabs.add_tab("Scene", viser.Icon.CUBE)
         plans_tab = tabs.add_tab("Plans", viser.Icon.LIST)
         with self._plan_tab:
             goal = gui.add_folder("Goal")
             self._plans = PlanPanel(gui, self._plan)
             self._robot = RobotPanel(gui, self._execute, self._tell)
-        self._places = Places(gui, goal, scene_tab, plans_tab)
+        self._places = Places(gui, goal, options_tab, scene_tab, plans_tab)
         self._scenes.field.on_update(lambda event: self._open_scene() if event.client else None)
         self._group.on_update(lambda event: self._choose_group() if event.client else None)
         self._open_scene()
@@ -166,12 +168,12 @@ class Session:
         cell, panels = self._cell, self._panels
         if cell is None or panels is None:
             return
-        self._ask({
-            "scene": cell.scene.id,
-            "group": cell.group.name,
-            "goal": panels.goals.goal(),
-            "search": {"allowed_planning_time": PLANNING_TIME},
-        })
+        try:
+            request = panels.request()
+        except FormError as fault:
+            self._tell(fault)
+            return
+        self._ask(request)
 
     def _ask(self, request: dict[str, Any]) -> None:
         """Plan, and show what came of it."""

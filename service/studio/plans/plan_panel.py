@@ -20,7 +20,6 @@ _STAGES = {
     "certify": "proving it",
     "explain": "finding out why it fails",
 }
-PLANNING_TIME = 10.0
 
 
 class PlanPanel:
