@@ -64,8 +64,9 @@ $(STAMP): requirements.lock pyproject.toml client/pyproject.toml .python-version
 	touch $(STAMP); \
 	echo "ready after $$(($$(date +%s) - BEGUN)) s: make demo, make serve, make test"
 
+# Ends with the studio in a browser, where a person looks on; without a terminal it ends by itself.
 demo: setup
-	@$(VENV)/bin/wayproof demo
+	@if [ -t 0 ] && [ -t 1 ] && [ -z "$$CI" ]; then set -- --open; fi; $(VENV)/bin/wayproof demo "$$@"
 
 serve: setup
 	@$(VENV)/bin/wayproof serve

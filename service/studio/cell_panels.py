@@ -45,6 +45,7 @@ class CellPanels:
         live: Api,
         on_plan: Callable[[Mapping[str, Any]], None],
         on_fault: Callable[[Exception], None],
+        on_presence: Callable[[bool], None],
     ) -> None:
         """Show the panels of a cell.
 
@@ -54,20 +55,20 @@ class CellPanels:
             live: A connection for the live state, which is closed at the end.
             on_plan: Called with a plan that was chosen from the table.
             on_fault: Is told what goes wrong.
+            on_presence: Is told when the server is gone, and when it is back.
         """
         self._cell = cell
         gui = places.gui
         words = _words(cell)
         with places.goal:
             self.goals = GoalPanel(gui, cell, words, on_fault)
-        with places.options:
-            self._options = OptionsPanel(gui, cell, words)
         with places.scene:
             self._edits = EditPanel(gui, cell, self.look_again, on_fault)
             self._overlays = OverlayPanel(gui, cell)
         with places.plans:
             self.plans = PlanTable(gui, cell, on_plan, on_fault)
-        self._live = LiveRobots(cell, live, self._see_edit)
+        self._live = LiveRobots(cell, live, self._see_edit, on_presence)
+        self._options = OptionsPanel(gui, places.options, cell, words, on_fault)
 
     def request(self) -> dict[str, Any]:
         """Return the request for a plan that is filled in.

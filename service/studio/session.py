@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from service.studio.cell_panels import CellPanels, Places
 from service.studio.forms.words import FormError
 from service.studio.motions.motion import load_motion
 from service.studio.motions.motion_panel import MotionPanel
+from service.studio.notices import Notices
 from service.studio.plans.failure_view import place_of, show_failure
 from service.studio.plans.plan_panel import PlanPanel
 from service.studio.plans.relaxations import Relaxation, relaxations_of
@@ -57,6 +57,8 @@ class Session:
             host: By which name the browser knows the server; empty for its address.
         """
         self._client, self._terms, self._host = client, terms, host
+        self._notices = Notices(client)
+        self._tell = self._notices.tell
         self._key = terms.key
         self._api = self._connect()
         self._scenes: SceneList | None = None
@@ -89,6 +91,12 @@ class Session:
         transport = ByName(self._host) if self._host else None
         return Api(self._terms.server, key=self._key, transport=transport)
 
+    def _pages(self) -> str | None:
+        """Return the URL of the server's pages: relative to ours, unless that is another's."""
+        if self._key is not None:
+            return None
+        return "" if self._host else self._terms.server.rstrip("/")
+
     def _ask_for_key(self) -> None:
         """Ask for an API key: the studio has no rights of its own."""
         with self._client.gui.add_folder("This server asks for a key") as folder:
@@ -119,7 +127,7 @@ class Session:
         plans_tab = tabs.add_tab("Plans", viser.Icon.LIST)
         with self._plan_tab:
             goal = gui.add_folder("Goal")
-            self._plans = PlanPanel(gui, self._plan)
+            self._plans = PlanPanel(gui, self._plan, self._pages)
             self._robot = RobotPanel(gui, self._execute, self._tell)
         self._places = Places(gui, goal, options_tab, scene_tab, plans_tab)
         self._scenes.field.on_update(lambda event: self._open_scene() if event.client else None)
@@ -161,12 +169,18 @@ class Session:
 
     def _show_panels(self, cell: Cell) -> None:
         self._panels = CellPanels(
-            self._places, cell, self._connect(), self._look_at_plan, self._tell
+            self._places,
+            cell,
+            self._connect(),
+            self._look_at_plan,
+            self._tell,
+            self._notices.tell_presence,
         )
 
     def _plan(self) -> None:
-        cell, panels = self._cell, self._panels
-        if cell is None or panels is None:
+        with self._lock:  # a scene that opens is waited for: the button is there before all of it
+            panels = self._panels
+        if panels is None:
             return
         try:
             request = panels.request()
@@ -262,13 +276,3 @@ class Session:
             self._panels = None
             self._plans.clear()
             self._robot.clear()
-
-    def _tell(self, fault: Exception) -> None:
-        """Say what went wrong, in a corner of the page."""
-        title, body = "Something went wrong", str(fault)
-        if isinstance(fault, ApiError):
-            title, body = fault.problem.code, fault.problem.detail
-        elif isinstance(fault, httpx.TransportError):
-            title, body = "The server does not answer", "It is asked again with the next click."
-        with suppress(Exception):
-            self._client.add_notification(title, body[:400], color="red", auto_close_seconds=12.0)

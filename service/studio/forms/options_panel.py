@@ -1,12 +1,14 @@
 """OptionsPanel: all options of a plan besides its scene, its group and its goal."""
 
-from collections.abc import Mapping
+import threading
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import viser
 
 from service.studio import texts
 from service.studio.cell import Cell
+from service.studio.forms.fields import Group
 from service.studio.forms.form import Drawing, Words
 from service.studio.forms.schema import fields_of
 from service.studio.forms.words import spoken
@@ -22,26 +24,34 @@ _AT_FIRST: dict[str, Any] = {"search": {"allowed_planning_time": PLANNING_TIME}}
 class OptionsPanel:
     """A form for the options of the next plan, made from the server's OpenAPI document."""
 
-    def __init__(self, gui: viser.GuiApi, cell: Cell, words: Words) -> None:
-        """Show the form, with all options as they are by default.
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        place: viser.GuiTabHandle,
+        cell: Cell,
+        words: Words,
+        on_fault: Callable[[Exception], None],
+    ) -> None:
+        """Begin to show the form, with all options as they are by default.
+
+        Its fields are many, and a server makes its document when it is first asked for it, which
+        takes seconds: nothing else waits for them.
 
         Args:
-            gui: Where it is shown, in the container that is open.
+            gui: Of one browser.
+            place: Where it is shown.
             cell: The scene.
             words: That may be chosen for texts.
+            on_fault: Is told what goes wrong.
         """
-        self._told = gui.add_html(texts.told("", "plain"))
-        self._reset = gui.add_button(
-            "Back to the defaults", icon=viser.Icon.RESTORE, color=texts.SOFT
-        )
-        self._is_drawn = False
-        drawing = Drawing(gui, words, self._look)
-        fields = fields_of(cell.api.document, _REQUEST, _ELSEWHERE)
-        self._form = drawing.input(fields, is_unfolded=True)
-        self._is_drawn = True
-        self._reset.on_click(lambda _: self._form.fill(_AT_FIRST))
-        self._form.fill(_AT_FIRST)
-        self._look()
+        self._gui, self._place, self._cell, self._words = gui, place, cell, words
+        self._on_fault = on_fault
+        self._lock = threading.Lock()
+        self._is_closed = False
+        self._parts: list[Any] = []
+        self._form: Any = None
+        self._planning_time = PLANNING_TIME
+        threading.Thread(target=self._draw, daemon=True).start()
 
     def options(self) -> dict[str, Any]:
         """Return what is to be asked besides the goal; `search` says how long it may take.
@@ -49,19 +59,40 @@ class OptionsPanel:
         Raises:
             FormError: What was written by hand cannot be read.
         """
-        found: dict[str, Any] = self._form.value()
-        search = {"allowed_planning_time": PLANNING_TIME / 2, **found.get("search", {})}
+        found: dict[str, Any] = _AT_FIRST if self._form is None else self._form.value()
+        search = {"allowed_planning_time": self._planning_time, **found.get("search", {})}
         return {**found, "search": search}
 
     def close(self) -> None:
         """Take the form away."""
-        self._form.remove()
-        self._told.remove()
-        self._reset.remove()
+        with self._lock:
+            self._is_closed = True
+            for part in self._parts:
+                part.remove()
+
+    def _draw(self) -> None:
+        try:
+            fields = fields_of(self._cell.api.document, _REQUEST, _ELSEWHERE)
+            with self._lock, self._place:
+                if not self._is_closed:
+                    self._fill(fields)
+        except Exception as fault:  # noqa: BLE001  (told to the person at the browser)
+            self._on_fault(fault)
+
+    def _fill(self, fields: Group) -> None:
+        gui = self._gui
+        self._told = gui.add_html(texts.told("all by default"))
+        reset = gui.add_button("Back to the defaults", icon=viser.Icon.RESTORE, color=texts.SOFT)
+        form = Drawing(gui, self._words, self._look).input(fields, is_unfolded=True)
+        self._parts = [self._told, reset, form]
+        form.fill(_AT_FIRST)
+        reset.on_click(lambda _: form.fill(_AT_FIRST))
+        self._planning_time = _planning_time(fields)
+        self._form = form
 
     def _look(self) -> None:
         """Say what is otherwise than by default."""
-        if not self._is_drawn:
+        if self._form is None:
             return
         try:
             value = self._form.value()
@@ -71,6 +102,13 @@ class OptionsPanel:
         changed = ", ".join(_names(value))
         told = "all by default" if value == _AT_FIRST else f"otherwise than by default: {changed}"
         self._told.content = texts.told(told)
+
+
+def _planning_time(fields: Group) -> float:
+    """Return how long the server plans by default [s]: what the form leaves out is that."""
+    search = next(field for field in fields.fields if field.name == "search")
+    inner = search.fields if isinstance(search, Group) else ()
+    return float(next(f.default for f in inner if f.name == "allowed_planning_time"))
 
 
 def _names(value: Mapping[str, Any]) -> list[str]:
