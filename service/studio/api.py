@@ -159,6 +159,11 @@ class Api(Client):
         """Return what the motion of a plan does over time."""
         return Series(SeriesAnswer.model_validate(self._json("GET", f"/v1/plans/{plan}/series")))
 
+    def graph(self, plan: str) -> dict[str, Any]:
+        """Return what the planner of a plan explored."""
+        found: dict[str, Any] = self._json("GET", f"/v1/plans/{plan}/graph")
+        return found
+
     def live_states(self, scene: str, rate: float) -> Iterator[dict[str, Any]]:
         """Yield the live state of a scene, now and whenever it changes; ends with the scene."""
         path = "/v1/scenes/{scene}/state/events"

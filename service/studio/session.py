@@ -21,6 +21,7 @@ from service.studio.notices import Notices
 from service.studio.plans.failure_view import place_of, show_failure
 from service.studio.plans.plan_panel import PlanPanel
 from service.studio.plans.relaxations import Relaxation, relaxations_of
+from service.studio.plans.search_graph import SearchGraph
 from service.studio.robots.robot_panel import RobotPanel
 from service.studio.scene_list import SceneList
 
@@ -66,6 +67,7 @@ class Session:
         self._panels: CellPanels | None = None
         self._motion: MotionPanel | None = None
         self._motion_folder: viser.GuiFolderHandle | None = None
+        self._graph = SearchGraph()
         self._lock = threading.Lock()
         self._closed = threading.Event()
         client.gui.configure_theme(
@@ -195,12 +197,14 @@ class Session:
         if cell is None or scenes is None or panels is None or not self._plans.is_idle:
             return
         self._close_motion()
+        self._graph.clear()
         self._robot.clear()
         cell.view.show_others([])
         try:
             job = self._plans.plan(cell, request)
             if job is None or cell is not self._cell:
                 return
+            self._graph.show(cell, job)
             if job["state"] == "succeeded":
                 self._show_motion(cell, job)
                 panels.plans.renew()
@@ -271,6 +275,7 @@ class Session:
     def _forget(self) -> None:
         """Take away what belongs to the scene before."""
         self._close_motion()
+        self._graph.clear()
         if self._panels is not None:
             self._panels.close()
             self._panels = None

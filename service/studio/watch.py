@@ -16,7 +16,8 @@ _SCRIPT = """
   let failures = 0;
   const look = async () => {
     try {
-      await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(5000) });
+      const signal = AbortSignal.timeout(5000);
+      await fetch("/", { method: "HEAD", cache: "no-store", signal });
       if (failures >= 2) { location.reload(); return; }
       failures = 0;
     } catch (fault) {

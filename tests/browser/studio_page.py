@@ -32,7 +32,7 @@ class StudioPage:
             page = cls(context.new_page())
             page.page.goto(url)
             yield page
-            assert page.faults == [] or page.faults_are_expected
+            assert page.faults_are_expected or page.faults == [], page.faults
         finally:
             context.close()
 

@@ -78,6 +78,9 @@ class PlanPanel:
             for event in cell.api.plan_events(plan.id):
                 if event.type == "stage":
                     self._follow(event.data)
+                elif event.type == "best-so-far":
+                    best = f"search: the best path so far is {event.data['length']:.2f} long"
+                    self._tell(texts.told(best, "busy"))
             return self._ended(cell.api.finished_plan(plan.id))
         finally:
             self._running = None
