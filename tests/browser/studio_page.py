@@ -91,6 +91,21 @@ class StudioPage:
             mouse.move(*(a + share * (b - a) for a, b in zip(start, end, strict=True)))
         mouse.up()
 
+    def wait_until_played(self):
+        """Wait until a motion that was planned has been played once."""
+        self.page.get_by_role("button", name="Play", exact=True).wait_for()
+
+    def wait_for_scene(self, name):
+        """Wait until a scene that was chosen is there, with its goal."""
+        box = self.page.get_by_role("combobox", name="Scene", exact=True).last
+        while box.input_value() != name:
+            self.page.wait_for_timeout(50)
+        self.wait_for_goal()
+
+    def hide_notices(self):
+        """Hide what stands in the corner: that nothing here has a graphics card."""
+        self.page.add_style_tag(content=".mantine-Notification-root { display: none }")
+
     def unfold(self, folder):
         self.page.get_by_text(folder).first.click()
 
