@@ -65,8 +65,9 @@ $(STAMP): requirements.lock pyproject.toml client/pyproject.toml .python-version
 	touch $(STAMP); \
 	echo "ready after $$(($$(date +%s) - BEGUN)) s: make demo, make serve, make test"
 
+# Ends with the studio in a browser, where a person looks on; without a terminal it ends by itself.
 demo: setup
-	@$(VENV)/bin/wayproof demo
+	@if [ -t 0 ] && [ -t 1 ] && [ -z "$$CI" ]; then set -- --open; fi; $(VENV)/bin/wayproof demo "$$@"
 
 serve: setup
 	@$(VENV)/bin/wayproof serve
@@ -226,6 +227,7 @@ pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py
 	@$(PYTHON) benchmarks/objective_pictures.py
 	@$(PYTHON) benchmarks/page_pictures.py
+	@$(PYTHON) benchmarks/studio_pictures.py
 
 # Pins every dependency with its hashes, without the address of an index.
 lock:

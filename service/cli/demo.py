@@ -7,6 +7,7 @@ from typing import Annotated, Any, cast
 import typer
 from rich.table import Table
 
+from service.cli.open_studio import open_studio
 from service.cli.options import AsJson, Seed, ServerUrl, above_zero
 from service.cli.output import console, error_console, print_json
 from service.cli.runs import executed, finished
@@ -72,6 +73,9 @@ def demo(
         float, typer.Option(help="Pace of the execution; 1 is real time.", callback=above_zero)
     ] = 1.0,
     seed: Seed = 1,
+    open_page: Annotated[
+        bool, typer.Option("--open", help="Then open the studio of the server, until Ctrl-C.")
+    ] = False,
     server: ServerUrl = None,
     as_json: AsJson = False,
 ) -> None:
@@ -102,6 +106,9 @@ def demo(
         shown.print(f"replay of what was executed: {file}", soft_wrap=True)
         if as_json:
             print_json({"scene": scene.id, "steps": jobs, "replay": str(file)})
+        if open_page:
+            shown.print(f"the scene of the demo is '{scene.name} · {scene.id}' there")
+            open_studio(client.url, stays=server is None)
 
 
 def _request(scene: str, motion: _Motion, seed: int) -> dict[str, Any]:

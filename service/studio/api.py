@@ -1,5 +1,6 @@
 """Api: what the studio asks a server, as numbers that can be drawn."""
 
+import functools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, override
 
@@ -45,6 +46,7 @@ class ShownScene(Answer):
     id: str
     name: str
     revision: int
+    frames: list[str]
     groups: list[ShownGroup]
     document: dict[str, Any]
 
@@ -74,6 +76,17 @@ def evidence_of(fault: ApiError) -> dict[str, Any]:
 
 class Api(Client):
     """A client with the questions of the studio."""
+
+    @functools.cached_property
+    def document(self) -> dict[str, Any]:
+        """What can be asked: the server's OpenAPI document."""
+        found: dict[str, Any] = self._json("GET", "/openapi.json")
+        return found
+
+    @functools.cached_property
+    def planner_names(self) -> list[str]:
+        """Names of the planners that a plan may name."""
+        return [planner["name"] for planner in self._json("GET", "/v1/planners")["items"]]
 
     def scenes(self) -> list[dict[str, Any]]:
         """Return the newest scenes of the server: `id`, `name`, `revision`."""
@@ -145,6 +158,11 @@ class Api(Client):
     def series(self, plan: str) -> Series:
         """Return what the motion of a plan does over time."""
         return Series(SeriesAnswer.model_validate(self._json("GET", f"/v1/plans/{plan}/series")))
+
+    def graph(self, plan: str) -> dict[str, Any]:
+        """Return what the planner of a plan explored."""
+        found: dict[str, Any] = self._json("GET", f"/v1/plans/{plan}/graph")
+        return found
 
     def live_states(self, scene: str, rate: float) -> Iterator[dict[str, Any]]:
         """Yield the live state of a scene, now and whenever it changes; ends with the scene."""

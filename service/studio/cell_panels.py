@@ -10,6 +10,7 @@ from service.studio.api import Api
 from service.studio.cell import Cell
 from service.studio.editing.edit_panel import EditPanel
 from service.studio.editing.overlay_panel import OverlayPanel
+from service.studio.forms.options_panel import OptionsPanel
 from service.studio.goals.goal_panel import GoalPanel
 from service.studio.plans.plan_table import PlanTable
 from service.studio.robots.live import LiveRobots
@@ -22,12 +23,14 @@ class Places:
     Attributes:
         gui: Of one browser.
         goal: The folder of the goal.
+        options: The tab of the options.
         scene: The tab of the scene.
         plans: The tab of its plans.
     """
 
     gui: viser.GuiApi
     goal: viser.GuiFolderHandle
+    options: viser.GuiTabHandle
     scene: viser.GuiTabHandle
     plans: viser.GuiTabHandle
 
@@ -42,6 +45,7 @@ class CellPanels:
         live: Api,
         on_plan: Callable[[Mapping[str, Any]], None],
         on_fault: Callable[[Exception], None],
+        on_presence: Callable[[bool], None],
     ) -> None:
         """Show the panels of a cell.
 
@@ -51,17 +55,30 @@ class CellPanels:
             live: A connection for the live state, which is closed at the end.
             on_plan: Called with a plan that was chosen from the table.
             on_fault: Is told what goes wrong.
+            on_presence: Is told when the server is gone, and when it is back.
         """
         self._cell = cell
         gui = places.gui
+        words = _words(cell)
         with places.goal:
-            self.goals = GoalPanel(gui, cell, on_fault)
+            self.goals = GoalPanel(gui, cell, words, on_fault)
         with places.scene:
             self._edits = EditPanel(gui, cell, self.look_again, on_fault)
             self._overlays = OverlayPanel(gui, cell)
         with places.plans:
             self.plans = PlanTable(gui, cell, on_plan, on_fault)
-        self._live = LiveRobots(cell, live, self._see_edit)
+        self._live = LiveRobots(cell, live, self._see_edit, on_presence)
+        self._options = OptionsPanel(gui, places.options, cell, words, on_fault)
+
+    def request(self) -> dict[str, Any]:
+        """Return the request for a plan that is filled in.
+
+        Raises:
+            FormError: What was written by hand cannot be read.
+        """
+        cell = self._cell
+        chosen = {"scene": cell.scene.id, "group": cell.group.name, "goal": self.goals.goal()}
+        return {**chosen, **self._options.options()}
 
     def look_again(self) -> None:
         """Show the scene as it is now, after an edit."""
@@ -72,10 +89,21 @@ class CellPanels:
     def close(self) -> None:
         """Take the panels away."""
         self._live.close()
-        for panel in (self._edits, self._overlays, self.plans, self.goals):
+        for panel in (self._edits, self._overlays, self.plans, self.goals, self._options):
             panel.close()
 
     def _see_edit(self) -> None:
         """Draw the scene as another browser, or another client, has changed it."""
         self._cell.refresh()
         self.look_again()
+
+
+def _words(cell: Cell) -> dict[str, list[str]]:
+    """Return what may be chosen in forms, by `group.field` or by the field's name."""
+    frames = ["world", *(frame for frame in cell.scene.frames if frame != "world")]
+    return {
+        "planner": cell.api.planner_names,
+        "frame": frames,
+        "reference": frames,
+        "configuration.name": list(cell.group.configurations),
+    }

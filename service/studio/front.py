@@ -18,6 +18,8 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from service.studio.watch import SCRIPT
+
 HOST_HEADER = "X-Studio-Host"
 TOKEN_HEADER = "X-Studio-Token"  # noqa: S105  (its name)
 TOKEN_VARIABLE = "WAYPROOF_STUDIO_TOKEN"  # noqa: S105  (its name)
@@ -125,7 +127,9 @@ def _read_page() -> str:
         raise FileNotFoundError("viser")
     page = Path(spec.origin).parent / "client" / "build" / "index.html"
     text = page.read_text(encoding="utf-8").replace(_VISER_TITLE, _TITLE, 1)
-    return _VISER_ICON.sub(lambda _: _ICON, text, count=1)
+    text = _VISER_ICON.sub(lambda _: _ICON, text, count=1)
+    head, end, rest = text.rpartition("</body>")
+    return f"{head}{SCRIPT}{end}{rest}"
 
 
 async def _to_studio(browser: WebSocket, send: Callable[[bytes], Awaitable[None]]) -> None:

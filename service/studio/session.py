@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,14 @@ from service.studio import texts
 from service.studio.api import Api, ByName, evidence_of
 from service.studio.cell import Cell, open_cell
 from service.studio.cell_panels import CellPanels, Places
+from service.studio.forms.words import FormError
 from service.studio.motions.motion import load_motion
 from service.studio.motions.motion_panel import MotionPanel
+from service.studio.notices import Notices
 from service.studio.plans.failure_view import place_of, show_failure
-from service.studio.plans.plan_panel import PLANNING_TIME, PlanPanel
+from service.studio.plans.plan_panel import PlanPanel
 from service.studio.plans.relaxations import Relaxation, relaxations_of
+from service.studio.plans.search_graph import SearchGraph
 from service.studio.robots.robot_panel import RobotPanel
 from service.studio.scene_list import SceneList
 
@@ -56,6 +58,8 @@ class Session:
             host: By which name the browser knows the server; empty for its address.
         """
         self._client, self._terms, self._host = client, terms, host
+        self._notices = Notices(client)
+        self._tell = self._notices.tell
         self._key = terms.key
         self._api = self._connect()
         self._scenes: SceneList | None = None
@@ -63,10 +67,11 @@ class Session:
         self._panels: CellPanels | None = None
         self._motion: MotionPanel | None = None
         self._motion_folder: viser.GuiFolderHandle | None = None
+        self._graph = SearchGraph()
         self._lock = threading.Lock()
         self._closed = threading.Event()
         client.gui.configure_theme(
-            show_logo=False, show_share_button=False, brand_color=_BRAND, control_width="medium"
+            show_logo=False, show_share_button=False, brand_color=_BRAND, control_width="large"
         )
         client.gui.set_panel_label("Wayproof studio")
         try:
@@ -87,6 +92,12 @@ class Session:
     def _connect(self) -> Api:
         transport = ByName(self._host) if self._host else None
         return Api(self._terms.server, key=self._key, transport=transport)
+
+    def _pages(self) -> str | None:
+        """Return the URL of the server's pages: relative to ours, unless that is another's."""
+        if self._key is not None:
+            return None
+        return "" if self._host else self._terms.server.rstrip("/")
 
     def _ask_for_key(self) -> None:
         """Ask for an API key: the studio has no rights of its own."""
@@ -113,13 +124,14 @@ class Session:
         self._group: Any = gui.add_dropdown("Robot", ("",), hint="The group that is planned for")
         tabs = gui.add_tab_group()
         self._plan_tab = tabs.add_tab("Plan", viser.Icon.ROUTE)
+        options_tab = tabs.add_tab("Options", viser.Icon.ADJUSTMENTS)
         scene_tab = tabs.add_tab("Scene", viser.Icon.CUBE)
         plans_tab = tabs.add_tab("Plans", viser.Icon.LIST)
         with self._plan_tab:
             goal = gui.add_folder("Goal")
-            self._plans = PlanPanel(gui, self._plan)
+            self._plans = PlanPanel(gui, self._plan, self._pages)
             self._robot = RobotPanel(gui, self._execute, self._tell)
-        self._places = Places(gui, goal, scene_tab, plans_tab)
+        self._places = Places(gui, goal, options_tab, scene_tab, plans_tab)
         self._scenes.field.on_update(lambda event: self._open_scene() if event.client else None)
         self._group.on_update(lambda event: self._choose_group() if event.client else None)
         self._open_scene()
@@ -159,19 +171,25 @@ class Session:
 
     def _show_panels(self, cell: Cell) -> None:
         self._panels = CellPanels(
-            self._places, cell, self._connect(), self._look_at_plan, self._tell
+            self._places,
+            cell,
+            self._connect(),
+            self._look_at_plan,
+            self._tell,
+            self._notices.tell_presence,
         )
 
     def _plan(self) -> None:
-        cell, panels = self._cell, self._panels
-        if cell is None or panels is None:
+        with self._lock:  # a scene that opens is waited for: the button is there before all of it
+            panels = self._panels
+        if panels is None:
             return
-        self._ask({
-            "scene": cell.scene.id,
-            "group": cell.group.name,
-            "goal": panels.goals.goal(),
-            "search": {"allowed_planning_time": PLANNING_TIME},
-        })
+        try:
+            request = panels.request()
+        except FormError as fault:
+            self._tell(fault)
+            return
+        self._ask(request)
 
     def _ask(self, request: dict[str, Any]) -> None:
         """Plan, and show what came of it."""
@@ -179,12 +197,14 @@ class Session:
         if cell is None or scenes is None or panels is None or not self._plans.is_idle:
             return
         self._close_motion()
+        self._graph.clear()
         self._robot.clear()
         cell.view.show_others([])
         try:
             job = self._plans.plan(cell, request)
             if job is None or cell is not self._cell:
                 return
+            self._graph.show(cell, job)
             if job["state"] == "succeeded":
                 self._show_motion(cell, job)
                 panels.plans.renew()
@@ -255,18 +275,9 @@ class Session:
     def _forget(self) -> None:
         """Take away what belongs to the scene before."""
         self._close_motion()
+        self._graph.clear()
         if self._panels is not None:
             self._panels.close()
             self._panels = None
             self._plans.clear()
             self._robot.clear()
-
-    def _tell(self, fault: Exception) -> None:
-        """Say what went wrong, in a corner of the page."""
-        title, body = "Something went wrong", str(fault)
-        if isinstance(fault, ApiError):
-            title, body = fault.problem.code, fault.problem.detail
-        elif isinstance(fault, httpx.TransportError):
-            title, body = "The server does not answer", "It is asked again with the next click."
-        with suppress(Exception):
-            self._client.add_notification(title, body[:400], color="red", auto_close_seconds=12.0)

@@ -41,6 +41,22 @@ def failure(code: str, detail: str) -> str:
     )
 
 
+def pages(server: str, plan: str, names: Mapping[str, str]) -> str:
+    """Return links to pages of a plan, each in a tab of its own.
+
+    Args:
+        server: URL of the server as the browser knows it; empty for that of the page.
+        plan: Its id.
+        names: Of the pages, and what they are called.
+    """
+    links = " · ".join(
+        f'<a href="{escape(server)}/v1/plans/{escape(plan)}/{escape(name)}" target="_blank" '
+        f'rel="noopener" style="color:{_BLUE}">{escape(text)}</a>'
+        for name, text in names.items()
+    )
+    return boxed(links)
+
+
 def verdict(certificate: Mapping[str, Any], duration: float) -> str:
     """Return what is proven of a motion, in one line."""
     proven = bool(certificate["proven"])

@@ -1,6 +1,10 @@
 """The studio as a person sees it: what stands there, and what can be clicked."""
 
+import io
 from contextlib import contextmanager
+
+import numpy as np
+from PIL import Image
 
 # For what hangs: on a busy machine without a graphics card the page takes its time [ms].
 _PATIENCE = 90_000
@@ -14,19 +18,21 @@ class StudioPage:
     def __init__(self, page):
         self.page = page
         self.faults = []
+        self.faults_are_expected = False
         page.set_default_timeout(_PATIENCE)
         page.on("pageerror", lambda fault: self.faults.append(str(fault)))
         page.on("console", self._note)
 
     @classmethod
     @contextmanager
-    def opened(cls, browser, url):
-        context = browser.new_context(locale="en-US", viewport=_SIZE)
+    def opened(cls, browser, url, width=_SIZE["width"], height=_SIZE["height"]):
+        size = {"width": width, "height": height}
+        context = browser.new_context(locale="en-US", viewport=size)
         try:
             page = cls(context.new_page())
             page.page.goto(url)
             yield page
-            assert page.faults == []
+            assert page.faults_are_expected or page.faults == [], page.faults
         finally:
             context.close()
 
@@ -64,6 +70,42 @@ class StudioPage:
         """What a slider says."""
         return float(self._number(slider).input_value())
 
+    def picture(self):
+        """What is drawn, shape (height, width, 3), without the panel and what lies over it."""
+        shot = self.page.screenshot(mask=[self.page.get_by_role("alert")], mask_color="#ffffff")
+        return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+
+    def settled_picture(self):
+        """What is drawn once it moves no more."""
+        before = self.picture()
+        while (differs(now := self.picture(), before)).any():
+            before = now
+        return now
+
+    def drag(self, start, end):
+        """Drag with the mouse from one pixel to another, (x, y)."""
+        mouse = self.page.mouse
+        mouse.move(*start)
+        mouse.down()
+        for share in (0.25, 0.5, 0.75, 1.0):
+            mouse.move(*(a + share * (b - a) for a, b in zip(start, end, strict=True)))
+        mouse.up()
+
+    def wait_until_played(self):
+        """Wait until a motion that was planned has been played once."""
+        self.page.get_by_role("button", name="Play", exact=True).wait_for()
+
+    def wait_for_scene(self, name):
+        """Wait until a scene that was chosen is there, with its goal."""
+        box = self.page.get_by_role("combobox", name="Scene", exact=True).last
+        while box.input_value() != name:
+            self.page.wait_for_timeout(50)
+        self.wait_for_goal()
+
+    def hide_notices(self):
+        """Hide what stands in the corner: that nothing here has a graphics card."""
+        self.page.add_style_tag(content=".mantine-Notification-root { display: none }")
+
     def unfold(self, folder):
         self.page.get_by_text(folder).first.click()
 
@@ -78,3 +120,8 @@ class StudioPage:
     def _note(self, message):
         if message.type == "error":
             self.faults.append(message.text)
+
+
+def differs(one, other):
+    """Which pixels of two pictures are clearly different, shape (height, width)."""
+    return np.abs(one - other).max(axis=2) > 24

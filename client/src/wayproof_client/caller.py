@@ -50,6 +50,11 @@ class Caller:
         """Close all connections."""
         self.close()
 
+    @property
+    def url(self) -> str:
+        """URL of the server."""
+        return str(self._http.base_url).rstrip("/")
+
     def close(self) -> None:
         """Close all connections."""
         self._http.close()

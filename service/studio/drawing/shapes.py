@@ -11,7 +11,7 @@ import viser
 
 # Of a plate that stands for a half space [m].
 _PLATE_WIDTH, _PLATE_THICKNESS = 6.0, 0.01
-# Meshes made here are round enough with so many subdivisions of an icosahedron.
+# Subdivisions of an icosahedron: enough for meshes made here to look round.
 _SUBDIVISIONS = 3
 
 

@@ -9,6 +9,7 @@ import viser
 
 from service.studio.drawing.camera import place_camera, seen_boxes
 from service.studio.drawing.shapes import TRUE, Paint, draw_shape
+from service.studio.drawing.stage import set_stage
 from service.studio.numbers import Array
 
 GHOST = Paint(color=(72, 149, 239), opacity=0.35, casts_shadow=False)
@@ -50,7 +51,7 @@ class SceneView:
         self._frames: dict[str, viser.FrameHandle] = {}
         self._num_updates = self._num_others = 0
         client.scene.reset()
-        light(client)
+        set_stage(client.scene)
         with client.atomic():
             self._layers["robot"] = self._draw("robot", self._bodies, TRUE)
             self._poses |= _fixed_poses(self._bodies)
@@ -245,31 +246,3 @@ def _fixed_poses(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, Array]:
         for name, body in bodies.items()
         if body["pose"] is not None
     }
-
-
-def light(client: viser.ClientHandle) -> None:
-    """Light a scene from above, with shadows, on a grid."""
-    scene = client.scene
-    scene.set_up_direction("+z")
-    scene.configure_default_lights(enabled=False)
-    scene.add_light_hemisphere(
-        "/light/sky", sky_color=(255, 255, 255), ground_color=(150, 150, 160), intensity=2.2
-    )
-    scene.add_light_directional(
-        "/light/sun",
-        color=(255, 250, 240),
-        intensity=2.4,
-        cast_shadow=True,
-        position=(2.0, -1.6, 4.0),
-    )
-    scene.add_grid(
-        "/grid",
-        width=20.0,
-        height=20.0,
-        cell_size=0.25,
-        section_size=1.0,
-        cell_color=(232, 236, 241),
-        section_color=(214, 220, 228),
-        position=(0.0, 0.0, -0.06),
-        shadow_opacity=0.15,
-    )

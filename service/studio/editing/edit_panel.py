@@ -9,6 +9,7 @@ import yaml
 
 from service.studio import texts
 from service.studio.cell import Cell
+from service.studio.editing.dropped_mesh import ENDINGS, hull_of_file, name_of_file
 from service.studio.editing.history import (
     SHAPES,
     Operation,
@@ -26,6 +27,8 @@ _GIZMO = "/edit_gizmo"
 # Where new objects begin, beside what the robot does [m].
 _BESIDE = [0.4, -0.4, 0.3]
 _SMALLEST = 0.001
+# Files do not say what their numbers mean [m].
+_UNITS = {"metres": 1.0, "millimetres": 0.001, "inches": 0.0254}
 
 
 class EditPanel:
@@ -52,6 +55,14 @@ class EditPanel:
         self._folder = gui.add_folder("Objects")
         with self._folder:
             self._add = gui.add_button_group("Add", tuple(SHAPES))
+            self._file = gui.add_upload_button(
+                "Add an STL or OBJ file",
+                icon=viser.Icon.UPLOAD,
+                color=texts.SOFT,
+                mime_type=",".join(ENDINGS),
+                hint="It counts as its convex hull, as all meshes do",
+            )
+            self._unit: Any = gui.add_dropdown("Unit of files", tuple(_UNITS))
             self._object: Any = gui.add_dropdown("Object", (_NOTHING, *cell.object_names))
             self._sizes = [
                 gui.add_number(f"Size {axis} [m]", 0.1, min=_SMALLEST, step=0.001, visible=False)
@@ -83,6 +94,7 @@ class EditPanel:
 
     def _listen(self) -> None:
         self._add.on_click(lambda _: self._newest.ask(self._add_object))
+        self._file.on_upload(lambda _: self._newest.ask(self._add_file))
         self._object.on_update(lambda event: self._choose() if event.client else None)
         for size in self._sizes:
             size.on_update(lambda event: self._resize() if event.client else None)
@@ -121,10 +133,26 @@ class EditPanel:
 
     def _add_object(self) -> None:
         entry = new_object(self._cell.scene.document, str(self._add.value), _BESIDE)
+        self._add_entry(entry)
+
+    def _add_entry(self, entry: dict[str, Any]) -> None:
         self._carry_out([{"op": "add", "object": entry}])
         self._object.options = (_NOTHING, *self._cell.object_names)
         self._object.value = entry["name"]
         self._choose()
+
+    def _add_file(self) -> None:
+        """Add the convex hull of a file, where it stands in the file's own frame."""
+        file = self._file.value
+        try:
+            corners = hull_of_file(file.name, file.content, _UNITS[self._unit.value])
+        except ValueError as fault:
+            self._told.content = texts.told(str(fault), "bad")
+            return
+        kind = name_of_file(file.name)
+        shape = {"convex": {"points": corners.tolist()}}
+        entry = new_object(self._cell.scene.document, kind, [0.0, 0.0, 0.0], shape)
+        self._add_entry(entry)
 
     def _move_object(self) -> None:
         if self._name is not None:

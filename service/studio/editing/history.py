@@ -18,19 +18,22 @@ def object_of(document: Document, name: str) -> dict[str, Any]:
     return next(entry for entry in document["objects"] if entry["name"] == name)
 
 
-def new_object(document: Document, kind: str, position: list[float]) -> dict[str, Any]:
+def new_object(
+    document: Document, kind: str, position: list[float], shape: Any = None
+) -> dict[str, Any]:
     """Return an object that can be added, under a name that is free.
 
     Args:
         document: Of the scene.
-        kind: One of `SHAPES`.
+        kind: One of `SHAPES`, or what a shape is to be called.
         position: p_WO [m].
+        shape: As the API wants it; None for that of the kind.
     """
     taken = {entry["name"] for entry in (*document["objects"], *document["robots"])}
     name = next(f"{kind}_{i}" for i in range(1, len(taken) + 2) if f"{kind}_{i}" not in taken)
     return {
         "name": name,
-        "shape": SHAPES[kind],
+        "shape": SHAPES[kind] if shape is None else shape,
         "pose": {"position": position},
         "movable": True,
         "color": [0.42, 0.56, 0.72],

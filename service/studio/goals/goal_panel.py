@@ -7,15 +7,29 @@ from typing import Any
 import numpy as np
 import viser
 
+from service.client.errors import ApiError
 from service.studio import texts
 from service.studio.cell import Cell
 from service.studio.drawing.view import BLOCKED, GHOST
+from service.studio.forms.form import Drawing, Words
+from service.studio.forms.words import FormError
+from service.studio.goals.choices import (
+    BY_FORM,
+    BY_SLIDERS,
+    BY_TOOL,
+    CONFIGURATION,
+    FRAME,
+    free,
+    goal_to_begin_with,
+    goals_of,
+    pose_goal,
+    praise,
+)
+from service.studio.goals.goal_form import SOLVED, GoalForm
 from service.studio.goals.solutions import Solutions
 from service.studio.newest import Newest
 from service.studio.numbers import Array
 
-BY_SLIDERS, BY_TOOL = "joint sliders", "drag the tool"
-_FRAME, _CONFIGURATION = "frame ", "configuration "
 # Of a slider of a joint without limits [rad or m].
 _UNLIMITED = 2 * math.pi
 _STEP = 0.001
@@ -29,20 +43,27 @@ class GoalPanel:
     """The goal of the next plan, and its ghost."""
 
     def __init__(
-        self, gui: viser.GuiApi, cell: Cell, on_fault: Callable[[Exception], None]
+        self,
+        gui: viser.GuiApi,
+        cell: Cell,
+        words: Words,
+        on_fault: Callable[[Exception], None],
     ) -> None:
         """Show the goals of a cell, and choose the first one.
 
         Args:
             gui: Where it is shown, in the container that is open.
             cell: The scene.
+            words: That may be chosen for texts of a goal in full.
             on_fault: Is told what goes wrong.
         """
-        self._cell = cell
+        self._gui, self._cell, self._words = gui, cell, words
         self._newest = Newest(on_fault)
         self._positions = cell.positions
-        self._goals = _goals_of(cell)
+        self._goals = goals_of(cell)
         self._choice = gui.add_dropdown("Goal", tuple(self._goals), hint="Where it shall go")
+        self._place = gui.add_folder(None, visible=False)
+        self._form: GoalForm | None = None
         self._told = gui.add_html(texts.told("…"))
         self._solutions: Solutions | None = None
         self._way: Any = gui.add_dropdown(
@@ -71,19 +92,29 @@ class GoalPanel:
     def _goal_asked(self) -> dict[str, Any]:
         choice = self._choice.value
         if choice == BY_TOOL and self._gizmo is not None:
-            return _pose_goal(self._gizmo)
+            return pose_goal(self._gizmo)
+        if choice == BY_FORM:
+            return self._opened_form().goal()
         return self._goals[choice]
 
     def close(self) -> None:
         """End what goes on, and take the panel away."""
         self._newest.close()
         self._cell.view.show_others([])
-        for part in (self._choice, self._told, self._way, self._use_nearest, self._folder):
+        for part in (
+            self._choice,
+            self._told,
+            self._way,
+            self._use_nearest,
+            self._folder,
+            self._place,
+        ):
             part.remove()
 
     def _choose(self) -> None:
         if self._gizmo is not None:
             self._gizmo.visible = self._choice.value == BY_TOOL
+        self._place.visible = self._choice.value == BY_FORM
         self._newest.ask(self._show)
 
     def look_again(self) -> None:
@@ -95,20 +126,44 @@ class GoalPanel:
         choice = self._choice.value
         self._nearest = None
         self._use_nearest.visible = False
-        if choice not in self._goals or not self._is_pose(choice):
+        if not self._is_pose(choice):
             self._forget_ways()
         if choice == BY_SLIDERS:
             self._judge(self._positions)
-        elif choice.startswith(_CONFIGURATION):
-            name = choice.removeprefix(_CONFIGURATION)
+        elif choice.startswith(CONFIGURATION):
+            name = choice.removeprefix(CONFIGURATION)
             positions = np.array(self._cell.group.configurations[name])
             self._set_sliders(positions)
             self._judge(positions)
+        elif choice == BY_FORM:
+            self._show_form()
         else:
             self._show_solutions(self._goal_asked())
 
+    def _opened_form(self) -> GoalForm:
+        if self._form is None:
+            with self._place:
+                first = goal_to_begin_with(self._cell)
+                drawing = Drawing(self._gui, self._words, self.look_again)
+                self._form = GoalForm(drawing, self._cell.api.document, first)
+        return self._form
+
+    def _show_form(self) -> None:
+        """Show what the goal in full comes to, as far as it is known before a plan."""
+        try:
+            goal = self._opened_form().goal()
+            if goal["type"] in SOLVED:
+                self._show_solutions(goal)
+            else:
+                self._cell.view.show_ghost(None)
+                self._told.content = texts.told("a plan finds out what it comes to")
+        except ApiError as fault:  # while it is filled in, it is no goal now and then
+            self._told.content = texts.failure(fault.problem.code, fault.problem.detail)
+        except FormError as fault:
+            self._told.content = texts.told(str(fault), "bad")
+
     def _is_pose(self, choice: str) -> bool:
-        return choice == BY_TOOL or choice.startswith(_FRAME)
+        return choice == BY_TOOL or choice.startswith(FRAME)
 
     def _show_solutions(self, goal: dict[str, Any]) -> None:
         cell = self._cell
@@ -119,7 +174,7 @@ class GoalPanel:
             self._way.options, self._way.value = solutions.names, solutions.names[0]
             self._way.visible = len(solutions.names) > 1
             best = found["configurations"][0]
-            self._told.content = texts.told(_praise(best, len(found["configurations"])), "good")
+            self._told.content = texts.told(praise(best, len(found["configurations"])), "good")
             self._show_way()
             return
         self._forget_ways()
@@ -168,7 +223,7 @@ class GoalPanel:
         elif not verdict["valid"]:
             self._told.content = texts.told("outside of the joint limits", "bad")
         else:
-            self._told.content = texts.told(_free(verdict), "good")
+            self._told.content = texts.told(free(verdict), "good")
 
     def _add_sliders(self, gui: viser.GuiApi) -> None:
         limits, group = self._cell.group.limits, self._cell.group
@@ -185,6 +240,7 @@ class GoalPanel:
         self._positions = np.array([slider.value for slider in self._sliders])
         if self._choice.value != BY_SLIDERS:
             self._choice.value = BY_SLIDERS
+            self._place.visible = False
             if self._gizmo is not None:
                 self._gizmo.visible = False
         self._newest.ask(self._show)
@@ -210,38 +266,3 @@ class GoalPanel:
         )
         gizmo.on_update(lambda _: self._newest.ask(self._show))
         return gizmo
-
-
-def _goals_of(cell: Cell) -> dict[str, dict[str, Any]]:
-    """Return what the goals of a cell are called, and as the API wants them; targets first."""
-    frames = [frame["name"] for frame in cell.scene.document.get("frames", [])]
-    found = {
-        f"{_FRAME}{name}": {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": name}]}
-        for name in (frames if cell.group.tool_frames else [])
-    }
-    away = sorted(
-        cell.group.configurations,
-        key=lambda name: np.allclose(cell.group.configurations[name], cell.positions),
-    )
-    found |= {f"{_CONFIGURATION}{n}": {"type": "configuration", "name": n} for n in away}
-    by_hand = [BY_SLIDERS, BY_TOOL] if cell.group.tool_frames else [BY_SLIDERS]
-    return found | {name: {} for name in by_hand}
-
-
-def _pose_goal(gizmo: viser.TransformControlsHandle) -> dict[str, Any]:
-    pose = {
-        "position": [float(part) for part in gizmo.position],
-        "quaternion": [float(part) for part in gizmo.wxyz],
-    }
-    return {"type": "pose", "poses": [pose]}
-
-
-def _praise(best: dict[str, Any], count: int) -> str:
-    ways = "1 way" if count == 1 else f"{count} ways"
-    gap = best["clearance"]
-    return f"{ways} to reach it" + ("" if gap is None else f" · {1000 * gap:.1f} mm clear there")
-
-
-def _free(verdict: dict[str, Any]) -> str:
-    gap = verdict["distance"]
-    return "free" if gap is None else f"free · {1000 * gap:.1f} mm clear there"

@@ -20,20 +20,27 @@ _STAGES = {
     "certify": "proving it",
     "explain": "finding out why it fails",
 }
-PLANNING_TIME = 10.0
+
+
+# Pages of a plan that stand for themselves, and can be sent on.
+_PAGES = {"replay.html": "replay", "report.html": "report"}
+_PAGES_OF_FAILURE = {"failure.html": "picture of the failure", "report.html": "report"}
 
 
 class PlanPanel:
     """The button that plans, and how far it is."""
 
-    def __init__(self, gui: viser.GuiApi, on_plan: Callable[[], None]) -> None:
+    def __init__(
+        self, gui: viser.GuiApi, on_plan: Callable[[], None], pages: Callable[[], str | None]
+    ) -> None:
         """Show the button.
 
         Args:
             gui: Where it is shown, in the container that is open.
             on_plan: Called when it is pressed.
+            pages: Returns the URL of the server's pages; None if a browser does not get them.
         """
-        self._gui = gui
+        self._gui, self._pages = gui, pages
         self._button = gui.add_button("Plan", icon=viser.Icon.ROUTE, color="teal")
         self._bar = gui.add_progress_bar(0.0, animated=True, visible=False)
         self._told = gui.add_html(texts.told(""), visible=False)
@@ -71,6 +78,9 @@ class PlanPanel:
             for event in cell.api.plan_events(plan.id):
                 if event.type == "stage":
                     self._follow(event.data)
+                elif event.type == "best-so-far":
+                    best = f"search: the best path so far is {event.data['length']:.2f} long"
+                    self._tell(texts.told(best, "busy"))
             return self._ended(cell.api.finished_plan(plan.id))
         finally:
             self._running = None
@@ -102,10 +112,12 @@ class PlanPanel:
             stages = {n: 1000 * t for n, t in job["timings"].items() if n != "total"}
             longest = sorted(stages, key=lambda name: -stages[name])[:3]
             several = ", ".join(f"{name} {stages[name]:.0f}" for name in longest)
-            self._tell(texts.told(f"planned in {1000 * seconds:.0f} ms: {several}"))
+            told, pages = texts.told(f"planned in {1000 * seconds:.0f} ms: {several}"), _PAGES
         else:
             failed = job["failure"] or {"code": job["state"], "detail": ""}
-            self._tell(texts.failure(failed["code"], failed["detail"]))
+            told, pages = texts.failure(failed["code"], failed["detail"]), _PAGES_OF_FAILURE
+        server = self._pages()
+        self._tell(told if server is None else told + texts.pages(server, job["id"], pages))
         return job
 
     def _follow(self, data: Mapping[str, Any]) -> None:

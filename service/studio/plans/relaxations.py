@@ -1,4 +1,4 @@
-"""Relaxations: what would do in place of a request that failed, each as a request of its own."""
+"""Relaxations: what can be asked instead of a request that failed, each a request of its own."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -32,7 +32,7 @@ class Relaxation:
 def relaxations_of(
     failure: Mapping[str, Any], request: Mapping[str, Any], objects: Collection[str]
 ) -> list[Relaxation]:
-    """Return what would do, what changes least first.
+    """Return what can be asked instead, what changes least first.
 
     Args:
         failure: Of a plan, as the API has it.

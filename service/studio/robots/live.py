@@ -21,15 +21,23 @@ _RATE = 15.0
 class LiveRobots:
     """Follows the live state of a scene, in a thread of its own."""
 
-    def __init__(self, cell: Cell, api: Api, on_edit: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        api: Api,
+        on_edit: Callable[[], None],
+        on_presence: Callable[[bool], None],
+    ) -> None:
         """Begin to follow.
 
         Args:
             cell: The scene.
             api: A connection of its own, which is closed at the end.
             on_edit: Called when the scene has another revision than the one that is drawn.
+            on_presence: Called with whether the server answers, when that has changed.
         """
         self._cell, self._api, self._on_edit = cell, api, on_edit
+        self._on_presence, self._is_there = on_presence, True
         self._closed = threading.Event()
         self._shown: dict[str, Mapping[str, Any]] = {}
         threading.Thread(target=self._run, daemon=True).start()
@@ -45,13 +53,22 @@ class LiveRobots:
                 for state in self._api.live_states(self._cell.scene.id, _RATE):
                     if self._closed.is_set():
                         return
+                    self._note(is_there=True)
                     self._follow(state)
             except ApiError:
                 return  # the scene is deleted
+            except httpx.ConnectError:
+                self._note(is_there=False)
+                self._closed.wait(_PAUSE)
             except (httpx.HTTPError, RuntimeError):  # RuntimeError: the connection was closed
                 self._closed.wait(_PAUSE)
             else:
                 self._closed.wait(_PAUSE)
+
+    def _note(self, *, is_there: bool) -> None:
+        if is_there != self._is_there:
+            self._is_there = is_there
+            self._on_presence(is_there)
 
     def _follow(self, state: Mapping[str, Any]) -> None:
         if state["revision"] != self._cell.scene.revision:

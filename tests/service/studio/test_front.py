@@ -135,3 +135,11 @@ def test_another_server_is_asked_by_its_address(seen):
             one.send_bytes(b"ab")
             one.receive_bytes()
     assert seen[0][front.HOST_HEADER] == ""
+
+
+def test_the_page_finds_out_whether_its_server_is_there(client):
+    # what its script asks every other second is answered, and costs next to nothing
+    page = client.get("/").text
+    assert 'fetch("/", { method: "HEAD"' in page
+    assert client.head("/").status_code == 200
+    assert client.head("/").content == b""

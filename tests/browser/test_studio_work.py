@@ -1,0 +1,211 @@
+"""Working with the studio in Chromium: drag, fill in, fail, hurry, and not alone."""
+
+import re
+
+import httpx
+import numpy as np
+import pytest
+import trimesh
+
+from planning import bundled_folder
+from tests.browser.studio_page import StudioPage, differs
+from tests.profiles import only_campaign
+from tests.service.servers import PLAIN, until
+
+pytestmark = [only_campaign("half a minute each without a graphics card"), pytest.mark.campaign]
+
+# Beside the panel, of a page that is a thousand pixels wide.
+_WIDTH_OF_SCENE = 590
+BUNDLED = sorted(p.name.split(".")[0] for p in bundled_folder("scenes").glob("*.scene.yaml"))
+
+
+def newest(server, kind, **query):
+    """The newest job of a kind, in full."""
+    (brief, *_) = server.ask("GET", f"/v1/{kind}")["items"]
+    return server.ask("GET", f"/v1/{kind}/{brief['id']}")
+
+
+def own_scene(server):
+    """The scene that the newest browser has opened."""
+    return server.ask("GET", "/v1/scenes")["items"][0]["id"]
+
+
+def is_reddish(picture):
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    return (red > 150) & (red - green > 60) & (red - blue > 60)
+
+
+def is_purple(picture):
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    return (blue - green > 50) & (blue - red > 40) & (red - green > 10)
+
+
+def test_the_tool_is_dragged_to_a_goal(browser, studio_server):
+    with StudioPage.opened(browser, studio_server.url, 1000, 480) as page:
+        page.wait_for_goal()
+        page.choose("Goal", "configuration home")  # the ghost stands where the robot is
+        page.wait_for("free")
+        before = page.settled_picture()
+        page.choose("Goal", "drag the tool")
+        page.wait_for("to reach it")
+        after = page.settled_picture()
+        # its arrow along x is pink, and reaches furthest
+        is_arrow = differs(after, before) & (after[..., 0] - after[..., 1] > 100)
+        points = np.argwhere(is_arrow[:, :_WIDTH_OF_SCENE])[:, ::-1]
+        assert len(points) > 20
+        middle = np.median(points, axis=0)
+        tip = points[np.argmax(np.linalg.norm(points - middle, axis=1))]
+        start = tip + 0.2 * (middle - tip)
+        end = start + 0.5 * (tip - middle)
+        scene = own_scene(studio_server)
+        group = studio_server.ask("GET", f"/v1/scenes/{scene}")["groups"][0]
+        body = {
+            "group": group["name"],
+            "configurations": [group["positions"]],
+            "frames": group["tool_frames"][:1],
+        }
+        (row,) = studio_server.ask("POST", f"/v1/scenes/{scene}/fk", body)["results"]
+        (tool,) = row.values()
+        page.drag(start, end)
+        page.settled_picture()
+        page.click("Plan")
+        page.page.get_by_text(re.compile("Proven|goal_|no_path")).first.wait_for()
+        goal = newest(studio_server, "plans")["request"]["goal"]
+        assert goal["type"] == "pose"
+        moved = np.subtract(goal["poses"][0]["position"], tool["position"])
+        assert 0.005 < np.linalg.norm(moved) < 1.0
+
+
+def test_options_that_are_filled_in_are_asked(studio, studio_server):
+    tab = studio.page.get_by_role("tab", name="Options")
+    tab.click()
+    studio.unfold("Search")
+    studio.choose("Planner", "RRTstar")
+    studio.set("Allowed planning time [s]", 2)
+    studio.page.get_by_role("checkbox", name="Keep graph").check()
+    studio.unfold("Retime")
+    studio.set("Velocity scale", 0.5)
+    studio.wait_for("otherwise than by default")
+    studio.page.get_by_role("tab", name="Plan", exact=True).click()
+    before = is_purple(studio.settled_picture()).sum()
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    # the way among what was explored is drawn
+    until(lambda: is_purple(studio.picture()).sum() > before + 30)
+    request = newest(studio_server, "plans")["request"]
+    assert request["search"]["planner"] == "RRTstar"
+    assert request["search"]["allowed_planning_time"] == 2
+    assert request["search"]["keep_graph"] is True
+    assert request["retime"]["velocity_scale"] == 0.5
+    tab.click()
+    studio.click("Back to the defaults")
+    studio.wait_for("all by default")
+
+
+def test_a_failed_plan_is_red_where_it_fails_and_has_a_picture(studio, browser, studio_server):
+    studio.unfold("Joints of the goal")
+    studio.set("shoulder_lift_joint", -0.5)
+    studio.wait_for("mm clear there")
+    free = is_reddish(studio.settled_picture()).sum()
+    studio.set("shoulder_lift_joint", 0.5)
+    studio.wait_for("Collides")
+    studio.click("Plan")
+    studio.wait_for("goal_in_collision")
+    assert is_reddish(studio.settled_picture()).sum() > free + 500
+    with studio.page.expect_popup() as opened:
+        studio.page.get_by_role("link", name="picture of the failure").click()
+    opened.value.get_by_text("goal_in_collision").first.wait_for()
+    assert opened.value.locator("canvas").count() > 0
+
+
+def test_a_motion_is_made_slower_while_it_goes_on(studio, studio_server):
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    studio.set("Speed", 0.2)
+    studio.click("Execute")
+    studio.wait_for("executing")
+    studio.set("Speed", 0.1)
+    until(lambda: newest(studio_server, "executions")["status"]["speed"] == pytest.approx(0.1))
+    studio.set("Speed", 3)
+    studio.wait_for("arrived")
+    assert newest(studio_server, "executions")["state"] == "succeeded"
+
+
+def test_two_browsers_see_the_same_robot_move_and_each_others_edits(studio, browser, studio_server):
+    scene = own_scene(studio_server)
+    with StudioPage.opened(browser, studio_server.url) as other:
+        other.wait_for_goal()
+        other.choose("Scene", f"ur5e_pickup · {scene}")
+        other.wait_for_goal()
+        still = other.settled_picture()
+        studio.click("Plan")
+        studio.wait_for("Proven")
+        studio.click("Execute")
+        studio.wait_for("arrived")
+        # nothing was clicked there
+        until(lambda: differs(other.picture(), still).sum() > 300)
+        studio.page.get_by_role("tab", name="Scene").click()
+        studio.click("sphere")
+        studio.wait_for("revision 2: add sphere_1")
+        other.page.get_by_role("tab", name="Scene").click()
+        until(lambda: "sphere_1" in other.options("Object"))
+
+
+def test_one_browser_carries_out_what_another_has_planned(studio, browser, studio_server):
+    scene = own_scene(studio_server)
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    with StudioPage.opened(browser, studio_server.url) as other:
+        other.wait_for_goal()
+        other.choose("Scene", f"ur5e_pickup · {scene}")
+        other.page.get_by_role("tab", name="Plans").click()
+        other.choose("Look at", "plan 1")
+        other.page.get_by_role("tab", name="Plan", exact=True).click()
+        other.wait_for("Proven")
+        other.click("Execute")
+        other.wait_for("arrived")
+    ended = newest(studio_server, "executions")
+    assert ended["state"] == "succeeded"
+    plans = httpx.get(f"{studio_server.url}/v1/plans", params={"scene": scene}, **PLAIN).json()
+    assert [plan["id"] for plan in plans["items"]] == [ended["plan"]]
+
+
+@pytest.mark.parametrize("name", BUNDLED)
+def test_three_clicks_lead_to_a_moving_robot_in_each_bundled_scene(name, studio, studio_server):
+    # which one, how, and go: the list is opened to choose from, which is no decision
+    if name != "ur5e_pickup":
+        studio.choose("Scene", name)
+        studio.wait_for_scene(name)
+    studio.click("Plan")
+    studio.wait_for("Proven")
+    studio.click("Execute")
+    studio.wait_for("arrived")
+    ended = newest(studio_server, "executions")
+    assert ended["state"] == "succeeded"
+    scene = studio_server.ask("GET", f"/v1/scenes/{ended['scene']}")
+    assert scene["name"] == name
+    moved = newest(studio_server, "plans")["result"]["trajectory"]["positions"]
+    assert np.abs(np.subtract(moved[-1], moved[0])).max() > 0.01
+
+
+@pytest.mark.parametrize("name", ["part.stl", "part.obj"])
+def test_a_file_that_is_added_is_in_the_way(name, studio, studio_server, tmp_path):
+    scene = own_scene(studio_server)
+    mesh = trimesh.creation.torus(120.0, 30.0)
+    mesh.apply_translation([500.0, 300.0, 30.0])  # around the can, and in the way to it
+    file = tmp_path / name
+    mesh.export(file)
+    studio.page.get_by_role("tab", name="Scene").click()
+    studio.choose("Unit of files", "millimetres")
+    with studio.page.expect_file_chooser() as chooser:
+        studio.click("Add an STL or OBJ file")
+    chooser.value.set_files(file)
+    studio.wait_for("revision 2: add part_1")
+    document = studio_server.ask("GET", f"/v1/scenes/{scene}")["document"]
+    (entry,) = [entry for entry in document["objects"] if entry["name"] == "part_1"]
+    corners = np.array(entry["shape"]["convex"]["points"])
+    np.testing.assert_allclose(np.ptp(corners, axis=0), [0.3, 0.3, 0.06], atol=1e-4)
+    studio.page.get_by_role("tab", name="Plan", exact=True).click()
+    studio.page.locator("[data-kind=bad]").first.wait_for()
+    studio.click("Plan")
+    studio.page.get_by_text("goal_").first.wait_for()
