@@ -37,7 +37,9 @@ def validate_refinement(
         raise _invalid("method", "drake's splines do not keep the steering of a car")
     if options.objective is not None:
         _validate_objective(options, options.objective, group)
-        _validate_against_goal(options.objective, goal, duration)
+        fault = options.objective.fault_beside(goal, duration)
+        if fault:
+            raise _invalid("objective", fault)
     if options.terms:
         _validate_terms(options, group, goal)
 
@@ -68,18 +70,6 @@ def _validate_values(objective: RefineObjective) -> None:
     if longest is not None and not 0 < longest <= MAX_DURATION:
         rule = f"it must be positive and finite, at most {MAX_DURATION:g} s"
         raise _invalid("objective.max_duration", rule)
-
-
-def _validate_against_goal(objective: RefineObjective, goal: Goal, duration: float | None) -> None:
-    longest = objective.max_duration
-    if isinstance(goal, LineGoal):
-        if longest is not None or not objective.is_duration_alone:
-            raise _invalid("objective", "goals along lines are not optimized")
-    elif longest is not None and duration is not None and duration > longest:
-        has_moves = isinstance(goal, PoseGoal | RegionGoal) and _has_linear_moves(goal)
-        if not has_moves:
-            fault = f"it is {longest:g} s, but a duration of {duration:g} s is requested"
-            raise _invalid("objective.max_duration", fault)
 
 
 def _validate_terms(options: RefineOptions, group: JointGroup, goal: Goal) -> None:

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from planning.domain.goals.goal import Goal, LineGoal, PoseGoal, RegionGoal
 from planning.domain.value import Value
 
 # Weight of a second beside a weight of 1 on length: of the shortest motions the quickest is meant.
@@ -92,6 +93,20 @@ class RefineObjective(Value):
                 "a weight of duration"
             )
         return ""
+
+    def fault_beside(self, goal: Goal, duration: float | None) -> str:
+        """Return why this cannot be asked for a goal and a requested duration [s], or ""."""
+        longest = self.max_duration
+        if isinstance(goal, LineGoal):
+            asks_more = longest is not None or not self.is_duration_alone
+            return "motions along lines are not optimized: leave it out" if asks_more else ""
+        # Of a requested duration the linear moves have a part that is not known yet.
+        has_moves = isinstance(goal, PoseGoal | RegionGoal) and (
+            goal.approach is not None or goal.retreat is not None
+        )
+        if longest is None or duration is None or duration <= longest or has_moves:
+            return ""
+        return f"max_duration is {longest:g} s, but retime.duration is {duration:g} s"
 
 
 # The objective where none is stated.

@@ -148,9 +148,11 @@ class CandidateTiming:
             # A slower motion may break a constraint of a term, on its duration say.
             keeps_time = self.options.duration is not None or bool(self.refine.terms)
             slowdown = 1.0 if keeps_time else measured.best_slowdown
-            after = measured.values(slowdown)
+            duration = slowdown * measured.duration
+            slowed = candidate if slowdown == 1 else self._slowed(candidate, duration)
+            # Where it could not be slowed, a limit on torques say, it is as it was.
+            after = measured.values(slowed.trajectory.duration / measured.duration)
             report = replace(candidate.refine, before=before, after=after)
-            slowed = candidate if slowdown == 1 else self._slowed(candidate, after.duration)
             found.append(replace(slowed, refine=report, objective_cost=after.cost(objective)))
         return found
 

@@ -149,6 +149,16 @@ class PlanRequest(RequestModel):
             raise ValueError(message)
         return self
 
+    @model_validator(mode="after")
+    def _can_be_optimized(self) -> Self:
+        if self.refine.objective is not None:
+            objective = self.refine.objective.to_domain()
+            fault = objective.fault_beside(self.goal.to_domain(), self.retime.duration)
+            if fault:
+                message = f"refine.objective: {fault}"
+                raise ValueError(message)
+        return self
+
     def to_domain(self) -> PlanningProblem:
         """Return the domain's problem; every field is in it but for scene and priority."""
         return PlanningProblem(

@@ -59,3 +59,22 @@ def test_less_time_than_the_limits_allow_is_a_failure_with_the_least(client, sce
     assert job["state"] == "failed"
     assert job["failure"]["code"] == "retiming_failed"
     assert job["failure"]["evidence"]["least"] > 0.1
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"goal": {"type": "line", "displacement": {"vector": [0, 0, 0.05]}}}, "along lines"),
+        ({"retime": {"duration": 3.0}}, "retime.duration is 3 s"),
+    ],
+)
+def test_what_cannot_be_optimized_is_refused_at_once(client, scene, change, message):
+    body = {
+        "scene": scene,
+        "group": "arm",
+        "goal": {"type": "configuration", "name": "ready"},
+        "refine": {"objective": {"smoothness": 1, "max_duration": 2.5}},
+    }
+    answer = client.post("/v1/plans", json=body | change)
+    assert answer.status_code == 422
+    assert message in answer.json()["detail"]
