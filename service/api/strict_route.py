@@ -2,13 +2,15 @@
 
 from collections.abc import Callable, Coroutine
 from email.message import Message
-from functools import cache
+from functools import cache, cached_property, lru_cache
 from typing import Any, override
 
 from fastapi import Request, Response
 from fastapi.routing import APIRoute
 from pydantic import TypeAdapter
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
+from starlette.types import Scope
 
 from planning.errors import UnknownName
 from service.api.json_body import RepeatedKey, decode_json
@@ -53,6 +55,18 @@ class StrictRequest(Request):
 
 class StrictRoute(APIRoute):
     """A route that reads JSON, and refuses any other content type (415) and unknown parameters."""
+
+    @cached_property
+    def _stem(self) -> str:
+        """What all paths begin with that this route takes."""
+        return self.path_format.partition("{")[0]
+
+    @override
+    def matches(self, scope: Scope) -> tuple[Match, Scope]:
+        """Return whether it takes a request: most do not, which is said without a look further."""
+        if not (scope.get("root_path") or scope["path"].startswith(self._stem)):
+            return Match.NONE, {}
+        return super().matches(scope)
 
     @override
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
@@ -101,6 +115,7 @@ def require_json(content_type: str | None) -> None:
         raise UnsupportedMediaType(detail, {"got": kind, "known": known})
 
 
+@lru_cache(64)
 def kind_of(content_type: str | None) -> str:
     """Return the media type in a `Content-Type`, "" where there is none."""
     if content_type is None:

@@ -41,6 +41,7 @@ class EventBuffer:
         self.is_refused = False
         self._record = record
         self._backlog: list[_Event] = []
+        self._gathering: asyncio.TimerHandle | None = None
         self._writing: asyncio.Task[None] | None = None
         self._closed = asyncio.Event()
         self._has_space = asyncio.Event()
@@ -60,8 +61,9 @@ class EventBuffer:
         self.latest[event_type[:64]] = data
         self._backlog.append(_Event(event_type[:64], data, is_update))
         self._bound()
-        if self._writing is None:
-            self._writing = asyncio.get_running_loop().create_task(self._write())
+        if self._writing is None and self._gathering is None:
+            loop = asyncio.get_running_loop()
+            self._gathering = loop.call_later(_GATHERING, self._begin_to_write)
 
     async def wait_for_space(self) -> None:
         """Wait while there is much to record."""
@@ -70,36 +72,43 @@ class EventBuffer:
     async def close(self) -> list[PendingEvent]:
         """Take no more, wait for what is being recorded, and return what is not recorded."""
         self._closed.set()
+        if self._gathering is not None:
+            self._gathering.cancel()
         if self._writing is not None:
             await self._writing
         return [(event.type, event.data) for event in self._backlog]
 
+    def _begin_to_write(self) -> None:
+        self._gathering = None
+        self._writing = asyncio.get_running_loop().create_task(self._write())
+
     async def _write(self) -> None:
-        while self._backlog and not await self._is_closed_soon():
+        while self._backlog and not self._closed.is_set():
             events, self._backlog = self._backlog, []
             self._has_space.set()
             try:
                 await self._record([(event.type, event.data) for event in events])
                 self.is_refused = False
             except DatabaseTaken:
-                continue
+                pass
             except Exception as fault:  # noqa: BLE001  (the job itself goes on)
-                if not is_of_database(fault):
+                if is_of_database(fault):
+                    self._take_back(events)
+                else:
                     _log.exception("%d events were lost", len(events))
-                    continue
-                self.is_refused = True
-                self._backlog = events + self._backlog
-                self._bound()
-                if self._closed.is_set():
-                    break
-                await asyncio.sleep(_PAUSE)
+            await self._gather(_PAUSE if self.is_refused else _GATHERING)
         self._writing = None
 
-    async def _is_closed_soon(self) -> bool:
-        """Let events gather, and return whether no more will."""
+    def _take_back(self, events: list[_Event]) -> None:
+        """Hold events that the database does not take just now."""
+        self.is_refused = True
+        self._backlog = events + self._backlog
+        self._bound()
+
+    async def _gather(self, seconds: float) -> None:
+        """Let events gather for a while, or until there are no more to come."""
         with suppress(TimeoutError):
-            await asyncio.wait_for(self._closed.wait(), _GATHERING)
-        return self._closed.is_set()
+            await asyncio.wait_for(self._closed.wait(), seconds)
 
     def _bound(self) -> None:
         """Hold no more than there is room for.

@@ -97,7 +97,9 @@ class JobRecorder:
             return self.store.append_events(identifier, events), change()
 
         logged, transition = await self.write(both, is_durable=is_durable, is_owed=is_owed)
-        self.publish(identifier, logged if transition is None else [*logged, transition.event])
+        if transition is not None:
+            logged = [*logged, *transition.events_before, transition.event]
+        self.publish(identifier, logged)
         return transition
 
     async def append_events(

@@ -15,6 +15,8 @@ from service.jobs.store.queries import decoded, now
 from service.jobs.store.tables import events, jobs
 
 _MAX_STAGE = 40
+# `stage` and `progress`.
+_NUM_PROGRESS = 2
 _ADD_EVENT = Prepared(insert(events), "job", "number", "type", "data", "at")
 
 
@@ -33,10 +35,7 @@ def reserve_events(
         new_events: Types and data.
         may_wait: Whether the job may also be queued.
     """
-    changes: dict[str, Any] = {}
-    for _, data in new_events:
-        changes |= _progress_in(decoded(data))
-    given = {f"new_{name}": content for name, content in changes.items()}
+    given = {f"new_{name}": content for name, content in progress_of(new_events).items()}
     statement = _reservation(tuple(given), may_wait=may_wait)
     row = statement(connection, job_id=identifier, more=len(new_events), **given).first()
     return None if row is None else int(row["num_events"]) - len(new_events) + 1
@@ -82,6 +81,16 @@ def _reservation(given: tuple[str, ...], *, may_wait: bool) -> Prepared:
     columns: dict[str, Any] = {name.removeprefix("new_"): bindparam(name) for name in given}
     columns["num_events"] = jobs.c.num_events + bindparam("more")
     return Prepared(update_in(states).values(columns).returning(jobs.c.num_events))
+
+
+def progress_of(new_events: Sequence[PendingEvent]) -> dict[str, Any]:
+    """Return the columns of a job that its events change, as the last ones have them."""
+    changes: dict[str, Any] = {}
+    for _, data in reversed(new_events):
+        changes = {**_progress_in(decoded(data)), **changes}
+        if len(changes) == _NUM_PROGRESS:
+            break
+    return changes
 
 
 def _progress_in(data: Mapping[str, Any]) -> dict[str, Any]:

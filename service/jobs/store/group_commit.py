@@ -103,6 +103,10 @@ class GroupCommit:
         await asyncio.to_thread(self._thread.join)
 
     def _serve(self) -> None:
+        with self._store.keeping_connection():
+            self._serve_until_closed()
+
+    def _serve_until_closed(self) -> None:
         is_open = True
         while is_open:
             writes = self._next()

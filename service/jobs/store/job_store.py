@@ -25,7 +25,7 @@ from service.jobs.store.queries import find_by_idempotency_key, now, read_job
 from service.jobs.store.shared import count_queued, set_controls
 from service.jobs.store.tables import bodies, jobs, makers, summaries
 from service.jobs.store.transactions import Transactions
-from service.jobs.store.transitions import Transition, apply_event
+from service.jobs.store.transitions import Change, Transition, apply_change
 from service.jobs.task import outline_of
 
 _OPEN = [state.value for state in JobState if not state.is_final]
@@ -109,7 +109,7 @@ class JobStore(Transactions):
         """Let a queued job run; None if it is not queued any more; so for all transitions."""
         changes = {"started_at": now(), "more_attempts": 1}
         with self.transaction(is_durable=False) as connection:
-            transition = self._apply(connection, identifier, JobEvent.START, changes, {})
+            transition = self._apply(connection, identifier, Change(JobEvent.START, changes))
             if transition is not None:
                 if transition.event.number > 2:  # it is not the first event after `queued`
                     connection.execute(_FORGET_MAKER, {"job_id": identifier})
@@ -124,14 +124,16 @@ class JobStore(Transactions):
             reason: For people.
             refund: How many attempts do not count.
         """
-        changes = {"more_attempts": -refund}
+        change = Change(JobEvent.REQUEUE, {"more_attempts": -refund}, {"reason": reason})
         with self.transaction(is_durable=False) as connection:
-            return self._apply(
-                connection, identifier, JobEvent.REQUEUE, changes, {"reason": reason}
-            )
+            return self._apply(connection, identifier, change)
 
     def succeed(
-        self, identifier: str, result: Encoded, summary: Encoded | None = None
+        self,
+        identifier: str,
+        result: Encoded,
+        summary: Encoded | None = None,
+        events: Sequence[PendingEvent] = (),
     ) -> Transition | None:
         """End a running job with its result.
 
@@ -139,11 +141,11 @@ class JobStore(Transactions):
             identifier: Of the job.
             result: Whole.
             summary: What lists show of it; None for all.
+            events: Its last ones, which are not recorded yet.
         """
+        change = Change(JobEvent.SUCCEED, {"progress": 1.0}, events_before=events)
         with self.transaction(is_durable=True) as connection:
-            transition = self._apply(
-                connection, identifier, JobEvent.SUCCEED, {"progress": 1.0}, {}
-            )
+            transition = self._apply(connection, identifier, change)
             if transition is not None:
                 _end(connection, identifier, "result", result.text, (summary or result).text)
             return transition
@@ -207,18 +209,17 @@ class JobStore(Transactions):
         only: JobState | None = None,
     ) -> Transition | None:
         failure = failure_of(error)
+        change = Change(event, data={"failure": failure}, only=only)
         with self.transaction(is_durable=True) as connection:
-            transition = self._apply(connection, identifier, event, {}, {"failure": failure}, only)
+            transition = self._apply(connection, identifier, change)
             if transition is not None:
                 kept = without(failure, outline_of(transition.columns["task"]).failure)
                 _end(connection, identifier, "failure", encode(failure), encode(kept))
             return transition
 
-    def _apply(
-        self, connection: Connection, identifier: str, event: JobEvent, *more: Any
-    ) -> Transition | None:
-        """Apply an event as `apply_event` does, and tell `on_event`."""
-        transition = apply_event(connection, identifier, event, *more)
+    def _apply(self, connection: Connection, identifier: str, change: Change) -> Transition | None:
+        """Make a change as `apply_change` does, and tell `on_event`."""
+        transition = apply_change(connection, identifier, change)
         if transition is not None and self.on_event is not None:
             self.on_event(connection, transition.event)
         return transition

@@ -2,13 +2,17 @@
 
 import logging
 
-from sqlalchemy import Engine, column, inspect, select, table
+from sqlalchemy import Engine, column, insert, inspect, select, table, text
 
 from service.jobs.errors import DatabaseTooNew
+from service.jobs.store.migrations.new_sqlite import STATEMENTS
+from service.jobs.store.tables import owner
 
 # The number of the last file of `migrations/versions`; numbers of revisions have four digits.
 NEWEST = "0010"
 _VERSION = table("alembic_version", column("version_num"))
+# Not those that SQLite makes for itself.
+_TABLES = text("SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT GLOB 'sqlite_*'")
 _log = logging.getLogger(__name__)
 
 
@@ -45,9 +49,27 @@ def bring_up_to_date(engine: Engine) -> None:
         DatabaseUnrecognized: It has no revision, and tables that are not this program's.
     """
     stored = refuse_newer(engine)
-    if stored == NEWEST:
+    if stored == NEWEST or (stored is None and _make_new(engine)):
         return
     from service.jobs.store.migrations.upgrade import upgrade  # noqa: PLC0415  (takes a quarter second)
 
     upgrade(engine)
     _log.info("brought the database from revision %s to %s", stored or "none", NEWEST)
+
+
+def _make_new(engine: Engine) -> bool:
+    """Make what an empty SQLite database lacks, without Alembic; return whether it was one.
+
+    The owner's table may be there: who makes tables has taken the database before.
+    """
+    if engine.dialect.name != "sqlite":
+        return False
+    with engine.begin() as connection:
+        # Python's driver begins a transaction at the first row that is written, not at a table.
+        connection.exec_driver_sql("BEGIN IMMEDIATE")
+        if set(connection.scalars(_TABLES)) - {owner.name}:
+            return False
+        for statement in STATEMENTS.split(";\n")[:-1]:
+            connection.exec_driver_sql(statement)
+        connection.execute(insert(_VERSION).values(version_num=NEWEST))
+    return True

@@ -32,6 +32,8 @@ class Transactions(JobQueries):
         self._epoch: int | None = None
         self._lock = threading.RLock()
         self._open_transaction: Connection | None = None
+        self._keeps = False
+        self._kept: Connection | None = None
 
     def open(self) -> None:
         """Bring the database to the newest revision.
@@ -87,7 +89,7 @@ class Transactions(JobQueries):
             if self._open_transaction is not None:
                 yield self._open_transaction
                 return
-            with self._engine.connect() as connection:
+            with self._connected() as connection:
                 set_durability(connection, is_durable=is_durable)
                 self._open_transaction = connection
                 begin_notes(connection)
@@ -98,6 +100,41 @@ class Transactions(JobQueries):
                     connection.commit()
                 finally:
                     self._open_transaction = None
+
+    @contextmanager
+    def keeping_connection(self) -> Generator[None]:
+        """Have transactions meanwhile use one connection, where that cannot break by itself.
+
+        To take one from the pool and give it back takes as long as some of its statements.
+        """
+        with self._lock:
+            self._keeps = not self.is_shared
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._keeps = False
+                self._forget_connection()
+
+    @contextmanager
+    def _connected(self) -> Generator[Connection]:
+        """Lend a connection; one that is kept is closed after a fault, which it may remember."""
+        if not self._keeps:
+            with self._engine.connect() as connection:
+                yield connection
+            return
+        if self._kept is None:
+            self._kept = self._engine.connect()
+        try:
+            yield self._kept
+        except BaseException:
+            self._forget_connection()
+            raise
+
+    def _forget_connection(self) -> None:
+        kept, self._kept = self._kept, None
+        if kept is not None:
+            kept.close()
 
     def flush(self) -> None:
         """Make durable what was committed before this.

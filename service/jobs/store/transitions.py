@@ -1,17 +1,17 @@
 """How a job changes its state: each change with the event that tells of it."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
 from sqlalchemy import Connection, bindparam
 
-from service.jobs.job import FINISHED, JobText, LoggedEvent
+from service.jobs.job import FINISHED, JobText, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobEvent, JobState, advance, sources
-from service.jobs.store.event_log import append_events, update_in
+from service.jobs.store.event_log import append_events, progress_of, update_in
 from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import now, summary_of
 from service.jobs.store.tables import jobs
@@ -34,46 +34,62 @@ class Transition:
         attempts: How often the job was started by now.
         is_cancel_requested: Whether its end was requested.
         columns: Of the job in its table, as they are now.
+        events_before: That were written with it, and come before it.
     """
 
     event: LoggedEvent
     attempts: int
     is_cancel_requested: bool
     columns: Mapping[str, Any]
+    events_before: Sequence[LoggedEvent] = ()
 
 
-def apply_event(
-    connection: Connection,
-    identifier: str,
-    event: JobEvent,
-    changes: Mapping[str, Any],
-    data: Mapping[str, Any],
-    only: JobState | None = None,
-) -> Transition | None:
-    """Apply an event if the job's state allows it, and log it; None if the job has moved on.
+@dataclass(frozen=True)
+class Change:
+    """A change of a job's state that is to be written.
+
+    Attributes:
+        event: That changes it.
+        columns: More of the job that change; `more_attempts` are added to those that there were.
+        data: Of the logged event.
+        only: The state that the job must be in, if not any that allows the event.
+        events_before: That a running job has sent, to be logged before it.
+    """
+
+    event: JobEvent
+    columns: Mapping[str, Any] = field(default_factory=dict)
+    data: Mapping[str, Any] = field(default_factory=dict)
+    only: JobState | None = None
+    events_before: Sequence[PendingEvent] = ()
+
+
+def apply_change(connection: Connection, identifier: str, change: Change) -> Transition | None:
+    """Change a job's state if that allows it, and log it; None if the job has moved on.
 
     Args:
         connection: In a transaction.
         identifier: Of the job.
-        event: The event.
-        changes: More columns that change; `more_attempts` are added to those that there were.
-        data: Of the logged event.
-        only: The state that the job must be in, if not any that allows the event.
+        change: What is to happen to it.
     """
+    event, only, data = change.event, change.only, change.data
     after = advance(_before(event, only)[0], event)
-    given = {f"new_{name}": content for name, content in changes.items()}
+    every = {**progress_of(change.events_before), **change.columns}
+    given = {f"new_{name}": content for name, content in every.items()}
     if after.is_final:
         given["new_finished_at"] = now()
         data = {"state": after.value, **data}
     statement = _transition(event, only, tuple(given))
-    row = statement(connection, job_id=identifier, **given).first()
+    more = len(change.events_before) + 1
+    row = statement(connection, job_id=identifier, more_events=more, **given).first()
     if row is None:
         return None
-    name = _EVENT_NAMES[event]
-    [logged] = append_events(connection, identifier, row["num_events"], [(name, dict(data))])
+    own = (_EVENT_NAMES[event], dict(data))
+    first = row["num_events"] - more + 1
+    *before, logged = append_events(connection, identifier, first, [*change.events_before, own])
     # A prepared statement has booleans as the database has them.
     columns = {**row, "is_cancel_requested": bool(row["is_cancel_requested"])}
-    return Transition(logged, row["attempts"], columns["is_cancel_requested"], columns)
+    is_requested = columns["is_cancel_requested"]
+    return Transition(logged, row["attempts"], is_requested, columns, before)
 
 
 def ended_job(
@@ -108,5 +124,6 @@ def _transition(event: JobEvent, only: JobState | None, given: tuple[str, ...]) 
     more_attempts = columns.pop("more_attempts", None)
     if more_attempts is not None:
         columns["attempts"] = jobs.c.attempts + more_attempts
-    columns |= {"state": advance(before[0], event).value, "num_events": jobs.c.num_events + 1}
+    num_events = jobs.c.num_events + bindparam("more_events")
+    columns |= {"state": advance(before[0], event).value, "num_events": num_events}
     return Prepared(update_in(before).values(columns).returning(*jobs.c))

@@ -2,7 +2,7 @@
 
 import asyncio
 import threading
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import asynccontextmanager, contextmanager, nullcontext
 from functools import partial
 
 import pytest
@@ -24,6 +24,9 @@ class Store:
         self.has_begun = threading.Event()
         self.gate = threading.Event()
         self.gate.set()
+
+    def keeping_connection(self):
+        return nullcontext()
 
     @contextmanager
     def transaction(self, *, is_durable):

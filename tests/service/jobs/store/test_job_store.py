@@ -4,14 +4,14 @@ import tempfile
 import threading
 
 import pytest
-from hypothesis import settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, rule
 
 from planning.errors import Canceled, NoPathFound
 from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.job import JobSpec
-from service.jobs.json_text import Encoded
+from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
@@ -138,6 +138,78 @@ def test_events_carry_stage_and_progress_into_the_job(store):
     assert store.events_after(job.id, 5).is_over
     with pytest.raises(UnknownJob):
         store.events_after("job_x", 0)
+
+
+@given(
+    st.lists(
+        st.fixed_dictionaries(
+            {},
+            optional={
+                "stage": st.sampled_from(["goals", "search", 5]),
+                "progress": st.sampled_from([0, 0.25, 7, -1, "x"]),
+            },
+        ),
+        max_size=6,
+    )
+)
+@example([{"stage": "goals"}, {"stage": "search"}, {"progress": 0.25}])
+@settings(max_examples=num_cases(20), deadline=None)
+def test_last_events_written_with_a_success_are_as_those_before_it(told):
+    events = [("note", Encoded(encode(data))) for data in told]
+    with tempfile.TemporaryDirectory() as folder:
+        engine = open_engine(f"sqlite:///{folder}/jobs.sqlite")
+        store = JobStore(engine)
+        store.open()
+        ends = []
+        for before, with_it in ((events, ()), ((), events)):
+            job = add(store)
+            store.start(job.id)
+            logged = store.append_events(job.id, before)
+            end = store.succeed(job.id, Encoded("{}"), None, with_it)
+            logged += [*end.events_before, end.event]
+            whole = store.get(job.id)
+            assert [event.number for event in logged] == list(range(3, len(told) + 4))
+            assert [(e.number, e.data) for e in store.events(job.id, 2)] == [
+                (e.number, e.data) for e in logged
+            ]
+            assert [event.type for event in logged] == [*("note" for _ in told), "finished"]
+            stages = [data["stage"] for data in told if isinstance(data.get("stage"), str)]
+            assert whole.stage == (stages or [""])[-1]
+            ends.append((whole.stage, whole.progress, whole.num_events, whole.state))
+        assert ends[0] == ends[1]
+        assert ends[0][1] == 1.0
+        engine.dispose()
+
+
+def test_a_kept_connection_is_closed_after_a_fault_and_at_the_end(store, engine):
+    class Fault(Exception):
+        pass
+
+    def used():
+        with store.transaction(is_durable=True) as connection:
+            return connection
+
+    def fail():
+        with store.transaction(is_durable=True) as connection:
+            add(store)
+            raise Fault(connection)
+
+    apart = used()
+    assert apart.closed
+    with store.keeping_connection():
+        first = used()
+        assert used() is first
+        assert not first.closed
+        with pytest.raises(Fault):
+            fail()
+        assert first.closed
+        again = used()
+        assert again is not first
+        job = add(store)
+        assert JobStore(engine).get(job.id) == job
+    assert again.closed
+    assert engine.pool.checkedout() == 0
+    assert [job.id for job in store.unfinished()] == [job.id]
 
 
 def test_a_failed_transaction_leaves_nothing(store):

@@ -20,6 +20,8 @@ from service.jobs.errors import DatabaseTooNew, DatabaseUnrecognized
 from service.jobs.store import tables
 from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.migrations.new_sqlite import STATEMENTS
+from service.jobs.store.migrations.snapshot import snapshot
 from service.jobs.store.migrations.upgrade import head, upgrade
 from service.jobs.store.schema import NEWEST, bring_up_to_date, stored_revision
 from service.scenes.live import ExecutionSource, RobotStatus
@@ -77,6 +79,14 @@ def parts_of(sql):
     begin, end = sql.index("("), sql.rindex(")")
     inner = re.split(r", (?![^()]*\))", sql[begin + 1 : end])
     return sql[:begin].strip(), sorted(part.strip() for part in inner), sql[end + 1 :].strip()
+
+
+def rows(engine):
+    """Returns all that the tables of a SQLite database have."""
+    tables = "SELECT name FROM sqlite_master WHERE type = 'table'"
+    with engine.connect() as connection:
+        names = connection.execute(text(tables)).scalars().all()
+        return {name: connection.execute(text(f'SELECT * FROM "{name}"')).all() for name in names}
 
 
 def test_the_newest_revision_is_the_last_file():
@@ -182,17 +192,39 @@ def test_a_newer_database_is_refused_and_nothing_is_written(engine, tmp_path):
         assert other.execute("SELECT * FROM job_owner").fetchall() == []
 
 
-def test_a_database_that_is_up_to_date_costs_no_import(engine, tmp_path):
+def test_a_new_database_is_what_all_revisions_leave(engine, tmp_path):
+    assert snapshot() == STATEMENTS, "python -m service.jobs.store.migrations.snapshot"
     bring_up_to_date(engine)
+    revised = create_engine(f"sqlite:///{tmp_path / 'revised.sqlite'}")
+    upgrade(revised)
+    assert definitions(engine) == definitions(revised)
+    assert rows(engine) == rows(revised)
+    assert any(rows(revised).values())
+    revised.dispose()
+
+
+def test_the_database_of_a_server_that_began_is_made_as_a_new_one(engine):
+    lock = DispatcherLock(engine)
+    lock.take()  # which makes the owner's table, before there are others
+    bring_up_to_date(engine)
+    assert stored_revision(engine) == NEWEST
+    assert_as_the_code_has_it(engine)
+    lock.release()
+
+
+def test_databases_that_are_new_or_up_to_date_cost_no_import(engine, tmp_path):
+    bring_up_to_date(engine)
+    with closing(sqlite3.connect(tmp_path / "old.sqlite")) as old:
+        old.execute("CREATE TABLE jobs (id TEXT)")
     code = "import sys; from service.jobs.store.database import open_engine; "
     code += "from service.jobs.store.job_store import JobStore; "
-    code += "JobStore(open_engine(sys.argv[1])).open(); "
-    code += "print('alembic' in sys.modules)"
+    code += "store = JobStore(open_engine(sys.argv[1]))\ntry: store.open()\n"
+    code += "finally: print('alembic' in sys.modules)"
     told = []
-    for name in ("jobs.sqlite", "new.sqlite"):
+    for name in ("jobs.sqlite", "new.sqlite", "old.sqlite"):
         command = [sys.executable, "-c", code, f"sqlite:///{tmp_path / name}"]
-        told.append(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-    assert [said.strip() for said in told] == ["False", "True"]
+        told.append(subprocess.run(command, capture_output=True, text=True, check=False).stdout)
+    assert [said.strip() for said in told] == ["False", "False", "True"]
 
 
 def test_two_that_open_a_new_database_at_once_make_it_once(engine, tmp_path):
