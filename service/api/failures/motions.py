@@ -186,6 +186,20 @@ class ScheduleEvidence(TypedDict):
 
 
 @with_config(OPEN)
+class GraspEvidence(TypedDict):
+    """Why fingers do not hold an object."""
+
+    object: str
+    """Its name"""
+    width: float
+    """How far the fingers are apart where they have closed [m]"""
+    distances: list[float | None]
+    """Between the object and each finger then [m]; null beyond 5 cm"""
+    bound: float
+    """What they may be [m]"""
+
+
+@with_config(OPEN)
 class CertificateEvidence(TypedDict):
     """Why no motion passed the certifier; of executions, why the plan's does not by now."""
 
