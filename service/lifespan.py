@@ -15,6 +15,7 @@ from service.executions.measured import keep_end, open_motions
 from service.executions.proofs.verdicts import judge
 from service.executions.replanning.replanner import Replanner
 from service.executions.waiting_line import WaitingLine
+from service.executions.watching.contact_watch import ContactWatch
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
@@ -98,7 +99,8 @@ async def open_services(
             retention = Retention(store, settings.retention_days, sweeper.ask)
             retain = _once_leading(dispatcher, retention.run)
             line = _once_leading(dispatcher, WaitingLine(scenes, jobs).run)
-            async with _meanwhile(sweeper.run(), retain, line, delivery.run()), replanner:
+            watch = _once_leading(dispatcher, ContactWatch(jobs).run)
+            async with _meanwhile(sweeper.run(), retain, line, watch, delivery.run()), replanner:
                 yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()

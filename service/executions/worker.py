@@ -13,6 +13,7 @@ from planning.domain.report.motion_plan import Progress
 from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup
 from planning.errors import Canceled, PathBlocked
+from planning.errors import Contact as TouchFailure
 from planning.execute import status as domain
 from planning.execute.abort_reasons import tracking_failure
 from planning.execute.execution import Execution
@@ -31,6 +32,7 @@ from service.executions.tasks import (
     Commands,
     ExecutionOutcome,
     ExecutionWork,
+    Touch,
 )
 from service.jobs.context import TaskContext
 from service.jobs.worker.progress import ProgressReporter
@@ -162,6 +164,9 @@ def _apply_commands(
         return applied
     motions.controls = controls
     latest = Commands.model_validate({"speed": applied.speed} | controls)
+    if latest.touch is not None:
+        runner.abort_at_once(touched(latest.touch))
+        return latest
     if latest.block is not None:
         runner.abort(blocked(latest.block))
         return latest
@@ -183,6 +188,15 @@ def blocked(block: Block) -> PathBlocked:
         f"at {block.time:.3f} s, {block.fraction:.0%} of its path: {what}"
     )
     return PathBlocked(message, block.model_dump())
+
+
+def touched(touch: Touch) -> TouchFailure:
+    """Return the failure of a motion whose robot touches one that another execution moves."""
+    message = (
+        f"contact of {' and '.join(touch.pair)}, {touch.depth * 1000:.2f} mm deep, at "
+        f"{touch.time:.3f} s: execution {touch.execution} moves the other robot"
+    )
+    return TouchFailure(message, {**touch.model_dump(), "force": None})
 
 
 class _StatusLog:

@@ -259,6 +259,8 @@ class ContactEvidence(TypedDict):
     """Force between them [N]; null where it is not known"""
     time: float
     """On the motion [s]"""
+    execution: NotRequired[str]
+    """Id of the execution that moves the other robot, if one does"""
 
 
 @with_config(OPEN)
