@@ -4,6 +4,8 @@ from .api.certify_beside import certify_beside as certify_beside
 from .api.certify_rest import certify_rest as certify_rest
 from .api.certify_trajectory import certify_trajectory as certify_trajectory
 from .api.combine_motions import combine_motions as combine_motions
+from .api.gripper_motion import gripper_motion as gripper_motion
+from .api.gripper_motion import holding_world as holding_world
 from .api.grow_regions import grow_regions as grow_regions
 from .api.ik import solve_ik as solve_ik
 from .api.retime_path import retime_path as retime_path
@@ -75,6 +77,7 @@ from .domain.request.constraint import (
 )
 from .domain.request.deadline import Deadline as Deadline
 from .domain.request.drake_term import DrakeTerm as DrakeTerm
+from .domain.request.gripper_command import GripperCommand as GripperCommand
 from .domain.request.group_motion import GroupMotion as GroupMotion
 from .domain.request.motion_limits import SpeedZone as SpeedZone
 from .domain.request.motion_limits import ToolLimit as ToolLimit

@@ -26,7 +26,8 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
     │   ├── Canceled              canceled               the caller canceled the plan
     │   ├── RetimingFailed        retiming_failed        the retimer and why
     │   ├── NotCertified          not_certified          the checks that failed
-    │   └── ScheduleNotFound      schedule_not_found     the motions that meet, the pair, the times
+    │   ├── ScheduleNotFound      schedule_not_found     the motions that meet, the pair, the times
+    │   └── GraspMissed           grasp_missed           the object, how far each finger is from it
     └── ExecutionFailure      an execution that was started and failed
         ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
         ├── TrackingLost          tracking_lost          the error and its bound
@@ -111,8 +112,7 @@ class UnknownName(InputError):
         folded = {known_name.casefold(): known_name for known_name in reversed(names)}
         nearest = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3)]
         hint = f"did you mean {nearest[0]!r}? " if nearest else ""
-        is_body = kind.endswith("y") and not kind.endswith("ey")  # bodies, but keys
-        several = f"{kind[:-1]}ies" if is_body else f"{kind}s"
+        several = f"{kind[:-1]}ies" if kind.endswith("dy") else f"{kind}s"  # bodies, but keys
         return cls(
             f"{kind} {name!r} does not exist; {hint}{several}: {names}",
             {"kind": kind, "name": name, "known": names, "nearest": nearest},
@@ -156,81 +156,76 @@ class PlanningFailure(StageFailure):
     stage = "plan"
 
 
-class StartInCollision(PlanningFailure):
+class GoalStageFailure(PlanningFailure):
+    """The start or the goal cannot be used, so nothing was searched."""
+
+    stage = "goals"
+
+
+class StartInCollision(GoalStageFailure):
     """Bodies overlap at the start; evidence: `pairs` with `distance` and `depth` [m]."""
 
     code = "start_in_collision"
-    stage = "goals"
 
 
-class StartTooNear(PlanningFailure):
+class StartTooNear(GoalStageFailure):
     """The start is free of collision but violates a margin; evidence: as `StartInCollision`."""
 
     code = "start_too_near"
-    stage = "goals"
 
 
-class StartOutOfLimits(PlanningFailure):
+class StartOutOfLimits(GoalStageFailure):
     """The start violates position limits; evidence: `joints`."""
 
     code = "start_out_of_limits"
-    stage = "goals"
 
 
-class GoalOutOfLimits(PlanningFailure):
+class GoalOutOfLimits(GoalStageFailure):
     """Every goal configuration violates position limits; evidence: `joints`, `nearest`."""
 
     code = "goal_out_of_limits"
-    stage = "goals"
 
 
-class GoalInCollision(PlanningFailure):
+class GoalInCollision(GoalStageFailure):
     """In all goal configurations bodies overlap; evidence: `funnel`, `nearest`, `relaxation`."""
 
     code = "goal_in_collision"
-    stage = "goals"
 
 
-class GoalTooNear(PlanningFailure):
+class GoalTooNear(GoalStageFailure):
     """Some goal configurations are free, none keeps its margins; evidence: as `GoalInCollision`."""
 
     code = "goal_too_near"
-    stage = "goals"
 
 
-class GoalUnreachable(PlanningFailure):
+class GoalUnreachable(GoalStageFailure):
     """No configuration reaches the goal; evidence: `funnel`, `nearest`, `relaxation`."""
 
     code = "goal_unreachable"
-    stage = "goals"
 
 
-class StartViolatesConstraint(PlanningFailure):
+class StartViolatesConstraint(GoalStageFailure):
     """The start violates path constraints; evidence: `violations` with `value` and `bound`."""
 
     code = "start_violates_constraint"
-    stage = "goals"
 
 
-class GoalViolatesConstraint(PlanningFailure):
+class GoalViolatesConstraint(GoalStageFailure):
     """Every goal configuration violates path constraints; evidence: `violations`, `nearest`, ..."""
 
     code = "goal_violates_constraint"
-    stage = "goals"
 
 
-class ApproachBlocked(PlanningFailure):
+class ApproachBlocked(GoalStageFailure):
     """No free goal configuration has a free approach and retreat; evidence: `funnel`, `nearest`."""
 
     code = "approach_blocked"
-    stage = "goals"
 
 
-class LineBlocked(PlanningFailure):
+class LineBlocked(GoalStageFailure):
     """A straight line stops before its end; evidence: `line` (from 0), `fraction`, `stopped_by`."""
 
     code = "line_blocked"
-    stage = "goals"
 
 
 class NoPathFound(PlanningFailure):
@@ -275,6 +270,12 @@ class ScheduleNotFound(PlanningFailure):
 
     code = "schedule_not_found"
     stage = "schedule"
+
+
+class GraspMissed(GoalStageFailure):
+    """Fingers that close do not hold the object; evidence: `object`, `width`, `distances`, ..."""
+
+    code = "grasp_missed"
 
 
 class ExecutionFailure(StageFailure):

@@ -10,10 +10,12 @@ from anyio import to_thread
 from sqlalchemy import Connection
 
 from service.api.middleware.client_disconnect import call_for_client
+from service.executions.gripping.grasp_keeper import GraspKeeper
 from service.executions.measured import keep_end, open_motions
 from service.executions.proofs.verdicts import judge
 from service.executions.replanning.replanner import Replanner
 from service.executions.waiting_line import WaitingLine
+from service.executions.watching.contact_watch import ContactWatch
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
@@ -73,7 +75,9 @@ async def open_services(
     store = JobStore(engine, versions())
     queues = _queues(settings, ArtifactCopies(settings.folder, store.artifacts))
     lock = DispatcherLock(engine)
+    grasps = GraspKeeper()
     dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, observer=observer)
+    dispatcher.on_success = grasps.keep
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.folder, _library(settings))
@@ -86,22 +90,29 @@ async def open_services(
             await scenes.open()  # the leader has brought the database up to date
             terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
-            scenes.moving = partial(open_motions, jobs=jobs)
             replanner = Replanner(jobs, scenes, settings)
-            scenes.verdicts = partial(judge, scenes=scenes, jobs=jobs, replanner=replanner)
-            scenes.latest.on_change = jobs.wake
+            _connect(scenes, jobs, replanner)
+            grasps.open(scenes, jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
             scenes.on_delete = jobs.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             retain = _once_leading(dispatcher, retention.run)
             line = _once_leading(dispatcher, WaitingLine(scenes, jobs).run)
-            async with _meanwhile(sweeper.run(), retain, line, delivery.run()), replanner:
+            watch = _once_leading(dispatcher, ContactWatch(jobs).run)
+            async with _meanwhile(sweeper.run(), retain, line, watch, delivery.run()), replanner:
                 yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()
     finally:
         await to_thread.run_sync(engine.dispose)
+
+
+def _connect(scenes: SceneStore, jobs: JobService, replanner: Replanner) -> None:
+    """Have scenes know what moves in them, and what moves know of their edits."""
+    scenes.moving = partial(open_motions, jobs=jobs)
+    scenes.verdicts = partial(judge, scenes=scenes, jobs=jobs, replanner=replanner)
+    scenes.latest.on_change = jobs.wake
 
 
 def _note(

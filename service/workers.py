@@ -21,6 +21,8 @@ PRELOAD = (
     "service.executions.proofs.beside_proof",
     "service.executions.proofs.recheck",
     "service.executions.proofs.splice",
+    "service.executions.gripping.worker",
+    "service.executions.watching.touch_worker",
     "service.executions.replay_worker",
     "service.queries.worker",
     "service.queries.geometry_worker",

@@ -96,6 +96,11 @@ class Runner:
         self.execution = self.execution.fail(failure)
         return self._report()
 
+    def abort_at_once(self, failure: ExecutionFailure) -> ExecutionStatus:
+        """Hold the measured position and end with a failure; raises as `Execution.fail`."""
+        self.execution = self.execution.fail(failure, held=self._measurement.q)
+        return self._report()
+
     def keep_between(self, behind: float | None, ahead: float | None) -> ExecutionStatus:
         """Stay between two places of the path; see `Execution.between`."""
         self.execution = self.execution.between(behind, ahead)

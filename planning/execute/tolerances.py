@@ -27,3 +27,8 @@ class Tolerances(Value):
     settle_time: float = 2.0
     ramp_time: float = 0.1
     saturation_time: float = 0.25
+
+
+# Of grippers: fingers that travel 25 mm have not arrived 5 mm before the end, and what they shall
+# hold is 0.2 mm away from them.
+FINGER_TOLERANCES = Tolerances(tracking=0.005, goal=1.5e-4)

@@ -10,6 +10,7 @@ from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.drake_model import DrakeModel
 from planning.world.files.hull_warnings import hull_warnings
 from planning.world.loading.start_warnings import start_warnings
+from planning.world.mechanics.grippers import gripper_of
 from planning.world.world import World
 
 _sorted_names_cache: WeakKeyDictionary[RobotDiagram, tuple[tuple[str, ...], tuple[str, ...]]] = (
@@ -26,6 +27,7 @@ def scene_summary(world: World) -> SceneSummary:
             {name: tuple(map(float, q)) for name, q in world.configurations(group).items()},
             tuple(map(float, world.positions(group))),
             world.scene_groups.members(group) if group in world.scene_groups.spanning else (),
+            gripper_of(world, group),
         )
         for group in (*world.groups, *world.scene_groups.spanning)
     }

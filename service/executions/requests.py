@@ -6,6 +6,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from service.api.fingerprint import ADDED
 from service.api.models import Identifier, NonNegative, Real, RequestModel
+from service.executions.gripping.requests import GripperRequest
 from service.trajectories.models import CertifyMotionRequest
 
 type DriverName = Annotated[
@@ -56,6 +57,11 @@ class ExecutionTerms(RequestModel):
         description="When each of `plans` begins [s]; null for the smallest delays that are "
         "proven, as `POST /trajectories/schedule` finds them",
     )
+    gripper: Annotated[GripperRequest | None, ADDED] = Field(
+        default=None,
+        description="Open or close a gripper, from where its fingers are, and take hold of an "
+        "object or let it go",
+    )
     driver: DriverName | UrRtdeDriver = Field(default="simulated", description="What moves")
     speed: Annotated[Real, Field(gt=0, le=100)] = Field(
         default=1.0,
@@ -89,13 +95,20 @@ class ExecutionTerms(RequestModel):
 
 
 class ExecutionRequest(ExecutionTerms):
-    """Carry out a plan, several plans as one motion, or a motion of your own."""
+    """Carry out a plan, several plans as one motion, a motion of your own, or that of a gripper."""
 
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
                 {"plan": "pln_5b1e9a7d4c623f0c", "driver": "simulated", "speed": 1.0},
                 {"plans": ["pln_5b1e9a7d4c623f0c", "pln_92ab3c44de5f4a10"]},
+                {
+                    "gripper": {
+                        "scene": "scn_3f0c5b1e9a7d4c62",
+                        "group": "arm::gripper",
+                        "grasp": {"object": "can"},
+                    }
+                },
             ]
         }
     )
@@ -108,8 +121,11 @@ class ExecutionRequest(ExecutionTerms):
 
     @model_validator(mode="after")
     def _one_motion(self) -> Self:
-        if sum(each is not None for each in (self.plan, self.plans, self.trajectory)) != 1:
-            message = "plan: exactly one of `plan`, `plans` and `trajectory` must be given"
+        motions = (self.plan, self.plans, self.trajectory, self.gripper)
+        if sum(each is not None for each in motions) != 1:
+            message = (
+                "plan: exactly one of `plan`, `plans`, `trajectory` and `gripper` must be given"
+            )
             raise ValueError(message)
         if self.delays is not None and len(self.delays) != len(self.plans or ()):
             message = "delays: there must be one for each of `plans`"
@@ -127,8 +143,9 @@ class ExecutionRequest(ExecutionTerms):
         if self.when_busy == "wait" and self.on_not_certified == "replan":
             message = "on_not_certified: what waits is proven when it begins, and not planned anew"
             raise ValueError(message)
-        if self.plans is not None and self.on_conflict == "replan":
-            message = "on_conflict: only one motion can be planned anew, not several as one"
+        if self.on_conflict == "replan" and (self.plans is not None or self.gripper is not None):
+            message = "on_conflict: only one motion can be planned anew, not several as one, nor "
+            message += "that of a gripper"
             raise ValueError(message)
         if isinstance(self.driver, UrRtdeDriver) and self.speed > 1:
             message = "speed: a robot has no clock that could run faster, so it is 1 at most"
@@ -140,8 +157,9 @@ class ExecutionRequest(ExecutionTerms):
 
     @property
     def group(self) -> str:
-        """Group of a motion of one's own; a plan knows its own."""
-        return "" if self.trajectory is None else self.trajectory.group
+        """Group of a gripper, or of a motion of one's own; a plan knows its own."""
+        moved = self.trajectory or self.gripper
+        return "" if moved is None else moved.group
 
     @property
     def terms(self) -> ExecutionTerms:

@@ -139,6 +139,22 @@ class Block(TaskModel):
     execution: str | None = None
 
 
+class Touch(TaskModel):
+    """A contact with a robot that another execution moves; evidence of `Contact`.
+
+    Attributes:
+        pair: Full names of both bodies.
+        depth: By which they overlap, as measured [m].
+        time: Along the motion [s].
+        execution: Id of the other execution.
+    """
+
+    pair: list[str]
+    depth: float
+    time: float
+    execution: str
+
+
 class Bounds(TaskModel):
     """Between which places a motion holds in a revision of its scene.
 
@@ -191,6 +207,7 @@ class Commands(TaskModel):
         block: Why it shall come to rest and end; None for no reason.
         bounds: Between which places it shall stay; None for all of its path.
         next: The motion that it shall go on with; None for none.
+        touch: What its robot touches, so that it shall hold where it is and end; None for nothing.
     """
 
     is_paused: bool = False
@@ -198,6 +215,7 @@ class Commands(TaskModel):
     block: Block | None = None
     bounds: Bounds | None = None
     next: NextMotion | None = None
+    touch: Touch | None = None
 
 
 class ShownWork(DeliveredWork):

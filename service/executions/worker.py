@@ -4,16 +4,23 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import replace
+
+import numpy as np
 
 from planning import World
 from planning.domain.report.motion_plan import Progress
 from planning.domain.request.stopwatch import Stopwatch
+from planning.domain.robot.joints import JointGroup
 from planning.errors import Canceled, PathBlocked
+from planning.errors import Contact as TouchFailure
 from planning.execute import status as domain
 from planning.execute.abort_reasons import tracking_failure
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
+from planning.execute.tolerances import FINGER_TOLERANCES, Tolerances
+from planning.world.mechanics.grippers import gripper_of
 from service.executions.drivers.drivers import driver_of, sampling_reserve
 from service.executions.drivers.jitter import JitterLog
 from service.executions.models import Contact, ExecutionStatus, SamplingReserve
@@ -25,6 +32,7 @@ from service.executions.tasks import (
     Commands,
     ExecutionOutcome,
     ExecutionWork,
+    Touch,
 )
 from service.jobs.context import TaskContext
 from service.jobs.worker.progress import ProgressReporter
@@ -74,15 +82,28 @@ def _carried_out(runner: Runner, context: TaskContext, speed: float) -> Executio
 def _runner(world: World, work: ExecutionWork) -> tuple[Runner, SamplingReserve | None]:
     trajectory = work.trajectory.to_domain()
     group = world.group(work.group)
+    world = _with_force(world, group, work)
     sampling = sampling_reserve(work, world, group, trajectory)
     driver = driver_of(work, world, group, trajectory)
-    runner = Runner(Execution(trajectory, world.limits(group)), driver)
+    tolerances = Tolerances() if gripper_of(world, group) is None else FINGER_TOLERANCES
+    runner = Runner(Execution(trajectory, world.limits(group), tolerances), driver)
     error = runner.status.tracking_error
     if error > START_TOLERANCE:  # a robot may be elsewhere than the scene says
         runner.stop()
         raise tracking_failure(error, START_TOLERANCE, 0.0)
     runner.set_speed(work.speed)
     return runner, sampling
+
+
+def _with_force(world: World, group: JointGroup, work: ExecutionWork) -> World:
+    """Return the world in which a gripper has the force that was asked for."""
+    gripper = work.request.gripper
+    if gripper is None or gripper.force is None:
+        return world
+    limits = world.limits(group)
+    return world.with_limits(
+        group, replace(limits, effort=np.minimum(limits.effort, gripper.force))
+    )
 
 
 def follow(
@@ -143,6 +164,9 @@ def _apply_commands(
         return applied
     motions.controls = controls
     latest = Commands.model_validate({"speed": applied.speed} | controls)
+    if latest.touch is not None:
+        runner.abort_at_once(touched(latest.touch))
+        return latest
     if latest.block is not None:
         runner.abort(blocked(latest.block))
         return latest
@@ -164,6 +188,15 @@ def blocked(block: Block) -> PathBlocked:
         f"at {block.time:.3f} s, {block.fraction:.0%} of its path: {what}"
     )
     return PathBlocked(message, block.model_dump())
+
+
+def touched(touch: Touch) -> TouchFailure:
+    """Return the failure of a motion whose robot touches one that another execution moves."""
+    message = (
+        f"contact of {' and '.join(touch.pair)}, {touch.depth * 1000:.2f} mm deep, at "
+        f"{touch.time:.3f} s: execution {touch.execution} moves the other robot"
+    )
+    return TouchFailure(message, {**touch.model_dump(), "force": None})
 
 
 class _StatusLog:

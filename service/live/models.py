@@ -81,6 +81,16 @@ class HeldObject(ResponseModel):
     frame: str = Field(description="That it is attached to, of a robot")
 
 
+class GripperState(ResponseModel):
+    """How wide a gripper is open, and what it holds."""
+
+    group: str = Field(description="Its full name")
+    robot: str = Field(description="Whose gripper it is")
+    width: float = Field(description="How far apart its fingers are [m], as `positions` has them")
+    max_width: float = Field(description="How far apart they can be [m]")
+    holds: list[str] = Field(description="Objects that are attached to a frame of the gripper")
+
+
 class LiveState(ResponseModel):
     """Where the robots of a scene are now, and what they hold."""
 
@@ -88,6 +98,9 @@ class LiveState(ResponseModel):
     revision: int = Field(description="The latest; executions do not change it")
     robots: list[RobotState] = Field(description="Those that have joints")
     attached: list[HeldObject] = Field(description="What robots hold")
+    grippers: list[GripperState] = Field(
+        default=[], description="Groups that are grippers, and how wide they are open"
+    )
 
 
 class StateEvent(ResponseModel):

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping
 
-from service.live.models import HeldObject, LiveState, RobotState
+from service.live.models import GripperState, HeldObject, LiveState, RobotState
 from service.scenes import live as domain
+from service.scenes.models.summary import Group
 from service.scenes.store.records import SceneRecord
 
 
@@ -22,6 +23,30 @@ def live_state(
         revision=record.revision,
         robots=[RobotState.of(state) for state in robots.values()],
         attached=held,
+        grippers=[
+            state
+            for group in record.summary.groups
+            if (state := _gripper_state(group, robots, held)) is not None
+        ],
+    )
+
+
+def _gripper_state(
+    group: Group, robots: Mapping[str, domain.RobotState], held: list[HeldObject]
+) -> GripperState | None:
+    """Return how wide a group is open that is a gripper, else None."""
+    if group.gripper is None:
+        return None
+    robot, _, joint = group.gripper.joint.partition("::")
+    position = robots[robot].positions.get(joint) if robot in robots else None
+    if not isinstance(position, float):
+        return None
+    return GripperState(
+        group=group.name,
+        robot=robot,
+        width=group.gripper.travel * (position - group.gripper.lower),
+        max_width=group.gripper.max_width,
+        holds=[each.object for each in held if each.frame in group.tool_frames],
     )
 
 

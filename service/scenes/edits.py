@@ -28,11 +28,21 @@ async def apply_edits(
     if_match: str | None,
     scenes: SceneStore,
     jobs: JobService,
+    *,
+    execution: str | None = None,
 ) -> SceneRecord:
     """Carry out operations and record what comes of them.
 
     Without a `revision` they are done to the latest; if another edit is quicker, they are done
     again to what that one left, so neither is lost.
+
+    Args:
+        identifier: Of the scene.
+        request: The operations.
+        if_match: The header `If-Match`, if there is one.
+        scenes: Has the scene.
+        jobs: Has it loaded.
+        execution: On whose behalf this is, whose robots they may be about; None for a client.
 
     Raises:
         UnknownResource: There is no such scene or revision.
@@ -48,7 +58,7 @@ async def apply_edits(
         if request.revision not in {None, base.revision}:
             wanted = await scenes.get(identifier, request.revision)
             raise RevisionConflict.of(identifier, wanted.revision, base.revision)
-        require_idle(base, request)
+        require_idle(base, request, execution)
         work = RequestWork[SceneEdit].about(scenes.work(base), request)
         loaded = await jobs.call_loading(EDIT_SCENE, work, size=len(request.operations))
         try:
@@ -59,24 +69,30 @@ async def apply_edits(
                 raise
 
 
-def require_idle(record: SceneRecord, request: SceneEdit) -> None:
+def require_idle(record: SceneRecord, request: SceneEdit, execution: str | None = None) -> None:
     """Go on only if operations touch no robot that moves, or is about to.
+
+    Args:
+        record: The scene.
+        request: The operations.
+        execution: Whose robots they may touch; None for none.
 
     Raises:
         RobotBusy: One places it, or what it holds.
     """
-    busy = {state.robot: state for state in record.live.values() if state.execution is not None}
+    free = {None, execution}
+    busy = {state.robot: state for state in record.live.values() if state.execution not in free}
     if not busy:
         return
     for operation in request.operations:
         robot = _robot_of(record, operation)
         if robot in busy:
-            execution = busy[robot].execution
+            moving = busy[robot].execution
             message = (
-                f"execution {execution} moves {robot}, so {operation.op} is not possible; wait for "
+                f"execution {moving} moves {robot}, so {operation.op} is not possible; wait for "
                 "its end, or cancel it"
             )
-            raise RobotBusy(message, {"execution": execution, "group": robot})
+            raise RobotBusy(message, {"execution": moving, "group": robot})
 
 
 def _robot_of(record: SceneRecord, operation: SceneOperation) -> str | None:

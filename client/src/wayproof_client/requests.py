@@ -248,13 +248,17 @@ class EmptyDocument(TypedDict):
 
 
 class ExecutionRequest(TypedDict):
-    """Carry out a plan, several plans as one motion, or a motion of your own."""
+    """Carry out a plan, several plans as one motion, a motion of your own, or that of a
+    gripper."""
 
     delays: NotRequired[Sequence[float] | None]
     """When each of `plans` begins [s]; null for the smallest delays that are proven, as `POST
     /trajectories/schedule` finds them."""
     driver: NotRequired[DriverName | UrRtdeDriver]
     """What moves."""
+    gripper: NotRequired[GripperRequest | None]
+    """Open or close a gripper, from where its fingers are, and take hold of an object or let it
+    go."""
     on_conflict: NotRequired[Literal["stop", "slow", "replan", "ignore"]]
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
     on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
@@ -320,6 +324,45 @@ type Goal = (
     JointGoal | ConfigurationGoal | PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal
 )
 """What a motion shall reach."""
+
+
+class Grasp(TypedDict):
+    """Close on an object, and hold it from then on."""
+
+    frame: NotRequired[str | None]
+    """That it follows from then on; null for the first tool frame of the gripper."""
+    gap: NotRequired[float]
+    """Distance that the nearest finger keeps from it [m]: the grasp is a weld, not a contact,
+    and a simulated robot that touches something is stopped."""
+    object: str
+    """Its name; it must be `movable`, and between the fingers."""
+    reach: NotRequired[float]
+    """Largest distance of any finger from it [m], else it is not held (`grasp_missed`)."""
+    touch: NotRequired[Sequence[str] | None]
+    """Bodies that it may touch then; null for those of `attach`: the fingers, and what moves
+    rigidly with the frame."""
+
+
+class GripperRequest(TypedDict):
+    """Open or close a gripper, from where its fingers are."""
+
+    force: NotRequired[float | None]
+    """Largest force of the motor of the fingers' joint [N], where a driver has forces: one that
+    needs more is stopped (`torque_limit_reached`); null for the joint's own limit."""
+    grasp: NotRequired[Grasp | None]
+    """Close on an object; once the fingers rest it is attached as `attach` does it, where it
+    was measured to be."""
+    group: str | Sequence[str]
+    """A group that is a gripper: `robot` for its default group, `robot::group`, or a group that
+    the scene names; a list of several, or their names joined by `+`, for one group of all their
+    joints, in this order."""
+    release: NotRequired[str | None]
+    """An object that is let go of: detached once the fingers have opened to `width`."""
+    scene: str
+    """Id of a scene; it moves in its latest revision."""
+    width: NotRequired[float | None]
+    """How far apart the fingers shall be [m], from 0 to `gripper.max_width` of the group; null
+    to close on the object of `grasp`."""
 
 
 class Ik(TypedDict):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from planning.domain.geometry.unchecked_pair import UncheckedPair
+from planning.domain.robot.gripper import Gripper
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.value import Value
 
@@ -17,6 +18,7 @@ class GroupSummary(Value):
         configurations: Named configurations, the group's q.
         positions: Its positions in the scene, the group's q.
         members: Groups of robots that it spans; empty for one of these.
+        gripper: The gripper that it is, or None.
     """
 
     group: JointGroup
@@ -24,6 +26,7 @@ class GroupSummary(Value):
     configurations: dict[str, tuple[float, ...]]
     positions: tuple[float, ...]
     members: tuple[str, ...] = ()
+    gripper: Gripper | None = None
 
 
 @dataclass(frozen=True, eq=False)

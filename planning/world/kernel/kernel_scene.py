@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -141,13 +142,14 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     if None in shapes:
         return None
     scene = module.Scene(model.plant.num_positions(), model.plant.num_velocities())
+    folder = cache_folder() / "coverings"
     add_tree(scene, model, tree)
     for i, body, shape in zip(ids, candidates.bodies, shapes, strict=False):
         assert shape is not None  # noqa: S101  (checked above)
         link, x_lb = tree.bodies[int(body)]
-        _add_geometry(scene, link, x_lb.multiply(inspector.GetPoseInFrame(i)), shape)
+        _add_geometry(scene, link, x_lb.multiply(inspector.GetPoseInFrame(i)), shape, folder)
     for x, shape in zip(static_objects.poses, static_objects.shapes, strict=True):
-        _add_geometry(scene, WORLD, x, shape)
+        _add_geometry(scene, WORLD, x, shape, folder)
     scene.add_pairs(candidates.rows.astype(np.int64).ravel())
     margins = PairMargins(1.0, owners=model.owners)
     robots = margins.robots_of(candidates.names)
@@ -160,13 +162,15 @@ def kernel_scene(model: DrakeModel) -> KernelScene | None:
     )
 
 
-def _add_geometry(scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape) -> None:
+def _add_geometry(
+    scene: Any, link: int, x_lg: RigidTransform, shape: ConvexShape, coverings: Path
+) -> None:
     module: Any = native()
     # Static objects have their exact shape in the kernel.
     if link == WORLD or shape.kind is ShapeKind.HALF_SPACE:
         covering = _EMPTY_COVERING
     else:
-        covering = cached_covering(shape, cache_folder() / "coverings")
+        covering = cached_covering(shape, coverings)
     scene.add_geometry(
         link,
         flat_transform(x_lg),

@@ -32,13 +32,14 @@ from planning.world.loading.collision_filters import (
 )
 from planning.world.loading.drake_shapes import drake_shape
 from planning.world.loading.frame_build import add_frames
+from planning.world.loading.inspected_copies import inspect_copy
 from planning.world.loading.mass import spatial_inertia
 from planning.world.loading.scene_build import Build, LoadedRobot, validate_unused_name
 from planning.world.loading.static_build import make_static_objects
 from planning.world.models.base_weld import weld_base
 from planning.world.models.collision_count import collision_counts, validate_num_shapes
 from planning.world.models.couplings import couplings, joint_indices
-from planning.world.models.model_file import FloatingJoint, inspect_model
+from planning.world.models.model_file import FloatingJoint
 from planning.world.models.model_warnings import parser_warnings, visual_only_warnings
 
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
@@ -127,8 +128,7 @@ def build_single(thing: SceneRobot | SceneObject, stored: StoredScene) -> None:
 
 def _add_robot(build: Build, robot: SceneRobot, stored: StoredScene) -> None:
     source = stored.source(robot.name)
-    # Copies of files never change: each model is inspected once.
-    file = build.files.get(source.file) or inspect_model(source.file, stored.store.meshes)
+    file = build.files.get(source.file) or inspect_copy(source.file, stored.store.meshes)
     build.files[source.file] = file
     parser = build.builder.parser()
     parser.SetAutoRenaming(value=True)

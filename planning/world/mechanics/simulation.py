@@ -71,6 +71,7 @@ class Simulation:
         self._in_v = self._model.velocity_indices(self.group)
         plant = self._model.plant
         self._followers = self._model.followers_of(group)
+        self._follower_limits = self._follower_efforts()
         self._forces = MultibodyForces(plant)
         self._root = self._model.diagram.CreateDefaultContext()
         self._context = plant.GetMyMutableContextFromRoot(self._root)
@@ -173,6 +174,8 @@ class Simulation:
         v_desired[self._in_v] = self._v_desired
         tau -= self._friction.torques(v_desired)
         tau[self._in_v] *= self._effort_factors(tau[self._in_v])
+        followers, bounds = self._follower_limits
+        tau[followers] = np.clip(tau[followers], -bounds, bounds)
         self._torques = tau[self._in_v]
         self._tau.GetMutableData().set_value(tau + self._friction.torques(v))
 
@@ -181,6 +184,20 @@ class Simulation:
         norms = np.sqrt(self._block_members @ (tau * tau))
         factors = np.minimum(1.0, self._effort / np.maximum(norms, 1e-12))
         return factors @ self._block_members
+
+    def _follower_efforts(self) -> tuple[list[int], Array]:
+        """Return the velocity coordinates of followers, and the limits of their efforts [N m or N].
+
+        One motor moves them with their leader: its limit is theirs, over the multiplier.
+        """
+        own = np.where(self._block_members > 0, self._effort[:, None], 0.0).max(axis=0)
+        limits = dict(zip(self._in_v.tolist(), own.tolist(), strict=True))
+        for c in self._followers:
+            ratio = abs(c.multiplier)
+            leader = limits[c.leader_velocity]
+            limits[c.follower_velocity] = leader / ratio if ratio > 0 else np.inf
+        found = [c.follower_velocity for c in self._followers]
+        return found, np.array([limits[index] for index in found])
 
     def _set_other_accelerations(self, q: Array, v: Array, vdot: Array) -> None:
         """Set the accelerations of the group's followers, and of the joints that stay."""

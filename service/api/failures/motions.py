@@ -188,6 +188,20 @@ class ScheduleEvidence(TypedDict):
 
 
 @with_config(OPEN)
+class GraspEvidence(TypedDict):
+    """Why fingers do not hold an object."""
+
+    object: str
+    """Its name"""
+    width: float
+    """How far the fingers are apart where they have closed [m]"""
+    distances: list[float | None]
+    """Between the object and each finger then [m]; null beyond 5 cm"""
+    bound: float
+    """What they may be [m]"""
+
+
+@with_config(OPEN)
 class CertificateEvidence(TypedDict):
     """Why no motion passed the certifier; of executions, why the plan's does not by now."""
 
@@ -247,6 +261,8 @@ class ContactEvidence(TypedDict):
     """Force between them [N]; null where it is not known"""
     time: float
     """On the motion [s]"""
+    execution: NotRequired[str]
+    """Id of the execution that moves the other robot, if one does"""
 
 
 @with_config(OPEN)

@@ -40,6 +40,7 @@ _STAGES: dict[type[WayproofError], Any] = {
     planning_errors.Canceled: motions.CancelEvidence,
     planning_errors.RetimingFailed: motions.RetimingEvidence,
     planning_errors.ScheduleNotFound: motions.ScheduleEvidence,
+    planning_errors.GraspMissed: motions.GraspEvidence,
     planning_errors.NotCertified: motions.CertificateEvidence,
     planning_errors.IllegalTransition: motions.TransitionEvidence,
     planning_errors.TrackingLost: motions.TrackingEvidence,

@@ -1,6 +1,7 @@
-"""The motion that a request asks for: of a plan, of several as one, or of the client."""
+"""The motion that a request asks for: of a plan, of several as one, of the client, of a gripper."""
 
 from service.executions.motions.asked_motion import AskedMotion, OwnMotion, PlannedMotion
+from service.executions.motions.gripper_move import GripperMove
 from service.executions.motions.plans_together import PlansTogether
 from service.executions.requests import ExecutionRequest
 from service.jobs.service import JobService
@@ -16,6 +17,8 @@ async def asked_motion(request: ExecutionRequest, jobs: JobService) -> AskedMoti
     """
     if request.trajectory is not None:
         return OwnMotion(request, request.trajectory)
+    if request.gripper is not None:
+        return GripperMove(request, request.gripper)
     if request.plans is not None:
         motions = [await _planned(plan, jobs) for plan in request.plans]
         return PlansTogether(motions, request.delays)

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 
-from planning import Deadline, World, certify_rest, certify_trajectory
+from planning import Deadline, World, certify_rest, certify_trajectory, holding_world
 from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.report.certificate import Certificate
 from service.executions.proofs.beside_proof import BESIDE, first_in_the_way
@@ -33,8 +33,10 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
     """
     trajectory = work.trajectory.to_domain()
     since = min(work.since, trajectory.duration)
-    deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
-    with borrow_world(work) as world:
+    with borrow_world(work) as borrowed:
+        world = _holding(work, borrowed)
+        # What loads is not what decides: only that is bounded.
+        deadline = Deadline.after(_ALLOWED, time.monotonic, context.is_canceled)
         margin = largest_margin(world, work.margins)
         rest = certify_rest(world, work.group, trajectory, since, deadline=deadline, margin=margin)
         back = certify_rest(
@@ -58,6 +60,14 @@ def recheck(work: RecheckWork, context: TaskContext) -> Recheck:
         at = max(since, failed[0].time)
         return Recheck(block=_block(work, trajectory, failed[0].name, (), at), behind=since)
     return Recheck(block=beside, behind=since if beside else behind)
+
+
+def _holding(work: RecheckWork, world: World) -> World:
+    """Return the world that the motion is proven in: fingers may come near what they close on."""
+    if work.gripper is None:
+        return world
+    tools = world.group(work.group).tool_frames
+    return holding_world(world, work.gripper.attached(tools[0] if tools else ""))
 
 
 def _beside(
@@ -84,6 +94,9 @@ def _certificates(
             certificate_of(world, member, member.trajectory.to_domain(), deadline)
             for member in work.members
         ]
+    if work.gripper is not None:
+        certificate, _ = certify_trajectory(world, work.group, trajectory, deadline=deadline)
+        return [certificate]
     group, demands = kept_by(work.planned, work.own)
     certificate, _ = certify_trajectory(world, group, trajectory, deadline=deadline, **demands)
     return [certificate]

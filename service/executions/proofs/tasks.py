@@ -2,6 +2,7 @@
 
 from typing import Self
 
+from service.executions.gripping.requests import GripperRequest
 from service.executions.tasks import Block, ExecutionWork, MemberMotion
 from service.jobs.task import Task, TaskModel
 from service.plans.models.request import PlanRequest
@@ -86,6 +87,20 @@ class ProofWork(SceneWork):
     trajectory: Polynomial
 
 
+class GripperWork(SceneWork):
+    """What a gripper shall do in a scene.
+
+    Attributes:
+        request: What.
+        group: The gripper.
+        tool_frame: That it holds objects in, if the request names none.
+    """
+
+    request: GripperRequest
+    group: str
+    tool_frame: str
+
+
 class RecheckWork(SceneWork):
     """A motion that is carried out, to prove again in its scene as that was edited.
 
@@ -99,11 +114,13 @@ class RecheckWork(SceneWork):
         revision: Of the scene.
         others: The motions of the other executions in the scene.
         margins: Distances of bodies that were asked for [m]; None for that of the scene.
+        gripper: What a gripper shall do, if it is the motion of one.
     """
 
     planned: PlanRequest | None
     own: CertifyMotionRequest | None
     members: list[MemberMotion]
+    gripper: GripperRequest | None = None
     group: str
     trajectory: Polynomial
     since: float
@@ -168,5 +185,6 @@ PROVE = Task("prove_execution", ProofWork, Proof)
 RECHECK = Task("recheck_motion", RecheckWork, Recheck)
 SPLICE = Task("splice_execution", SpliceWork, Spliced)
 PROVE_MOTION = Task("prove_motion", RequestWork[CertifyMotionRequest], ProvenMotion)
+PROVE_GRIPPER = Task("prove_gripper", GripperWork, ProvenMotion)
 PROVE_BESIDE = Task("prove_beside", BesideWork, BesideProof)
 PROVE_TOGETHER = Task("prove_together", TogetherWork, ProvenMotion)

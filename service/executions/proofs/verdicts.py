@@ -157,7 +157,8 @@ async def _recheck(
     """Return between which places a motion holds around a time along it."""
     record = edit.record
     # An older version has begun it.
-    if work.planned is None and work.own is None and not work.members:
+    kept = (work.planned, work.own, work.request.gripper)
+    if kept == (None, None, None) and not work.members:
         return _unproven("unknown", since, record)
     loaded = edit.scenes.work(record)
     asked = RecheckWork(
@@ -166,6 +167,7 @@ async def _recheck(
         planned=work.planned,
         own=work.own,
         members=work.members,
+        gripper=work.request.gripper,
         group=work.group,
         trajectory=motion.trajectory,
         since=since,

@@ -3,13 +3,13 @@
 import asyncio
 import json
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from typing import Any
 
-from planning.errors import Canceled
+from planning.errors import Canceled, WayproofError
 from service.jobs.dispatch.attempt_end import AttemptEnd, StopRequest
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduling.scheduler import Scheduler
@@ -17,7 +17,7 @@ from service.jobs.dispatch.spans import run_traced
 from service.jobs.errors import DatabaseTaken, InternalError
 from service.jobs.event_buffer import EventBuffer
 from service.jobs.job import Job, JobText, PendingEvent
-from service.jobs.outcome import Lost, Outcome, Raised, Terminated
+from service.jobs.outcome import Lost, Outcome, Raised, Returned, Terminated
 from service.jobs.states import JobState
 from service.jobs.store.transitions import Transition
 from service.jobs.task import artifacts_of
@@ -27,6 +27,10 @@ from service.telemetry.ids import JOB, bind_ids, bound_ids
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
 _log = logging.getLogger(__name__)
+
+
+async def _nothing(_: Job) -> None:
+    pass
 
 
 class Attempt:
@@ -47,9 +51,24 @@ class Attempt:
     """
 
     def __init__(
-        self, job: Job, recorder: JobRecorder, scheduler: Scheduler, controls: Mapping[str, Any]
+        self,
+        job: Job,
+        recorder: JobRecorder,
+        scheduler: Scheduler,
+        controls: Mapping[str, Any],
+        on_success: Callable[[Job], Awaitable[None]] = _nothing,
     ) -> None:
-        """Prepare to run a queued job."""
+        """Prepare to run a queued job.
+
+        Args:
+            job: The job.
+            recorder: Writes what happens to it.
+            scheduler: Has workers.
+            controls: That are set.
+            on_success: Awaited when its task has returned, before its end is recorded; what it
+                raises is the failure of the job.
+        """
+        self._on_success = on_success
         self.job = job
         self.controls = dict(controls)
         self.has_begun = False
@@ -180,6 +199,7 @@ class Attempt:
             start.cancel()
         if self._start is None:  # canceled while it was queued
             return False
+        outcome = await self._concluded(outcome)
         self._has_ended = True
         self.num_lost_hosts += isinstance(outcome, Lost) and outcome.has_begun
         pending, stage = await self._events.close(), self.latest("stage") or {}
@@ -189,6 +209,19 @@ class Attempt:
         # Nothing was awaited since it was published: who is told of the end finds it here.
         self.ended = end.ended
         return is_queued_again
+
+    async def _concluded(self, outcome: Outcome) -> Outcome:
+        """Return the outcome once what depends on its success is done, or why that failed."""
+        if not isinstance(outcome, Returned):
+            return outcome
+        try:
+            await self._on_success(self.job)
+        except WayproofError as fault:
+            return Raised(fault)
+        except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
+            _log.exception("what follows from %s could not be done", self.job.id)
+            return Raised(InternalError(f"what follows failed: {type(fault).__name__}"))
+        return outcome
 
     async def _bring_artifacts(self, worker: Worker) -> bool:
         """Return whether the worker has what the task reads; else it was given back."""

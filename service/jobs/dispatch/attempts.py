@@ -1,7 +1,7 @@
 """Attempts: the jobs of a dispatcher that wait or run here, each until it has ended."""
 
 import asyncio
-from collections.abc import Collection, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -22,6 +22,7 @@ class Attempts(dict[str, Attempt]):
         recorder: JobRecorder,
         scheduler: Scheduler,
         observer: Observer,
+        on_success: Callable[[Job], Awaitable[None]],
     ) -> None:
         """Have none yet.
 
@@ -29,11 +30,13 @@ class Attempts(dict[str, Attempt]):
             recorder: Of what happens to jobs.
             scheduler: Where they run.
             observer: Hears of each job that ended here.
+            on_success: Awaited when the task of a job has returned, before its end is recorded.
         """
         super().__init__()
         self._recorder = recorder
         self._scheduler = scheduler
         self._observer = observer
+        self._on_success = on_success
 
     def enqueue(self, job: Job, controls: Mapping[str, Any], place: Place | None = None) -> None:
         """Run a queued job of the table when it has a worker."""
@@ -43,7 +46,7 @@ class Attempts(dict[str, Attempt]):
         self, job: Job, controls: Mapping[str, Any], place: Place | None = None
     ) -> Attempt:
         """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
-        attempt = Attempt(job, self._recorder, self._scheduler, controls)
+        attempt = Attempt(job, self._recorder, self._scheduler, controls, self._on_success)
         self[job.id] = attempt
         own = place or self._scheduler.next_place(job.queue)
 

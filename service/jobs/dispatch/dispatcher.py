@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
+from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, aclosing
 from typing import Any, Literal
 
@@ -35,6 +35,10 @@ def _nothing() -> None:
     pass
 
 
+async def _nothing_follows(_: Job) -> None:
+    pass
+
+
 class Dispatcher:
     """Runs every job of one database if it leads, or has the one that leads run them.
 
@@ -45,6 +49,8 @@ class Dispatcher:
         is_taken: Whether another server has taken the database over.
         leads: Set once it leads.
         waiting: Releases jobs that wait for their robots, once it leads.
+        on_success: Awaited when the task of a job has returned, before its end is recorded; what
+            it raises is the failure of the job.
     """
 
     def __init__(
@@ -70,6 +76,7 @@ class Dispatcher:
         self.is_taken = self._is_stopping = False
         self.leads = asyncio.Event()
         self._on_taken = on_taken
+        self.on_success: Callable[[Job], Awaitable[None]] = _nothing_follows
         self._observer = observer or Observer()
         self._timeouts = timeouts or DatabaseTimeouts()
         self._store = store
@@ -124,7 +131,7 @@ class Dispatcher:
         """Make what belongs to the running event loop."""
         store, scheduler, within = self._store, self._scheduler, self._timeouts.record
         recorder = self._recorder = JobRecorder(store, self._bus, self.give_up)
-        attempts = self._attempts = Attempts(recorder, scheduler, self._observer)
+        attempts = self._attempts = Attempts(recorder, scheduler, self._observer, self._conclude)
         self._shutdown = Shutdown(attempts, scheduler)
         self._waits = JobWaits(attempts, self._bus, store)
         self._control = JobControl(attempts, recorder, scheduler, within)
@@ -132,6 +139,9 @@ class Dispatcher:
         self._recovery = Recovery(recorder, self._lock, scheduler, attempts.enqueue)
         self._uptake = Uptake(recorder, self._bus, attempts, self._control, self._recovery)
         self.waiting = JobRelease(recorder, self._recovery.take_up, self._uptake.note)
+
+    async def _conclude(self, job: Job) -> None:
+        await self.on_success(job)
 
     async def _lead(self) -> None:
         """Take up what the table has, and run every job from now on."""

@@ -14,6 +14,10 @@ from service.api.models import ResponseModel, bounds
 type Bound = float | None
 
 
+def _is_none(part: Any) -> bool:
+    return part is None
+
+
 def _is_empty(members: list[str]) -> bool:
     return not members
 
@@ -70,6 +74,17 @@ class Limits(ResponseModel):
         )
 
 
+class Gripper(ResponseModel):
+    """How wide a group opens that is a parallel gripper: `travel` times (position - `lower`)."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    joint: str = Field(description="Full name of the joint that moves its fingers")
+    lower: float = Field(description="Position of that joint where the fingers meet [m]")
+    travel: float = Field(description="By how much they part with each metre of the joint")
+    max_width: float = Field(description="How far apart they are at most [m]")
+
+
 class Group(ResponseModel):
     """Joints that are planned for together."""
 
@@ -89,6 +104,11 @@ class Group(ResponseModel):
         description="Named configurations, in the group's order [rad or m]"
     )
     positions: list[float] = Field(description="The current state [rad or m]")
+    gripper: Gripper | None = Field(
+        default=None,
+        description="How wide it opens, of a gripper; left out of other groups",
+        exclude_if=_is_none,
+    )
 
     @property
     def domain_joints(self) -> list[domain.Joint]:
@@ -119,6 +139,7 @@ class Group(ResponseModel):
             limits=Limits.from_domain(summary.limits, [name for name, _ in group.blocks]),
             configurations={name: list(q) for name, q in summary.configurations.items()},
             positions=list(summary.positions),
+            gripper=None if summary.gripper is None else Gripper.model_validate(summary.gripper),
         )
 
     @classmethod

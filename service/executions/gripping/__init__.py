@@ -1,0 +1,1 @@
+"""Grippers: motions of fingers, and what robots hold after them."""

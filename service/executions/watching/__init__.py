@@ -1,0 +1,1 @@
+"""What executions that run at the same time are watched for."""
