@@ -226,6 +226,7 @@ pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py
 	@$(PYTHON) benchmarks/objective_pictures.py
 	@$(PYTHON) benchmarks/page_pictures.py
+	@$(PYTHON) benchmarks/error_pictures.py
 
 # Pins every dependency with its hashes, without the address of an index.
 lock:
