@@ -228,6 +228,7 @@ pictures: setup
 	@$(PYTHON) benchmarks/objective_pictures.py
 	@$(PYTHON) benchmarks/page_pictures.py
 	@$(PYTHON) benchmarks/studio_pictures.py
+	@$(PYTHON) benchmarks/error_pictures.py
 
 # Pins every dependency with its hashes, without the address of an index.
 lock:

@@ -50,7 +50,7 @@ def main() -> None:
             begun = time.monotonic()
             file = Path(pages) / f"{name}.html"
             file.write_text(html, encoding="utf-8")
-            picture = _taken(browser, file, prepare)
+            picture = _few_colours(screenshot(browser, file, prepare))
             (folder / f"page_{name}.png").write_bytes(picture)
             print(f"page_{name}.png: {len(picture) // 1024} kB, {time.monotonic() - begun:.0f} s")
 
@@ -78,20 +78,26 @@ def _half_way(page: Any) -> None:
     page.evaluate(_SEEK, 0.5)
 
 
-def _taken(browser: Any, file: Path, prepare: Callable[[Any], None] | None) -> bytes:
-    """Return a PNG of a page, with few colours."""
+def screenshot(browser: Any, file: Path, prepare: Callable[[Any], None] | None = None) -> bytes:
+    """Return a PNG of a page once it is drawn, without Meshcat's menu."""
     context = browser.new_context(locale="en-US", viewport=_SIZE)
     try:
         page = context.new_page()
         page.set_default_timeout(_PATIENCE)
         page.goto(file.as_uri())
+        page.add_style_tag(content=".dg .close-button { display: none; }")
         page.evaluate(_DRAWN, _FRAMES)
         if prepare is not None:
             prepare(page)
             page.evaluate(_DRAWN, _FRAMES)
-        shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+        shot: bytes = page.screenshot()
+        return shot
     finally:
         context.close()
+
+
+def _few_colours(png: bytes) -> bytes:
+    shot = Image.open(io.BytesIO(png)).convert("RGB")
     written = io.BytesIO()
     shot.quantize(_COLOURS, dither=Image.Dither.NONE).save(written, "PNG", optimize=True)
     return written.getvalue()

@@ -17,6 +17,9 @@ from service.api.failures.union import meaning
 from service.errors import status_of
 
 _TEXTS = Path(__file__).with_name("errors.yaml")
+# What `make pictures` takes of failures that have a place.
+PICTURES = Path(__file__).parents[1] / "images" / "errors"
+_UP = "../../"
 _TYPE = "urn:wayproof:problem:"
 
 
@@ -54,6 +57,8 @@ def _page(error: type[WayproofError], evidence: Any, text: Mapping[str, str]) ->
         facts.append("- met as: `failure` of a job or of an answer")
     parts.append("\n".join(facts))
     parts += [f"**Usual cause.** {text['cause']}", f"**Fix.** {text['fix']}"]
+    if (PICTURES / f"{error.code}.webp").is_file():
+        parts.append(f"![A plan that failed so]({_UP}images/errors/{error.code}.webp)")
     properties = TypeAdapter(evidence).json_schema().get("properties", {})
     if properties:
         rows = [

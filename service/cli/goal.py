@@ -4,6 +4,7 @@ from typing import Any
 
 import typer
 
+from planning.errors import UnknownName
 from service.cli.exit_codes import ExitCode
 from service.cli.output import error_console
 from wayproof_client.models import Group, Scene
@@ -27,9 +28,8 @@ def group_of(scene: Scene, name: str | None) -> Group:
     for group in scene.groups:
         if name in {None, group.name, *group.aliases}:
             return group
-    known = ", ".join(group.name for group in scene.groups)
-    error_console.print(f"group {name!r} does not exist; groups: {known}", markup=False)
-    raise typer.Exit(ExitCode.USAGE)
+    names = [group.name for group in scene.groups]
+    raise _refusal(UnknownName.among("group", str(name), names).detail)
 
 
 def goal_of(scene: Scene, group: Group, target: str) -> dict[str, Any]:
@@ -42,12 +42,12 @@ def goal_of(scene: Scene, group: Group, target: str) -> dict[str, Any]:
         return {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": target}]}
     if target in group.configurations:
         return {"type": "configuration", "name": target}
-    error_console.print(
-        f"{target!r} is neither a frame nor a configuration; "
-        f"frames: {', '.join(scene.frames)}; configurations: {', '.join(group.configurations)}",
-        markup=False,
+    unknown = UnknownName.among("name", target, [*scene.frames, *group.configurations])
+    nearest = "".join(f"did you mean {near!r}? " for near in unknown.evidence["nearest"][:1])
+    raise _refusal(
+        f"{target!r} is neither a frame nor a configuration; {nearest}"
+        f"frames: {', '.join(scene.frames)}; configurations: {', '.join(group.configurations)}"
     )
-    raise typer.Exit(ExitCode.USAGE)
 
 
 def start_of(group: Group, name: str | None) -> list[float] | None:
@@ -59,9 +59,11 @@ def start_of(group: Group, name: str | None) -> list[float] | None:
     if name is None:
         return None
     if name not in group.configurations:
-        known = ", ".join(group.configurations)
-        error_console.print(
-            f"configuration {name!r} does not exist; configurations: {known}", markup=False
-        )
-        raise typer.Exit(ExitCode.USAGE)
+        raise _refusal(UnknownName.among("configuration", name, group.configurations).detail)
     return group.configurations[name]
+
+
+def _refusal(message: str) -> typer.Exit:
+    """Say what is wrong, and return what ends the command."""
+    error_console.print(message, markup=False)
+    return typer.Exit(ExitCode.USAGE)

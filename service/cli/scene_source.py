@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from planning import bundled_folder
+from planning.errors import UnknownName
 
 _SUFFIX = ".scene.yaml"
 
@@ -32,8 +33,10 @@ def read_scene_text(scene: str) -> tuple[bytes, str]:
     try:
         text = path.read_bytes()
     except OSError as fault:
-        known = ", ".join(bundled_scenes())
-        message = f"there is no scene {scene!r} and no such file; bundled scenes: {known}"
+        known, near = bundled_scenes(), UnknownName.among("scene", scene, bundled_scenes())
+        hint = "".join(f"did you mean {name!r}? " for name in near.evidence["nearest"][:1])
+        message = f"there is no scene {scene!r} and no such file; {hint}bundled scenes: "
+        message += ", ".join(known)
         raise NoSuchScene(message) from fault
     is_json = path.suffix.lower() == ".json"
     return text, "application/json" if is_json else "application/yaml"

@@ -8,6 +8,7 @@ from pydrake.geometry import Cylinder, HalfSpace, Meshcat, MeshcatParams, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
 from planning.domain.arrays import Array
+from planning.domain.geometry.pose import Pose
 from planning.world.replay.camera import SolidBox
 from planning.world.replay.half_space_plate import plate_under
 from planning.world.replay.replay_page import Label
@@ -15,6 +16,7 @@ from planning.world.replay.replay_view import ShownBody, ShownShape, WorldView
 
 _AXIS_COLORS = (Rgba(0.85, 0.1, 0.1, 1.0), Rgba(0.1, 0.65, 0.1, 1.0), Rgba(0.1, 0.2, 0.9, 1.0))
 _AXIS_LENGTH, _AXIS_RADIUS = 0.06, 0.0025
+_TARGET_LENGTH, _TARGET_RADIUS = 0.15, 0.006
 MARKED = Rgba(0.86, 0.10, 0.10, 1.0)
 _TINT = 0.45
 
@@ -60,6 +62,12 @@ class SceneDrawing:
                 path = f"/ghost{shown.path}/{i}"
                 self.meshcat.SetObject(path, drawn.shape, color)
                 self.meshcat.SetTransform(path, poses[shown.path] @ drawn.X_BS)
+
+    def draw_target(self, target: Pose) -> Label:
+        """Draw a tool pose as large axes, and return its label."""
+        x_wt = RigidTransform(target.matrix)
+        self._draw_axes("/target", x_wt, _TARGET_LENGTH, _TARGET_RADIUS)
+        return Label("/target/2", "goal", "frame")
 
     def place(self, view: WorldView) -> None:
         """Put everything where the view has it."""
@@ -111,18 +119,23 @@ class SceneDrawing:
         return Rgba(red, green, blue, own.a())
 
     def _draw_frames(self, view: WorldView) -> None:
-        """Draw the scene's named frames as small triads."""
+        """Draw the scene's named frames as small triads, which `place` moves."""
+        for named in view.world.scene.frames:
+            path = f"/frames/{named.name}"
+            self._draw_axes(path, RigidTransform(), _AXIS_LENGTH, _AXIS_RADIUS)
+
+    def _draw_axes(self, path: str, x_wf: RigidTransform, length: float, radius: float) -> None:
+        """Draw three bars along the axes of a frame F [m]."""
         turns = (
             RotationMatrix.MakeYRotation(np.pi / 2),
             RotationMatrix.MakeXRotation(-np.pi / 2),
             RotationMatrix(),
         )
-        bar = Cylinder(_AXIS_RADIUS, _AXIS_LENGTH)
-        for named in view.world.scene.frames:
-            for i, turn in enumerate(turns):
-                path, center = f"/frames/{named.name}/{i}", _AXIS_LENGTH / 2 * np.eye(3)[i]
-                self.meshcat.SetObject(path, bar, _AXIS_COLORS[i])
-                self.meshcat.SetTransform(path, RigidTransform(turn, center))
+        self.meshcat.SetTransform(path, x_wf)
+        for i, turn in enumerate(turns):
+            bar, center = Cylinder(radius, length), length / 2 * np.eye(3)[i]
+            self.meshcat.SetObject(f"{path}/{i}", bar, _AXIS_COLORS[i])
+            self.meshcat.SetTransform(f"{path}/{i}", RigidTransform(turn, center))
 
 
 def _channels(color: Rgba) -> tuple[float, float, float]:

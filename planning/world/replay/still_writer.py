@@ -10,6 +10,7 @@ from pydrake.math import RigidTransform
 
 from planning.domain.arrays import Array
 from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.geometry.pose import Pose
 from planning.world.replay.camera import WatchedPoint, place_camera
 from planning.world.replay.replay_page import labelled
 from planning.world.replay.replay_view import WorldView
@@ -37,6 +38,7 @@ class Still:
         pairs: Bodies to show in red, with their nearest points.
         marked: Further bodies to show in red, by their full names.
         ghost: Full configuration that is drawn once more, green and translucent.
+        target: X_WT of a tool pose to show as axes; None for none.
     """
 
     title: str
@@ -45,6 +47,7 @@ class Still:
     pairs: Sequence[BodyPair] = ()
     marked: Sequence[str] = ()
     ghost: Float64[np.ndarray, " nx"] | None = None
+    target: Pose | None = None
 
 
 def still_html(world: World, still: Still) -> str:
@@ -61,13 +64,15 @@ def still_html(world: World, still: Still) -> str:
     drawing = SceneDrawing(open_meshcat(), marked)
     drawing.add(view)
     drawing.place(view)
+    labels = [*frame_labels(view), *drawing.labels()]
+    if still.target is not None:
+        labels.append(drawing.draw_target(still.target))
     drawing.draw_half_spaces(_aim_camera(drawing, view, still))
     for i, pair in enumerate(still.pairs):
         _draw_pair(drawing, pair, f"/pairs/{i}")
     if still.ghost is not None:
         view.set_positions(still.ghost)
         drawing.add_ghost(view, _GHOST)
-    labels = [*frame_labels(view), *drawing.labels()]
     return labelled(drawing.meshcat.StaticHtml(), still.title, labels, notes=still.notes)
 
 
@@ -82,7 +87,12 @@ def _draw_pair(drawing: SceneDrawing, pair: BodyPair, path: str) -> None:
 def _aim_camera(drawing: SceneDrawing, view: WorldView, still: Still) -> Array:
     """Aim at what moves, or else at all that stands; return its corners, shape (n, 3)."""
     moving, fixed = view.boxes(moving=True), view.boxes(moving=False)
+    if still.ghost is not None:
+        view.set_positions(still.ghost)
+        moving += view.boxes(moving=True)
     corners = [box_corners(box) for box in moving or fixed]
+    if still.target is not None:
+        corners.append(still.target.position[None])
     points = np.concatenate([np.zeros((0, 3)), *corners])
     if len(points):
         hiding = [*moving, *fixed]

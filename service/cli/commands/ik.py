@@ -36,7 +36,10 @@ def ik(  # noqa: PLR0913  (one parameter per option)
         print_json(found)
     elif found.configurations:
         console.print(_table(found.configurations[:most]))
-        console.print(f"{len(found.configurations)} found")
+        console.print(
+            f"{len(found.configurations)} found; clear: least distance of bodies, limits: share of "
+            "the range that is left, manip.: manipulability"
+        )
     if not found.configurations:
         show_failure(f"the IK to {to}", found.failure)
         raise typer.Exit(ExitCode.NO_RESULT)
@@ -45,8 +48,8 @@ def ik(  # noqa: PLR0913  (one parameter per option)
 def _table(solutions: list[IkSolution]) -> Table:
     table = Table()
     table.add_column("positions, rad or m", no_wrap=True)
-    for head in ("clearance, mm", "limit margin", "manipulability"):
-        table.add_column(head, justify="right")
+    for head in ("clear, mm", "limits", "manip."):  # with six joints it fits into 80 columns
+        table.add_column(head, justify="right", no_wrap=True)
     for one in solutions:
         table.add_row(
             " ".join(f"{number:.3f}" for number in one.positions),

@@ -7,6 +7,7 @@ import numpy as np
 
 from planning import World, check_configurations
 from planning.domain.geometry.body_pair import BodyPair
+from planning.domain.geometry.pose import Pose
 from planning.errors import InputError
 from planning.world.replay.still_writer import Still, still_html
 from service.jobs.context import TaskContext
@@ -32,7 +33,7 @@ def show_failure(work: FailureWork, _: TaskContext) -> Page:
         group = world.group(work.request.group)
         place, positions = shown_configuration(work.request, failure, group.num_positions)
         nearest = _row((evidence.get("nearest") or {}).get("positions"), group.num_positions)
-        pairs = _pairs(world, work.request, positions)
+        pairs, target = _pairs(world, work.request, positions), _target(evidence)
         marked = {name for bodies in _named_pairs(evidence) for name in bodies}
         still = Still(
             title=f"{work.plan}: {failure.get('code', 'failed')}",
@@ -41,11 +42,13 @@ def show_failure(work: FailureWork, _: TaskContext) -> Page:
                 f"Shown: {place}.",
                 *(_pair_text(pair) for pair in pairs),
                 *(["Green: the nearest feasible configuration."] if nearest is not None else []),
+                *(["Large axes: the goal."] if target is not None else []),
             ],
             state=None if positions is None else world.embed(group, positions),
             pairs=pairs,
             marked=sorted(marked),
             ghost=None if nearest is None else world.embed(group, nearest),
+            target=target,
         )
         return Page(html=still_html(world, still))
 
@@ -82,6 +85,12 @@ def shown_configuration(
         if row is not None:
             return place, row
     return "the start", None
+
+
+def _target(evidence: Mapping[str, Any]) -> Pose | None:
+    """Return the goal's pose of the tool that is nearest to a feasible one, in world."""
+    goal = _inner(evidence, "nearest", "goal")
+    return None if goal is None else Pose.from_parts(goal["position"], goal["quaternion"])
 
 
 def _failed_check(evidence: Mapping[str, Any]) -> tuple[str, Any]:

@@ -15,6 +15,7 @@ body { font: 14px/1.45 system-ui, sans-serif; color: #1b2733; max-width: 62rem; 
   padding: 0 1.5rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.1rem; margin-top: 2rem; border-bottom: 1px solid #ccd; }
 table { border-collapse: collapse; width: 100%; }
+th { white-space: nowrap; }
 th, td { text-align: left; padding: 3px 10px 3px 0;
   border-bottom: 1px solid #e4e8ec; vertical-align: top; overflow-wrap: anywhere; }
 td.number { font-variant-numeric: tabular-nums; } .yes { color: #1d7a3a; } .no { color: #b03a2e; }

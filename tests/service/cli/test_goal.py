@@ -39,3 +39,17 @@ def test_unknown_names_end_with_those_that_exist(posted, capsys, attempt, known)
     told = capsys.readouterr().err
     assert "abov" in told
     assert [name for name in known if name not in told] == []
+
+
+@pytest.mark.parametrize(
+    ("attempt", "nearest"),
+    [
+        (lambda scene: goal_of(scene, group_of(scene, "arm"), "abov"), "above"),
+        (lambda scene: start_of(group_of(scene, "arm"), "redy"), "ready"),
+        (lambda scene: group_of(scene, "amr"), "arm"),
+    ],
+)
+def test_a_misspelt_name_is_answered_with_the_nearest(posted, capsys, attempt, nearest):
+    with pytest.raises(typer.Exit):
+        attempt(posted)
+    assert f"did you mean '{nearest}'?" in " ".join(capsys.readouterr().err.split())

@@ -21,3 +21,8 @@ def test_files_are_read_as_their_ending_says(tmp_path):
 def test_what_is_neither_is_told_with_what_there_is(tmp_path):
     with pytest.raises(NoSuchScene, match="ur5e_pickup"):
         read_scene_text(str(tmp_path / "none.yaml"))
+
+
+def test_a_misspelt_scene_is_answered_with_the_nearest():
+    with pytest.raises(NoSuchScene, match=r"did you mean 'ur5e_pickup'\?"):
+        read_scene_text("ur5_pickup")

@@ -76,6 +76,18 @@ def test_a_motion_that_is_not_certified_is_shown_where_its_check_fails(client, s
     assert check["positions"] != at_rest
 
 
+def test_a_goal_out_of_reach_is_shown_with_the_nearest_pose(client, scene):
+    goal = {"type": "pose", "poses": [{"position": [0.0, 0.0, 3.0]}]}
+    request = {"scene": scene, "group": "arm", "goal": goal}
+    job = client.post("/v1/plans?wait=60", json=request).json()
+    assert job["failure"]["code"] == "goal_unreachable"
+    shown = told(page(client, f"/v1/plans/{job['id']}/failure.html"))
+    assert {"text": "goal", "kind": "frame", "path": "/target/2"} in shown["labels"]
+    assert {"Large axes: the goal.", "Green: the nearest feasible configuration."} <= {
+        *shown["notes"]
+    }
+
+
 def test_a_plan_without_a_failure_has_no_picture_of_it(client, solved):
     answer = client.get(f"/v1/plans/{solved['id']}/failure.html")
     assert (answer.status_code, answer.json()["code"]) == (409, "no_trajectory")
