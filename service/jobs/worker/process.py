@@ -9,12 +9,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from service.jobs.worker.forkserver import kill_forkserver, replace_forkserver
 from service.jobs.worker.main import Terms, serve
 from service.jobs.worker.protocol import HEADER_SIZE, Message, unpack_header
 
 # multiprocessing's bookkeeping of children is not thread-safe, and starting one takes
 # milliseconds: one thread of its own does all of it.
 _PROCESSES = ThreadPoolExecutor(1, "worker-processes")
+# A forkserver that has not made a process by then says nothing any more; before its first one it
+# imports what all of them need [s].
+LONGEST_START = 120.0
 type _Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 # A process that has closed its end is about to end; one that does not is made to.
 _LINGER = 0.5
@@ -44,7 +48,7 @@ class WorkerProcess:
 
         Raises:
             OSError: There are no more processes or files to be had.
-            EOFError: The forkserver died.
+            EOFError: The forkserver died, or said nothing and was ended.
         """
         near, far = socket.socketpair()
         held, lifeline = context.Pipe(duplex=False)
@@ -55,7 +59,7 @@ class WorkerProcess:
                 daemon=True,
                 name="wayproof-worker",
             )
-            await asyncio.get_running_loop().run_in_executor(_PROCESSES, process.start)
+            await _started(process)
             # Before it is watched: what has ended already is looked after with its writer.
             streams = await asyncio.open_unix_connection(sock=near)
         except BaseException:
@@ -112,6 +116,22 @@ class WorkerProcess:
         with suppress(OSError):
             await self._writer.wait_closed()
         self.ended.set()
+
+
+async def _started(process: Any) -> None:
+    """Start a process; end the forkserver if that does not do it, for every start waits for it."""
+    loop = asyncio.get_running_loop()
+    limit = loop.call_later(LONGEST_START, kill_forkserver)
+    try:
+        await loop.run_in_executor(_PROCESSES, process.start)
+    finally:
+        limit.cancel()
+
+
+async def leave_forkserver(pid: int | None) -> None:
+    """Have the next process forked off a new forkserver, if the present one is of that number."""
+    loop = asyncio.get_running_loop()
+    await loop.run_in_executor(_PROCESSES, replace_forkserver, pid)
 
 
 def _joined(process: Any) -> int | None:

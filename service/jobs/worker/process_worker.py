@@ -19,14 +19,16 @@ from service.jobs.outcome import (
     returned,
 )
 from service.jobs.worker.assignment import Assignment, EventSink
-from service.jobs.worker.forkserver import forkserver
+from service.jobs.worker.forkserver import forkserver, forkserver_pid
 from service.jobs.worker.main import Terms
 from service.jobs.worker.memory import MemoryWatch, resident
-from service.jobs.worker.process import WorkerProcess
+from service.jobs.worker.process import WorkerProcess, leave_forkserver
 from service.jobs.worker.protocol import Message, MessageKind, load_error, two_parts
 from service.jobs.worker.termination import Termination
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.05, 5.0
+# So many processes in a row that died before they were ready are their forkserver's fault.
+_MOST_STILLBORN = 3
 # What a task sends before it ends.
 _ON_THE_WAY = (MessageKind.EVENT, MessageKind.UPDATE, MessageKind.DEADLINE, MessageKind.WATCH)
 _log = logging.getLogger(__name__)
@@ -181,14 +183,18 @@ class ProcessWorker:
     async def _supervise(self, warm_up: str | None) -> None:
         """Have a process, always."""
         context = forkserver(self._preload)
-        pause = _FIRST_PAUSE
+        pause, num_stillborn = _FIRST_PAUSE, 0
         while True:
+            forked_off = forkserver_pid()  # or a newer one
             process = await self._spawn(context, warm_up)
             if process is None:
+                num_stillborn += 1
+                if num_stillborn % _MOST_STILLBORN == 0:
+                    await _leave_forkserver(forked_off, num_stillborn)
                 await asyncio.sleep(pause)
                 pause = min(2 * pause, _LONGEST_PAUSE)
                 continue
-            pause = _FIRST_PAUSE
+            pause, num_stillborn = _FIRST_PAUSE, 0
             self._process = process
             self.generation += 1
             self._is_ready.set()
@@ -223,6 +229,12 @@ class ProcessWorker:
         if self._warm_up_fault is not None:
             _log.warning("the warm-up %s failed: %s", warm_up, self._warm_up_fault)
         return process
+
+
+async def _leave_forkserver(pid: int | None, num_stillborn: int) -> None:
+    told = "%d worker processes in a row died before they were ready: the forkserver %s is replaced"
+    _log.error(told, num_stillborn, pid)
+    await leave_forkserver(pid)
 
 
 @cache

@@ -1,0 +1,92 @@
+"""A forkserver whose children die, or that says nothing, is replaced; who lives by it goes on."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+# In a process of its own: there is one forkserver for each, and what it has imported stays.
+BEGIN = """
+import asyncio, multiprocessing.forkserver, os, signal, sys
+from service.jobs.worker import process
+from service.jobs.worker.main import Terms
+from service.jobs.worker.process_worker import ProcessWorker
+from tests.service.jobs.worker.test_process_worker import is_alive, pid_of
+
+TASKS = ["tests.service.jobs.fake_tasks"]
+
+async def opened(preload):
+    worker = ProcessWorker(preload, Terms())
+    await worker.open(None)
+    await worker.ready()
+    return worker
+
+def forkserver_pid():
+    return multiprocessing.forkserver._forkserver._forkserver_pid
+
+async def story():
+    async with asyncio.timeout(120):
+        await told()
+"""
+END = """
+if __name__ == "__main__":
+    asyncio.run(story())
+    print("done")
+"""
+CHILDREN_DIE = """
+async def told():
+    preload = [*TASKS, "tests.service.jobs.worker.bad_forkserver"]
+    first = await opened(preload)
+    pid, former = await pid_of(first), forkserver_pid()
+    others = [await opened(preload) for _ in range(3)]
+    assert forkserver_pid() != former
+    assert await pid_of(first) == pid and is_alive(former)
+    pids = {await pid_of(each) for each in others}
+    assert len(pids) == 3
+    later = forkserver_pid()
+    os.kill(pid, signal.SIGKILL)
+    while (now := await pid_or_none(first)) in {pid, None}:
+        await asyncio.sleep(0.01)
+    assert forkserver_pid() == later
+    for each in (first, *others):
+        await each.close()
+    while is_alive(former):  # which ends with its last process
+        await asyncio.sleep(0.01)
+
+async def pid_or_none(worker):
+    try:
+        return await pid_of(worker)
+    except AssertionError:
+        return None
+"""
+IT_HANGS = """
+async def told():
+    first = await opened(TASKS)
+    former = forkserver_pid()
+    process.LONGEST_START = 1.0
+    os.kill(former, signal.SIGSTOP)
+    second = await opened(TASKS)
+    assert forkserver_pid() != former and not is_alive(former)
+    await first.ready()
+    assert await pid_of(first) != await pid_of(second)
+    await first.close()
+    await second.close()
+"""
+
+
+@pytest.mark.parametrize("story", [CHILDREN_DIE, IT_HANGS], ids=["children_die", "it_hangs"])
+def test_a_bad_forkserver_is_replaced(story, tmp_path):
+    script = tmp_path / "story.py"
+    script.write_text(BEGIN + story + END, encoding="utf-8")
+    variables = {"BAD_FORKSERVER": str(tmp_path / "mark"), "PYTHONPATH": str(Path.cwd())}
+    ended = subprocess.run(
+        [sys.executable, str(script)],
+        env={**os.environ, **variables},
+        capture_output=True,
+        text=True,
+        timeout=200,
+        check=False,
+    )
+    assert ended.stdout == "done\n", ended.stderr[-2000:]
