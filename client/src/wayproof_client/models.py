@@ -697,6 +697,8 @@ class ContactEvidence(Answer):
     """On the motion [s]."""
     depth: float | None = None
     """By which they overlap [m]."""
+    execution: str | None = None
+    """Id of the execution that moves the other robot, if one does."""
     force: float | None = None
     """Force between them [N]; null where it is not known."""
 
