@@ -20,6 +20,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.service_load.host import Host
+from benchmarks.soak_rounds.apart import ApartSoak, configurations_of_both, faults_of_both
 from benchmarks.soak_rounds.cell import Cell
 from benchmarks.soak_rounds.checks import faults, num_configurations
 from benchmarks.soak_rounds.rounds import Soak
@@ -34,6 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console(soft_wrap=True)
     seed = np.random.SeedSequence().entropy if options.seed is None else options.seed
     rng = np.random.default_rng(seed)
+    if options.apart:
+        return _both(options, console, rng, seed)
     cell, ends, found, looked_at = Cell(options.robots), Counter[str](), 0, 0
     with Host(_LIMIT) as host:
         soak = Soak(host, cell, options.robots, rng)
@@ -55,11 +58,42 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 1 if found else 0
 
 
+def _both(
+    options: argparse.Namespace, console: Console, rng: np.random.Generator, seed: object
+) -> int:
+    """Run executions of two robots at once, print, and return 1 if something did not hold."""
+    cell, ends, found, looked_at, refused = Cell(2), Counter[str](), 0, 0, 0
+    with Host(_LIMIT) as host:
+        soak = ApartSoak(host, cell, rng)
+        for i in range(options.executions // 2):
+            rounds = soak.next_rounds()
+            wrong = list(dict.fromkeys(faults_of_both(rounds, cell)))
+            for made in rounds.lanes.values():
+                failure = made.execution["failure"]
+                ends[made.execution["state"] if failure is None else failure["code"]] += 1
+            found, refused = found + len(wrong), refused + rounds.refusals
+            looked_at += len(configurations_of_both(rounds)[0])
+            if wrong or options.verbose:
+                done = {robot: made.done for robot, made in rounds.lanes.items()}
+                console.print(f"{i}: {done}", markup=False)
+                for fault in wrong[:5]:
+                    console.print(f"   {fault}", markup=False)
+    told = ", ".join(f"{count} {end}" for end, count in ends.most_common())
+    console.print(
+        f"{ends.total()} executions of two robots apart, seed {seed}: {told}; {refused} refused "
+        f"beside the other; {looked_at} configurations looked at; {found} faults"
+    )
+    return 1 if found else 0
+
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command's options."""
     made = argparse.ArgumentParser(description=__doc__)
     made.add_argument("--executions", type=int, default=50)
     made.add_argument("--robots", type=int, choices=[1, 2], default=1)
+    made.add_argument(
+        "--apart", action="store_true", help="two robots, each by executions of its own, at once"
+    )
     made.add_argument("--seed", type=int, help="of all that is random; else a fresh one")
     made.add_argument("--verbose", action="store_true", help="tell what was done in each round")
     return made

@@ -47,17 +47,18 @@ class Round:
 
 def faults(round_: Round, cell: Cell) -> Iterator[str]:
     """Yield what does not hold: its end, its events, the live state, and what it touched."""
-    yield from _of_the_end(round_)
+    yield from of_the_end(round_)
     yield from _of_the_state(round_)
     yield from (f"collision: {each}" for each in _collisions(round_, cell))
 
 
 def num_configurations(round_: Round) -> int:
     """Return at how many configurations a motion is looked at."""
-    return len(_configurations(round_)[0])
+    return len(motion_of(round_)[0])
 
 
-def _of_the_end(round_: Round) -> Iterator[str]:
+def of_the_end(round_: Round) -> Iterator[str]:
+    """Yield what does not hold of the end of an execution and of its events."""
     types = [kind for kind, _, _ in round_.events]
     numbers = [number for _, number, _ in round_.events]
     state = round_.execution["state"]
@@ -84,24 +85,30 @@ def _of_the_state(round_: Round) -> Iterator[str]:
         yield f"robots are {[robot['status'] for robot in robots]}"
 
 
+def arm_at(robots: Sequence[dict[str, Any]], name: str) -> np.ndarray:
+    """Return the positions of an arm in a live state [rad]."""
+    return next(_arm(one["positions"]) for one in robots if one["robot"] == name)
+
+
 def _arm(positions: dict[str, float]) -> np.ndarray:
     return np.array([positions[name] for name in _ORDER if name in positions])
 
 
 def _collisions(round_: Round, cell: Cell) -> list[str]:
-    rows, instants = _configurations(round_)
-    return cell.touching(rows, [_obstacle(round_, at) for at in instants])
+    rows, instants = motion_of(round_)
+    return cell.touching(rows, [obstacle_at(round_.obstacles, at) for at in instants])
 
 
-def _obstacle(round_: Round, at: float) -> list[float] | None:
-    for one in round_.obstacles:
+def obstacle_at(obstacles: Sequence[Presence], at: float) -> list[float] | None:
+    """Return where the obstacle was at an instant [s], None while there was none."""
+    for one in obstacles:
         until = np.inf if one.until is None else one.until.timestamp()
         if one.since.timestamp() <= at <= until:
             return one.place
     return None
 
 
-def _configurations(round_: Round) -> tuple[list[np.ndarray], list[float]]:
+def motion_of(round_: Round) -> tuple[list[np.ndarray], list[float]]:
     """Return the measured motion at most `_PERIOD` apart, and when it was there [s].
 
     Between two measurements the robot follows its motion from one place to the other; how far it is

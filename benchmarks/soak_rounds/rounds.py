@@ -3,7 +3,7 @@
 import json
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -61,8 +61,8 @@ class Soak:
         self._round = made
         for _ in range(int(self._rng.integers(1, 5))):
             pause(float(self._rng.uniform(0.05, 0.6)))
-            what = str(self._rng.choice(list(_DEEDS), p=_SHARES))
-            told = _DEEDS[what](self)
+            what = str(self._rng.choice(list(DEEDS), p=SHARES))
+            told = DEEDS[what](self)
             made.done.append(what if told is None else f"{what} {told}")
         self._let_it_end()
         made.events = self._events()
@@ -155,7 +155,7 @@ class Soak:
         now, fastest = status["time"], max(0.05, abs(status["path_velocity"] or 0.0))
         samples = list(zip(result["times"], result["positions"], strict=True))
         later = [q for t, q in samples if t > now + _AHEAD * fastest]
-        near = [np.array(q) for t, q in samples if abs(t - now) <= _AHEAD * fastest]
+        near = self._near(samples, now, _AHEAD * fastest)
         if not later:
             return "too late"
         place = self._tool(later[int(self._rng.integers(len(later)))])
@@ -170,6 +170,16 @@ class Soak:
         verdicts = [one["verdict"] for one in answer["executions"]]
         near = [one["seconds"] for one in answer["executions"] if one["verdict"] == "conflict"]
         return f"{verdicts} {near}"
+
+    def _near(self, samples: Sequence[tuple[float, Any]], now: float, reach: float) -> list[Any]:
+        """Return places that the robot may come to before it could rest.
+
+        Args:
+            samples: Times along the motion [s] and positions.
+            now: Where the robot is [s].
+            reach: How far from there [s].
+        """
+        return [np.array(q) for t, q in samples if abs(t - now) <= reach]
 
     def _tool(self, q: list[float]) -> list[float]:
         [found] = self._host.post(
@@ -210,7 +220,7 @@ def _seconds_of(pid: int) -> float:
 
 _KILL = signal.SIGKILL
 # What is done, and in what share of all deeds.
-_DEEDS: dict[str, Callable[[Soak], str | None]] = {
+DEEDS: dict[str, Callable[[Soak], str | None]] = {
     "pause": Soak.pause,
     "resume": Soak.resume,
     "speed": Soak.speed,
@@ -220,4 +230,4 @@ _DEEDS: dict[str, Callable[[Soak], str | None]] = {
     "kill driver": Soak.kill_driver,
     "kill server": Soak.kill_server,
 }
-_SHARES = [0.12, 0.12, 0.24, 0.05, 0.3, 0.1, 0.04, 0.03]
+SHARES = [0.12, 0.12, 0.24, 0.05, 0.3, 0.1, 0.04, 0.03]

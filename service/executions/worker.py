@@ -164,11 +164,7 @@ def _apply_commands(
         return applied
     motions.controls = controls
     latest = Commands.model_validate({"speed": applied.speed} | controls)
-    if latest.touch is not None:
-        runner.abort_at_once(touched(latest.touch))
-        return latest
-    if latest.block is not None:
-        runner.abort(blocked(latest.block))
+    if _is_aborted(runner, latest):
         return latest
     motions.heed(latest)
     if latest.speed is not None and latest.speed != applied.speed:
@@ -178,6 +174,15 @@ def _apply_commands(
     if applied.is_paused and not latest.is_paused:
         runner.resume()
     return latest
+
+
+def _is_aborted(runner: Runner, commands: Commands) -> bool:
+    """Abort if commands say so; return whether they do."""
+    if commands.touch is not None:
+        runner.abort_at_once(touched(commands.touch))
+    elif commands.block is not None:
+        runner.abort(blocked(commands.block))
+    return commands.touch is not None or commands.block is not None
 
 
 def blocked(block: Block) -> PathBlocked:
