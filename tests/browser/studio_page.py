@@ -93,7 +93,18 @@ class StudioPage:
 
     def wait_until_played(self):
         """Wait until a motion that was planned has been played once."""
+        while self.value("Time [s]") < self.longest("Time [s]") - 1e-3:
+            self.page.wait_for_timeout(100)
         self.page.get_by_role("button", name="Play", exact=True).wait_for()
+
+    def longest(self, slider):
+        """The upper end of a slider."""
+        row = self._number(slider).locator("xpath=ancestor::*[.//*[@role='slider']][1]")
+        return float(row.locator("[role=slider]").get_attribute("aria-valuemax"))
+
+    def hide_panel(self):
+        """Hide the panel, so that the whole scene is seen."""
+        self.page.add_style_tag(content=".mantine-Paper-root { display: none }")
 
     def wait_for_scene(self, name):
         """Wait until a scene that was chosen is there, with its goal."""

@@ -19,7 +19,7 @@ _WIDTH_OF_SCENE = 590
 BUNDLED = sorted(p.name.split(".")[0] for p in bundled_folder("scenes").glob("*.scene.yaml"))
 
 
-def newest(server, kind, **query):
+def newest(server, kind):
     """The newest job of a kind, in full."""
     (brief, *_) = server.ask("GET", f"/v1/{kind}")["items"]
     return server.ask("GET", f"/v1/{kind}/{brief['id']}")
@@ -28,6 +28,16 @@ def newest(server, kind, **query):
 def own_scene(server):
     """The scene that the newest browser has opened."""
     return server.ask("GET", "/v1/scenes")["items"][0]["id"]
+
+
+def share(other, server, scene):
+    """Have a second browser look at the scene of the first one."""
+    other.wait_for_goal()
+    copy = own_scene(server)
+    assert copy != scene
+    other.choose("Scene", f"ur5e_pickup · {scene}")
+    until(lambda: copy not in {item["id"] for item in server.ask("GET", "/v1/scenes")["items"]})
+    other.wait_for_goal()
 
 
 def is_reddish(picture):
@@ -125,7 +135,9 @@ def test_a_motion_is_made_slower_while_it_goes_on(studio, studio_server):
     studio.click("Execute")
     studio.wait_for("executing")
     studio.set("Speed", 0.1)
-    until(lambda: newest(studio_server, "executions")["status"]["speed"] == pytest.approx(0.1))
+    until(
+        lambda: newest(studio_server, "executions")["status"]["path_velocity"] == pytest.approx(0.1)
+    )
     studio.set("Speed", 3)
     studio.wait_for("arrived")
     assert newest(studio_server, "executions")["state"] == "succeeded"
@@ -134,9 +146,7 @@ def test_a_motion_is_made_slower_while_it_goes_on(studio, studio_server):
 def test_two_browsers_see_the_same_robot_move_and_each_others_edits(studio, browser, studio_server):
     scene = own_scene(studio_server)
     with StudioPage.opened(browser, studio_server.url) as other:
-        other.wait_for_goal()
-        other.choose("Scene", f"ur5e_pickup · {scene}")
-        other.wait_for_goal()
+        share(other, studio_server, scene)
         still = other.settled_picture()
         studio.click("Plan")
         studio.wait_for("Proven")
@@ -156,8 +166,7 @@ def test_one_browser_carries_out_what_another_has_planned(studio, browser, studi
     studio.click("Plan")
     studio.wait_for("Proven")
     with StudioPage.opened(browser, studio_server.url) as other:
-        other.wait_for_goal()
-        other.choose("Scene", f"ur5e_pickup · {scene}")
+        share(other, studio_server, scene)
         other.page.get_by_role("tab", name="Plans").click()
         other.choose("Look at", "plan 1")
         other.page.get_by_role("tab", name="Plan", exact=True).click()
