@@ -1,7 +1,7 @@
 """Take pictures of the studio: `benchmarks/studio_pictures.py [--folder docs/images]`.
 
 A private server, and a headless Chromium that clicks as a person would: a proven motion, its
-checks, the options, a failure, the objects of a scene, and every bundled scene after three clicks.
+checks, the options, a failure, and the objects of a scene.
 """
 
 import argparse
@@ -21,8 +21,6 @@ from tests.browser.chromium import chromium  # noqa: E402
 from tests.browser.studio_page import StudioPage  # noqa: E402
 
 _SIZE = (1180, 760)
-# Of each bundled scene in the sheet of all, and how many stand in a row.
-_SMALL, _COLUMNS = (560, 360), 3
 _COLOURS = 256
 # Of the motion's time, where the ghost stands.
 _MIDDLE = 0.6
@@ -80,7 +78,6 @@ _STORY: dict[str, Callable[[StudioPage], None]] = {
     "studio_failure": failure,
     "studio_scene": scene,
 }
-_SHEET = "studio_scenes"
 
 
 def main() -> None:
@@ -103,27 +100,6 @@ def _pictures(browser: Any, url: str) -> Iterator[tuple[str, Image.Image]]:
         for name, act in _STORY.items():
             act(page)
             yield name, _shot(page)
-    yield _SHEET, _sheet(browser, url)
-
-
-def _sheet(browser: Any, url: str) -> Image.Image:
-    """Return all bundled scenes, each with a proven motion."""
-    names = sorted(path.name.split(".")[0] for path in (ROOT / "scenes").glob("*.scene.yaml"))
-    shots = list[Image.Image]()
-    for name in names:
-        with StudioPage.opened(browser, url, *_SMALL) as page:
-            page.wait_for_goal()
-            page.choose("Scene", name)
-            page.wait_for_scene(name)
-            proven(page)
-            page.hide_notices()
-            page.hide_panel()
-            shots.append(_shot(page))
-    rows = -(-len(shots) // _COLUMNS)
-    sheet = Image.new("RGB", (_COLUMNS * _SMALL[0], rows * _SMALL[1]), "white")
-    for i, shot in enumerate(shots):
-        sheet.paste(shot, (i % _COLUMNS * _SMALL[0], i // _COLUMNS * _SMALL[1]))
-    return sheet
 
 
 def _shot(page: StudioPage) -> Image.Image:

@@ -102,10 +102,6 @@ class StudioPage:
         row = self._number(slider).locator("xpath=ancestor::*[.//*[@role='slider']][1]")
         return float(row.locator("[role=slider]").get_attribute("aria-valuemax"))
 
-    def hide_panel(self):
-        """Hide the panel, so that the whole scene is seen."""
-        self.page.add_style_tag(content=".mantine-Paper-root { display: none }")
-
     def wait_for_scene(self, name):
         """Wait until a scene that was chosen is there, with its goal."""
         box = self.page.get_by_role("combobox", name="Scene", exact=True).last
@@ -118,7 +114,7 @@ class StudioPage:
         self.page.add_style_tag(content=".mantine-Notification-root { display: none }")
 
     def unfold(self, folder):
-        self.page.get_by_text(folder).first.click()
+        self.page.get_by_text(folder, exact=True).first.click()
 
     def sees(self, text):
         return self.page.get_by_text(text).count() > 0
