@@ -93,7 +93,14 @@ class StudioPage:
 
     def wait_until_played(self):
         """Wait until a motion that was planned has been played once."""
+        while self.value("Time [s]") < self.longest("Time [s]") - 1e-3:
+            self.page.wait_for_timeout(100)
         self.page.get_by_role("button", name="Play", exact=True).wait_for()
+
+    def longest(self, slider):
+        """The upper end of a slider."""
+        row = self._number(slider).locator("xpath=ancestor::*[.//*[@role='slider']][1]")
+        return float(row.locator("[role=slider]").get_attribute("aria-valuemax"))
 
     def wait_for_scene(self, name):
         """Wait until a scene that was chosen is there, with its goal."""
@@ -107,7 +114,7 @@ class StudioPage:
         self.page.add_style_tag(content=".mantine-Notification-root { display: none }")
 
     def unfold(self, folder):
-        self.page.get_by_text(folder).first.click()
+        self.page.get_by_text(folder, exact=True).first.click()
 
     def sees(self, text):
         return self.page.get_by_text(text).count() > 0

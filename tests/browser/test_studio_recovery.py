@@ -13,7 +13,11 @@ from tests.browser.studio_page import StudioPage
 from tests.profiles import only_campaign
 from tests.service.servers import living, server
 
-pytestmark = [only_campaign("a minute without a graphics card"), pytest.mark.campaign]
+pytestmark = [
+    only_campaign("a minute without a graphics card"),
+    pytest.mark.campaign,
+    pytest.mark.timeout(900),  # drawn by a busy processor, twice
+]
 
 
 @contextmanager
