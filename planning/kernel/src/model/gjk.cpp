@@ -87,13 +87,24 @@ Vec3 support(const Shape& a, const Transform& X_WA, const Shape& b, const Transf
 
 // Support points of a search, from which the points of A and B behind the last simplex are computed.
 struct SupportHistory {
-  Vec3 w[max_steps], a[max_steps];
+  // Not set before they are used: most searches end after a step or two.
+  struct Numbers {
+    double x, y, z;
+
+    Vec3 vec() const { return {x, y, z}; }
+  };
+  Numbers w[max_steps], a[max_steps];
   int size = 0;
 
+  void add(Vec3 difference, Vec3 of_a) {
+    w[size] = {difference.x, difference.y, difference.z};
+    a[size++] = {of_a.x, of_a.y, of_a.z};
+  }
+  Vec3 first() const { return size ? a[0].vec() : Vec3{}; }
   Vec3 point_of(Vec3 difference) const {
     for (int i = size; i-- > 0;)
-      if (w[i].x == difference.x && w[i].y == difference.y && w[i].z == difference.z) return a[i];
-    return a[0];
+      if (w[i].x == difference.x && w[i].y == difference.y && w[i].z == difference.z) return a[i].vec();
+    return first();
   }
 };
 
@@ -126,7 +137,7 @@ Separation search(const Shape& a, const Transform& X_WA, const Shape& b, const T
     if constexpr (keeps_history) {
       const Vec3 on_a = X_WA * a.core_support(transposed_times(X_WA.R, -n));
       w = on_a - X_WB * b.core_support(transposed_times(X_WB.R, n));
-      history->w[history->size] = w, history->a[history->size++] = on_a;
+      history->add(w, on_a);
     } else {
       w = support(a, X_WA, b, X_WB, -n);
     }
@@ -185,7 +196,7 @@ ClosestPoints closest_points(const Shape& a, const Transform& X_WA, const Shape&
   Vec3 v;
   SupportHistory history;
   const Separation found = search<true>(a, X_WA, b, X_WB, enough, -inf, guess, 1e-10, simplex, v, &history);
-  if (found.lower >= enough || simplex.size == 0 || simplex.size > 3) return {found, history.a[0]};
+  if (found.lower >= enough || simplex.size == 0 || simplex.size > 3) return {found, history.first()};
   return {found, behind(simplex, v, history)};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "qp/pairs.hpp"
 #include "qp/row_blocks.hpp"
 #include "qp/skyline.hpp"
 
@@ -47,34 +48,6 @@ void scale_rows(PenaltyQp& program) {
   }
 }
 
-// Slacks s > 0 with their multipliers z > 0 (complementary pairs), and a step of both.
-struct ComplementaryPairs {
-  std::vector<double> s, z, ds, dz;
-
-  ComplementaryPairs(std::size_t count, double slack, double multiplier)
-      : s(count, slack), z(count, multiplier), ds(count), dz(count) {}
-
-  double product() const {
-    double sum = 0;
-    for (std::size_t i = 0; i < s.size(); ++i) sum += s[i] * z[i];
-    return sum;
-  }
-  double product_after(double primal, double dual) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < s.size(); ++i) sum += (s[i] + primal * ds[i]) * (z[i] + dual * dz[i]);
-    return sum;
-  }
-  static double longest(const std::vector<double>& x, const std::vector<double>& dx) {
-    double step = unbounded;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (dx[i] < 0) step = std::min(step, -x[i] / dx[i]);
-    return step;
-  }
-  void move(double primal, double dual) {
-    for (std::size_t i = 0; i < s.size(); ++i) s[i] += primal * ds[i], z[i] += dual * dz[i];
-  }
-};
-
 // Rows a . x + e - w = least; w has the multiplier y, the shortfall e has price - y.
 class Search {
  public:
@@ -90,8 +63,9 @@ class Search {
         dx(n),
         low(n, 0, 1),
         high(n, 0, 1),
-        over(m, 0, 0),
-        under(m, 0, 0) {
+        rows(m),
+        over(rows.over),
+        under(rows.under) {
     for (int i = 0; i < n; ++i) {
       x[i] =
           std::clamp(0.0, p.lower[i] + 0.05 * (p.upper[i] - p.lower[i]), p.upper[i] - 0.05 * (p.upper[i] - p.lower[i]));
@@ -156,7 +130,7 @@ class Search {
     matrix.clear();
     for (int i = 0; i < n; ++i) matrix.at(i, i) = p.q[i] + low.z[i] / low.s[i] + high.z[i] / high.s[i] + 1e-12;
     weight.resize(m);
-    for (std::size_t k = 0; k < m; ++k) weight[k] = 1 / (over.s[k] / over.z[k] + under.s[k] / under.z[k]);
+    rows.weights(weight.data());
     blocks.add_squares(weight, matrix);
     matrix.factor();
   }
@@ -174,12 +148,8 @@ class Search {
       t_low[i] = wanted(low, i, mu, corrects), t_high[i] = wanted(high, i, mu, corrects);
       right[i] = -rx[i] + t_low[i] / low.s[i] - t_high[i] / high.s[i];
     }
-    for (std::size_t k = 0; k < m; ++k) {
-      t_over[k] = wanted(over, k, mu, corrects), t_under[k] = wanted(under, k, mu, corrects);
-      // a dx + de - dw = -ry, dw = (t_over - w dy) / y, de = (t_under + e dy) / (price - y).
-      need[k] = -ry[k] + t_over[k] / over.z[k] - t_under[k] / under.z[k];
-      pull[k] = weight[k] * need[k];
-    }
+    rows.targets(mu, corrects, t_over.data(), t_under.data());
+    rows.needs(ry.data(), t_over.data(), t_under.data(), weight.data(), need.data(), pull.data());
     blocks.add_transposed(pull, 1, right);
     matrix.solve(dx);
     blocks.times(dx, along);
@@ -188,20 +158,12 @@ class Search {
       low.dz[i] = (t_low[i] - low.z[i] * dx[i]) / low.s[i];
       high.dz[i] = (t_high[i] + high.z[i] * dx[i]) / high.s[i];
     }
-    for (std::size_t k = 0; k < m; ++k) {
-      const double dy = weight[k] * (need[k] - along[k]);
-      over.dz[k] = dy, under.dz[k] = -dy;
-      over.ds[k] = (t_over[k] - over.s[k] * dy) / over.z[k];
-      under.ds[k] = (t_under[k] + under.s[k] * dy) / under.z[k];
-    }
+    rows.steps(t_over.data(), t_under.data(), weight.data(), need.data(), along.data());
   }
 
   double reach(bool primal) const {
-    double step = unbounded;
-    for (const ComplementaryPairs* pair : {&low, &high, &over, &under})
-      step = std::min(step, primal ? ComplementaryPairs::longest(pair->s, pair->ds)
-                                   : ComplementaryPairs::longest(pair->z, pair->dz));
-    return step;
+    const auto of = [primal](const ComplementaryPairs& pair) { return primal ? pair.reach_of_s() : pair.reach_of_z(); };
+    return std::min({of(low), of(high), of(over), of(under)});
   }
 
   const PenaltyQp& p;
@@ -210,7 +172,9 @@ class Search {
   RowBlocks blocks;
   Skyline matrix;
   std::vector<double> x, rx, ry, dx, along, weight, need, pull, t_low, t_high, t_over, t_under;
-  ComplementaryPairs low, high, over, under;
+  ComplementaryPairs low, high;
+  RowPairs rows;
+  ComplementaryPairs &over, &under;
 };
 
 }  // namespace

@@ -10,15 +10,20 @@
 namespace wayproof {
 namespace {
 
+// Column by column: the entries of a column do not depend on each other.
 WAYPROOF_MULTIVERSION
-void factor_skyline(const int* first, const std::size_t* start, double* entries, int n) {
-  for (int i = 0; i < n; ++i) {
-    double* row = entries + start[i];
-    for (int j = first[i]; j <= i; ++j) {
-      const double* other = entries + start[j];
+void factor_skyline(const int* first, const int* last, const std::size_t* start, double* entries, int n) {
+  for (int j = 0; j < n; ++j) {
+    double* column = entries + start[j];
+    double& diagonal = column[j - first[j]];
+    const int count = j - first[j];
+    diagonal = std::sqrt(std::max(diagonal - dot(column, column, count), 1e-14));
+    for (int i = j + 1; i <= last[j]; ++i) {
+      if (first[i] > j) continue;
+      double* row = entries + start[i];
       const int from = std::max(first[i], first[j]);
-      const double rest = row[j - first[i]] - dot(row + (from - first[i]), other + (from - first[j]), j - from);
-      row[j - first[i]] = j < i ? rest / other[j - first[j]] : std::sqrt(std::max(rest, 1e-14));
+      const double rest = row[j - first[i]] - dot(row + (from - first[i]), column + (from - first[j]), j - from);
+      row[j - first[i]] = rest / diagonal;
     }
   }
 }
@@ -27,13 +32,15 @@ void factor_skyline(const int* first, const std::size_t* start, double* entries,
 
 Skyline::Skyline(std::vector<int> first) : first_(std::move(first)), start_(first_.size() + 1) {
   for (std::size_t i = 0; i < first_.size(); ++i) start_[i + 1] = start_[i] + i - first_[i] + 1;
-  entries_.resize(start_.back());
+  entries_.resize(start_.back()), last_.resize(first_.size());
+  for (std::size_t i = 0; i < first_.size(); ++i)
+    for (int j = first_[i]; j <= static_cast<int>(i); ++j) last_[j] = static_cast<int>(i);
 }
 
 void Skyline::clear() { std::fill(entries_.begin(), entries_.end(), 0.0); }
 
 void Skyline::factor() {
-  factor_skyline(first_.data(), start_.data(), entries_.data(), static_cast<int>(first_.size()));
+  factor_skyline(first_.data(), last_.data(), start_.data(), entries_.data(), static_cast<int>(first_.size()));
 }
 
 void Skyline::solve(std::vector<double>& x) const {

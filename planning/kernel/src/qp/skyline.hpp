@@ -22,7 +22,7 @@ class Skyline {
   void solve(std::vector<double>& x) const;
 
  private:
-  std::vector<int> first_;
+  std::vector<int> first_, last_;  // of every row; last_: the last row with an entry in a column
   std::vector<std::size_t> start_;
   std::vector<double> entries_;
 };
