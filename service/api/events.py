@@ -17,22 +17,23 @@ class EventData(ResponseModel):
 
     at: datetime = Field(description="When it happened (UTC)")
     plan: str | None = Field(
-        default=None, description="To which plan, in the stream of a batch; absent in other streams"
+        default=None,
+        description="Id of the plan, in the stream of a batch; absent in other streams",
     )
 
 
 class RequeuedData(EventData):
     """Why a job runs again."""
 
-    reason: str = Field(description="For a person")
+    reason: str = Field(description="Text for a person")
 
 
 class ProgressData(EventData):
     """How far a job is."""
 
     stage: Stage = Field(description="The stage that it is in")
-    progress: float = Field(description="Of the whole job, 0 to 1")
-    detail: str = Field(description="For a person, or empty")
+    progress: float = Field(description="Share of the whole job, 0 to 1")
+    detail: str = Field(description="Text for a person, or empty")
 
 
 class StageData(ProgressData):
@@ -44,7 +45,7 @@ class StageData(ProgressData):
 class BestPathData(EventData):
     """A path that is better than those before it."""
 
-    detail: str = Field(description="For a person")
+    detail: str = Field(description="Text for a person")
     length: float = Field(description="Weighted length of the path")
     seconds: float | None = Field(
         default=None,

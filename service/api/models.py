@@ -53,7 +53,7 @@ type Identifier = Annotated[str, StringConstraints(min_length=1, max_length=128)
 # Named, so that a generated client has one type of each.
 type Timings = Annotated[dict[str, float], Field(description="Seconds by stage [s]")]
 type Versions = Annotated[
-    dict[str, str], Field(description="Of everything that the numbers depend on, by name")
+    dict[str, str], Field(description="Versions of everything that the numbers depend on, by name")
 ]
 type LineLeg = Annotated[
     Literal["approach", "retreat"], Field(description="Straight line to a goal, or away from it")

@@ -28,7 +28,7 @@ class Health(ResponseModel):
     """That the server is there."""
 
     status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
-    version: str = Field(description="Of Wayproof")
+    version: str = Field(description="Version of Wayproof")
     kernel: str = Field(
         description="Instruction set of the native collision kernel; `none` where it was not "
         "built, and Drake answers everything, more slowly"

@@ -11,7 +11,8 @@ from service.errors import RequestInvalid
 
 type SceneId = Annotated[str, Path(max_length=128, description="Id of a scene")]
 type Revision = Annotated[
-    int | None, Query(ge=1, le=2**31 - 1, description="Of the scene; by default the latest")
+    int | None,
+    Query(ge=1, le=2**31 - 1, description="Revision of the scene; by default the latest"),
 ]
 type PlanId = Annotated[str, Path(max_length=128, description="Id of a plan")]
 type ExecutionId = Annotated[str, Path(max_length=128, description="Id of an execution")]

@@ -164,13 +164,13 @@ class FollowedMotion(ResponseModel):
 
     number: int = Field(description="1 for the first one after that which was asked for")
     plan: str = Field(description="Id of the plan that it follows")
-    revision: int = Field(description="Of the scene that it is proven in")
+    revision: int = Field(description="Revision of the scene in which it is proven")
     is_spliced: bool = Field(
         description="Whether the robot left the motion before it without a rest; if not, it began "
         "at rest, where the robot had stopped"
     )
     left_at: float = Field(description="Place on the motion before it where that was left [s]")
-    duration: float = Field(description="Of the whole motion, from its beginning to its end [s]")
+    duration: float = Field(description="Duration of the whole motion [s]")
 
 
 class MotionData(EventData):
@@ -276,7 +276,8 @@ class Execution(ResponseModel):
     )
     sampling: SamplingReserve | None = Field(
         default=None,
-        description="Of a controller that samples the motion, once it has ended; null for others",
+        description="Effect of a controller that samples the motion, once it has ended; null "
+        "for others",
     )
     unrecorded: list[str] = Field(description=UNRECORDED)
 

@@ -11,7 +11,9 @@ from service.scenes import live as domain
 
 type JointPositions = Annotated[
     dict[str, float | list[float]],
-    Field(description="By joint of the robot: a number, or one for each of its coordinates"),
+    Field(
+        description="Positions by joint of the robot: a number, or one for each of its coordinates"
+    ),
 ]
 
 
@@ -26,14 +28,14 @@ class EditSource(ResponseModel):
     """The robot was put there by hand, by `set_positions`."""
 
     type: Literal["edit"] = Field(description="What says where the robot is")
-    revision: int = Field(description="That came of it")
+    revision: int = Field(description="Revision that the edit made")
 
 
 class ExecutionSource(ResponseModel):
     """An execution has measured the robot there."""
 
     type: Literal["execution"] = Field(description="What says where the robot is")
-    id: str = Field(description="Of the execution")
+    id: str = Field(description="Id of the execution")
 
 
 type StateSource = Annotated[
@@ -51,7 +53,8 @@ class RobotState(ResponseModel):
         "without its driver, and nothing in the scene moves until `set_positions` says where it is"
     )
     positions: JointPositions = Field(
-        description="Of the joints of its groups [rad or m]; `set_positions` takes them as they are"
+        description="Positions of the joints of its groups [rad or m]; `set_positions` takes "
+        "them as they are"
     )
     velocities: JointPositions | None = Field(
         description="Measured [rad/s or m/s]; null where its driver does not tell"
@@ -78,7 +81,7 @@ class HeldObject(ResponseModel):
     """An object that a robot holds."""
 
     object: str = Field(description="Its name")
-    frame: str = Field(description="That it is attached to, of a robot")
+    frame: str = Field(description="Frame of a robot that it is attached to")
 
 
 class GripperState(ResponseModel):

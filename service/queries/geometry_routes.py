@@ -62,7 +62,7 @@ async def get_geometry(
 )
 async def get_mesh(
     scene: SceneId,
-    sha256: Annotated[Digest, Path(description="Of the mesh, as the geometry names it")],
+    sha256: Annotated[Digest, Path(description="sha256 of the mesh, as the geometry names it")],
     scenes: ScenesDep,
     jobs: JobsDep,
     revision: Revision = None,

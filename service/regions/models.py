@@ -46,7 +46,7 @@ class RegionsRequest(RequestModel):
 
     group: GroupName = Field(description=GROUP)
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
-        default=None, description="Of the scene; null for its latest"
+        default=None, description="Revision of the scene; null for its latest"
     )
     num_regions: Annotated[int, Strict(), Field(ge=1, le=1000), WHOLE] = Field(
         default=60, description="Largest number of regions"
@@ -86,7 +86,7 @@ class RegionsRequest(RequestModel):
         default=600.0, description="After this time what has grown is the result [s]"
     )
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
-        default=0, description="Of all randomness: the same seed gives the same regions"
+        default=0, description="Seed of all randomness: the same seed gives the same regions"
     )
     priority: Annotated[Priority, ADDED] = Field(default=Priority.NORMAL, description=PRIORITY)
 
@@ -148,7 +148,7 @@ class RegionsSummary(ResponseModel):
 class RegionsResult(RegionsSummary):
     """Regions that were grown, with their faces."""
 
-    regions: list[Region] = Field(description="In the order in which they were grown")
+    regions: list[Region] = Field(description="Regions in the order in which they were grown")
     portals: list[Portal] = Field(description="Where they overlap")
 
     @classmethod
@@ -186,7 +186,8 @@ class RegionsBrief(ResponseModel):
     request: RegionsRequest = Field(description="The request, defaults filled in")
     failure: Failure | None = Field(description="Why there is no result")
     versions: Versions = Field(
-        description="Of everything that the numbers depend on, in the server that ran it last; "
+        description="Versions of everything that the numbers depend on, in the server that ran "
+        "it last; "
         "empty before it runs, and for regions of versions that did not keep it"
     )
     timings: Timings = Field(

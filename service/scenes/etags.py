@@ -28,7 +28,7 @@ type IfNoneMatch = Annotated[
 ]
 
 ETAG_HEADER: dict[str, Any] = {
-    "ETag": {"description": "Of the revision, for `If-Match`", "schema": {"type": "string"}}
+    "ETag": {"description": "Tag of the revision, for `If-Match`", "schema": {"type": "string"}}
 }
 
 

@@ -57,7 +57,7 @@ class MotionRequest(RequestModel):
     )
     scene: Identifier = Field(description="Id of a scene")
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
-        default=None, description="Of the scene; null for its latest"
+        default=None, description="Revision of the scene; null for its latest"
     )
     group: GroupName = Field(description=GROUP)
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(

@@ -32,7 +32,7 @@ class ScheduleMotionsRequest(RequestModel):
 
     scene: Identifier = Field(description="Id of the scene that all the plans are of")
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
-        default=None, description="Of the scene; null for its latest"
+        default=None, description="Revision of the scene; null for its latest"
     )
     plans: Annotated[list[Identifier], Field(min_length=1, max_length=16)] = Field(
         description="Ids of plans of groups without a common joint, the most urgent first: the "

@@ -50,7 +50,7 @@ class WebhookRequest(RequestModel):
 class Webhook(ResponseModel):
     """An address that is told what happens to jobs."""
 
-    id: str = Field(description="Of the webhook")
+    id: str = Field(description="Id of the webhook")
     url: str = Field(description="Where messages are posted")
     events: list[WebhookEvent] = Field(description="What is told")
     created_at: datetime = Field(description="When it was registered (UTC)")
@@ -61,7 +61,7 @@ class Webhook(ResponseModel):
         description="Since when nothing is sent, because it failed for days or said 410 (UTC); "
         "null if it is enabled"
     )
-    reason: str = Field(description="Of the last failure since a success, or empty")
+    reason: str = Field(description="Reason of the last failure since a success, or empty")
 
     @classmethod
     def from_record(cls, record: WebhookRecord) -> Self:
@@ -73,12 +73,12 @@ class NewWebhook(Webhook):
     """A webhook that was just registered."""
 
     secret: str = Field(
-        description="With which messages are signed, `whsec_` and base64: it is never told again"
+        description="Secret that signs messages, `whsec_` and base64: it is shown once"
     )
 
 
 class WebhookPage(ResponseModel):
     """Webhooks, newest first."""
 
-    items: list[Webhook] = Field(description="On this page")
+    items: list[Webhook] = Field(description="Webhooks on this page")
     next: str | None = Field(description="Cursor of the next page; null on the last one")

@@ -15,9 +15,9 @@ class AddressEvidence(Answer):
     """Where a webhook may not lead."""
 
     host: str
-    """As the URL has it."""
+    """Host in the URL."""
     pointer: str
-    """Where the URL stands in the body."""
+    """JSON pointer to the URL in the body."""
 
 
 class AddressNotAllowedProblem(Answer):
@@ -135,22 +135,22 @@ class Approximation(Answer):
     """The nearest that a search came to a goal."""
 
     goal: list[float]
-    """That goal [rad or m]."""
+    """The goal configuration that it is nearest to [rad or m]."""
     goal_distance: float
-    """From a goal, as a length in joint space [rad or m]."""
+    """Distance from that configuration to the goal, as a length in joint space [rad or m]."""
     path: list[list[float]]
-    """To it, a row for each configuration [rad or m]."""
+    """Path to that configuration, one row per waypoint [rad or m]."""
     positions: list[float]
-    """The configuration [rad or m]."""
+    """Configuration of the search that is nearest to a goal [rad or m]."""
 
 
 class AssetEvidence(Answer):
     """Which file does not exist."""
 
     uri: str
-    """As the scene or the model has it."""
+    """Name of the file in the scene or in the model."""
     known: list[str] | None = None
-    """What there is instead."""
+    """Names that exist."""
     path: str | None = None
     """Its place in the scene."""
 
@@ -205,7 +205,7 @@ class AttemptReport(Answer):
     """What one attempt at a solution came to."""
 
     cost: float
-    """By the objective, in its unit."""
+    """Cost by the objective, in its unit."""
     length: float
     """And after it [rad or m]."""
     num_states_checked: int
@@ -216,7 +216,7 @@ class AttemptReport(Answer):
     planner: str
     """OMPL's name."""
     raw_length: float
-    """Of its solution, before shortcutting [rad or m]."""
+    """Length of its solution, before shortcutting [rad or m]."""
 
 
 class Batch(Answer):
@@ -229,7 +229,7 @@ class Batch(Answer):
     finished_at: datetime | None
     """When the last plan ended (UTC); null while one waits or runs."""
     id: str
-    """Of the batch."""
+    """Id of the batch."""
     plans: list[str]
     """Ids of the plans, in the order of the problems; `GET /v1/plans?batch=` lists them, newest
     first."""
@@ -254,7 +254,7 @@ class BatchPage(Answer):
     """Batches, newest first."""
 
     items: list[BatchSummary]
-    """On this page, without the ids of their plans."""
+    """Batches on this page, without the ids of their plans."""
     next: str | None
     """Cursor of the next page; null on the last one."""
 
@@ -269,7 +269,7 @@ class BatchSummary(Answer):
     finished_at: datetime | None
     """When the last plan ended (UTC); null while one waits or runs."""
     id: str
-    """Of the batch."""
+    """Id of the batch."""
 
 
 class BestPath(Answer):
@@ -287,11 +287,11 @@ class BestPathData(Answer):
     at: datetime
     """When it happened (UTC)."""
     detail: str
-    """For a person."""
+    """Text for a person."""
     length: float
     """Weighted length of the path."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
     seconds: float | None = None
     """Since the worker began with the plan [s]; null where an older version told it."""
 
@@ -328,15 +328,15 @@ class BlockedMoves(Answer):
     """How many approaches or retreats stopped for one reason."""
 
     count: int
-    """Configurations."""
+    """Number of configurations."""
     leg: LineLeg
-    """Which."""
+    """`approach` or `retreat`."""
     max_fraction: float
     """The largest part of the line that is free, from the goal outwards [0 to 1]."""
     reason: LineStopReason
-    """Why."""
+    """Reason why they stopped."""
     where: str
-    """The pair of bodies or the joint, or empty."""
+    """Pair of bodies or joint that stopped them, or empty."""
 
 
 class BodyTooLargeProblem(Answer):
@@ -373,38 +373,38 @@ class Box(Answer):
     size: list[float]
     """Full side lengths along the axes of `pose` [m]."""
     pose: Pose | None = None
-    """Of its middle; in a frame that moves with the group, where the start puts it."""
+    """Pose of its middle; in a frame that moves with the group, as the start puts it."""
 
 
 class Branch(Answer):
     """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
 
     elbow: Literal[-1, 0, 1] | str
-    """To which side the elbow bends."""
+    """Side to which the elbow bends."""
     shoulder: Literal[-1, 0, 1] | str
     """On which side of the first axis the wrist is."""
     wrist: Literal[-1, 0, 1] | str
-    """To which side the wrist bends."""
+    """Side to which the wrist bends."""
 
 
 class BusyEvidence(Answer):
     """What moves a robot, or waits for it."""
 
     execution: str
-    """Its id."""
+    """Id of the execution."""
     group: str
-    """That it moves."""
+    """Group that it moves."""
 
 
 class CancelEvidence(Answer):
     """Where a cancel came."""
 
     during: str | None = None
-    """The work at which it ended."""
+    """Work during which the cancel came."""
     reason: str | None = None
-    """Where the server ended it, not a client: why."""
+    """Why the server ended it; absent if a client did."""
     time: float | None = None
-    """Of an execution, along the motion [s]."""
+    """Time along the motion of an execution [s]."""
 
 
 class CanceledFailure(Answer):
@@ -447,7 +447,7 @@ class Car(Answer):
     """A planar base that moves like a car: never sideways, in no tighter turn than it can."""
 
     turning_radius: float
-    """Of its tightest turn, at the origin of the base [m]."""
+    """Radius of its tightest turn, at the origin of the base [m]."""
     reverse: bool = True
     """Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')."""
 
@@ -488,23 +488,23 @@ class CertificateEvidence(Answer):
     """Why no motion passed the certifier; of executions, why the plan's does not by now."""
 
     checks: list[FailedCheck]
-    """Of the last motion, the worst first."""
+    """Failed checks of the last motion, the worst first."""
     bound: float | None = None
-    """Of executions, what it may be."""
+    """Bound of that check; executions only."""
     check: str | None = None
-    """Of executions, the first of the checks."""
+    """Name of the first failed check; executions only."""
     execution: str | None = None
-    """Of the check `beside`, id of the execution whose motion is in the way."""
+    """Id of the execution whose motion is in the way, if the check is `beside`."""
     other_time: float | None = None
-    """Of the check `beside`, when on the motion of that one [s]."""
+    """Time on the motion of that execution [s], if the check is `beside`."""
     pair: list[str] | None = None
-    """Of executions, the two bodies that come too near, if that is the check."""
+    """The two bodies that come too near, if that is the check; executions only."""
     refused: list[str] | None = None
     """Each motion that was refused, and why."""
     time: float | None = None
-    """Of executions, when on the motion [s]."""
+    """Time on the motion of the first failed check [s]; executions only."""
     value: float | None = None
-    """Of executions, the worst value of that check."""
+    """Worst value of that check; executions only."""
 
 
 class Certify(Answer):
@@ -568,7 +568,7 @@ class Check(Answer):
     time: float
     """When that is [s]; not the first instant at which a check fails."""
     unit: str
-    """Of value, bound and resolution; `1` for peak over limit."""
+    """Unit of value, bound and resolution; `1` for peak over limit."""
     value: float | None
     """The worst value found, in `unit`; of a check that failed the worst seen until then, there
     may be worse; null for none."""
@@ -580,7 +580,7 @@ class CheckResponse(Answer):
     """A verdict per configuration, in order."""
 
     results: list[Verdict]
-    """In the order of the configurations."""
+    """Verdicts in the order of the configurations."""
 
 
 class ClearanceObjective(Answer):
@@ -619,7 +619,7 @@ class ConfigurationGoal(Answer):
     """Reach a configuration that the scene or the robot names."""
 
     name: str
-    """Of the configuration, for example `home`."""
+    """Name of the configuration, for example `home`."""
     type: Literal["configuration"]
     """Says which goal this is."""
 
@@ -664,15 +664,15 @@ class ConstraintViolation(Answer):
     """A path constraint that is violated."""
 
     bound: float | None
-    """What it may be, in `unit`."""
+    """Bound of the constraint, in `unit`."""
     constraint: str
     """Its place in the request and its kind."""
     unit: str
-    """Of both; `1` for a number without one."""
+    """Unit of value and bound; `1` for a number without one."""
     value: float | None
-    """What it is, in `unit`."""
+    """Value of the constraint, in `unit`."""
     joint: str | None = None
-    """Of constraints on joints, the worst one."""
+    """Worst joint, for constraints on joints."""
 
 
 class Contact(Answer):
@@ -694,11 +694,9 @@ class ContactEvidence(Answer):
     pair: list[str]
     """Full names of both bodies."""
     time: float
-    """On the motion [s]."""
+    """Time along the motion [s]."""
     depth: float | None = None
-    """By which they overlap [m]."""
-    execution: str | None = None
-    """Id of the execution that moves the other robot, if one does."""
+    """Depth by which they overlap [m]."""
     force: float | None = None
     """Force between them [N]; null where it is not known."""
 
@@ -728,7 +726,7 @@ class ControlsData(Answer):
     is_paused: bool | None = None
     """Whether it rests on its path."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
     speed: float | None = None
     """Seconds of the motion per second; negative is backwards."""
 
@@ -755,11 +753,11 @@ class CountEvidence(Answer):
     """How many values a list should have."""
 
     expected: int
-    """As many."""
+    """Number of values that are expected."""
     got: int
-    """As many were given."""
+    """Number of values that were given."""
     names: list[str]
-    """Of the coordinates that they are for."""
+    """Names of the coordinates that the values are for."""
     field: str | None = None
     """Its place in the request."""
 
@@ -779,9 +777,9 @@ class DatabaseTakenEvidence(Answer):
     """Which server has the database."""
 
     epoch: int
-    """How many servers had it up to this one."""
+    """Epoch of this server."""
     latest: int | None
-    """And up to the one that has it now."""
+    """Epoch of the server that has the database now."""
 
 
 class DatabaseTakenProblem(Answer):
@@ -826,7 +824,7 @@ class DeadlineEvidence(Answer):
     """What had been done when the time was over; of a search, as in `SearchEvidence`."""
 
     allowed: float | None = None
-    """Seconds that it might take."""
+    """Time that was allowed [s]."""
     approximate: Approximation | None = None
     """In the stage `search`, the nearest to a goal, if the request wants it."""
     attempts: int | None = None
@@ -834,7 +832,7 @@ class DeadlineEvidence(Answer):
     cut_short: bool | None = None
     """In the stage `goals`, that the funnel is not complete."""
     during: str | None = None
-    """The work at which it ended."""
+    """Work during which the time ran out."""
     funnel: FunnelEvidence | None = None
     """In the stage `goals`, how many samples passed each test until then."""
     goal_distance: float | None = None
@@ -850,7 +848,7 @@ class DeadlineEvidence(Answer):
     planner: str | None = None
     """In the stage `search`, OMPL's name; of several, all."""
     waited: float | None = None
-    """Seconds for which a question waited for a worker before."""
+    """Time that the question waited for a worker before [s]."""
 
 
 class DeadlineExceededFailure(Answer):
@@ -893,16 +891,16 @@ class Deviation(Answer):
     """How far a tool may be from its line, between waypoints and samples too."""
 
     position: float = 0.001
-    """Of its origin, from the line [m]."""
+    """Distance of its origin from the line [m]."""
     rotation: float = 0.008726646259971648
-    """Of its rotation [rad]."""
+    """Angle between its rotation and that of the line [rad]."""
 
 
 class DigestEvidence(Answer):
     """Which scene is not kept."""
 
     digest: str
-    """Of its content."""
+    """Digest of the content of the scene."""
 
 
 class DiskFullProblem(Answer):
@@ -980,7 +978,7 @@ class DriverLostEvidence(Answer):
     """Which driver was lost, and what is known of its robot."""
 
     driver: str
-    """Its name."""
+    """Name of the driver."""
     reason: str
     """What happened."""
     rests: bool
@@ -1024,7 +1022,7 @@ class EditSource(Answer):
     """The robot was put there by hand, by `set_positions`."""
 
     revision: int
-    """That came of it."""
+    """Revision that the edit made."""
     type: Literal["edit"]
     """What says where the robot is."""
 
@@ -1041,7 +1039,7 @@ class EditedScene(Answer):
     digest: str
     """sha256 of the content, the bytes of all files included."""
     document: SceneDocument
-    """As it was posted or edited, defaults filled in."""
+    """Document as it was posted or edited, defaults filled in."""
     executions: list[ExecutionVerdict]
     """Each execution that waits or moves in the scene, and whether what is left of its motion
     is proven in this revision."""
@@ -1050,13 +1048,13 @@ class EditedScene(Answer):
     groups: list[Group]
     """What can be planned for."""
     id: str
-    """Of the scene."""
+    """Id of the scene."""
     name: str
     """For people."""
     num_pairs: int
     """Pairs of bodies that are kept apart."""
     revision: int
-    """Of its content, from 1."""
+    """Revision of its content, from 1."""
     warnings: list[str]
     """What was found odd, for example concave meshes."""
     files: dict[str, Files] = Field(default={}, validate_default=True)
@@ -1074,24 +1072,24 @@ class Encounter(Answer):
     """Two motions that would meet."""
 
     distance: float
-    """Between them then, negative where they overlap [m]."""
+    """Distance of both bodies then, negative where they overlap [m]."""
     pair: list[str]
     """The two bodies."""
     times: dict[str, float]
-    """When, by the time of each group's own motion [s]."""
+    """When they meet, by the time of each group's own motion [s]."""
     waiting: str | None = None
-    """The group that does not avoid it, however long it waits."""
+    """Group that does not avoid the encounter, however long it waits."""
 
 
 class EntityTagEvidence(Answer):
     """Which revision the scene is at."""
 
     asked: str
-    """What `If-Match` names."""
+    """Tag in `If-Match`."""
     etag: str
-    """Of that revision."""
+    """`ETag` of the latest revision."""
     revision: int
-    """That there is."""
+    """Latest revision."""
 
 
 class EventData(Answer):
@@ -1100,7 +1098,7 @@ class EventData(Answer):
     at: datetime
     """When it happened (UTC)."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
 
 
 class Execution(Answer):
@@ -1146,7 +1144,7 @@ class Execution(Answer):
     """The plan that is carried out instead, as `on_not_certified` says; null if the motion that
     was asked for held."""
     sampling: SamplingReserve | None = None
-    """Of a controller that samples the motion, once it has ended; null for others."""
+    """Effect of a controller that samples the motion, once it has ended; null for others."""
     timings: Timings = Field(default={}, validate_default=True)
     """Seconds of the stages `load` and `execute`, once it has ended; of a failure those of
     `failure` [s]."""
@@ -1190,7 +1188,7 @@ class ExecutionSource(Answer):
     """An execution has measured the robot there."""
 
     id: str
-    """Of the execution."""
+    """Id of the execution."""
     type: Literal["execution"]
     """What says where the robot is."""
 
@@ -1260,9 +1258,6 @@ class ExecutionTerms(Answer):
     /trajectories/schedule` finds them."""
     driver: DriverName | UrRtdeDriver = "simulated"
     """What moves."""
-    gripper: GripperRequest | None = None
-    """Open or close a gripper, from where its fingers are, and take hold of an object or let it
-    go."""
     on_conflict: Literal["stop", "slow", "replan", "ignore"] | str = "stop"
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
     on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
@@ -1318,19 +1313,19 @@ class FailedCheck(Answer):
     """A check of the certificate that failed."""
 
     bound: float | None
-    """What it may be; null where it is not finite."""
+    """Bound of the check, in `unit`; null where it is not finite."""
     name: str
-    """Of the check."""
+    """Name of the check."""
     value: float | None
-    """Its worst value, in the unit of the check; null where it is not finite."""
+    """Worst value of the check, in `unit`; null where it is not finite."""
     where: str
     """The joint, frame or bodies, or empty."""
     positions: list[float] | None = None
     """The group's positions at that time [rad or m]."""
     time: float | None = None
-    """On the motion [s]."""
+    """Time on the motion at which the value is worst [s]."""
     unit: str | None = None
-    """Of both; `1` for a number without one."""
+    """Unit of value and bound; `1` for a number without one."""
 
 
 type Failure = Annotated[
@@ -1357,7 +1352,6 @@ type Failure = Annotated[
         | CanceledFailure
         | RetimingFailedFailure
         | ScheduleNotFoundFailure
-        | GraspMissedFailure
         | NotCertifiedFailure
         | IllegalTransitionFailure
         | TrackingLostFailure
@@ -1400,7 +1394,7 @@ class Files(Answer):
     named: str
     """What the document calls them: `model`, or the mesh's `uri`."""
     sha256: dict[str, str]
-    """Of the bytes of every file, by path relative to the folder of all."""
+    """sha256 of the bytes of every file, by path relative to the folder of all."""
 
 
 class FinishedData(Answer):
@@ -1413,7 +1407,7 @@ class FinishedData(Answer):
     failure: Failure | None = None
     """Why there is no result."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
 
 
 class FinishedEvent(Answer):
@@ -1438,7 +1432,7 @@ class FollowedMotion(Answer):
     """A motion that an execution went on with, since an edit was in the way of the one before."""
 
     duration: float
-    """Of the whole motion, from its beginning to its end [s]."""
+    """Duration of the whole motion [s]."""
     is_spliced: bool
     """Whether the robot left the motion before it without a rest; if not, it began at rest,
     where the robot had stopped."""
@@ -1449,16 +1443,16 @@ class FollowedMotion(Answer):
     plan: str
     """Id of the plan that it follows."""
     revision: int
-    """Of the scene that it is proven in."""
+    """Revision of the scene in which it is proven."""
 
 
 class FoundDeviation(Answer):
     """How far a tool is from its line at most, between waypoints too."""
 
     position: float
-    """Of its origin, from the line [m]."""
+    """Distance of its origin from the line [m]."""
     rotation: float
-    """Of its rotation [rad]."""
+    """Angle between its rotation and that of the line [rad]."""
 
 
 class FrameDocument(Answer):
@@ -1476,23 +1470,23 @@ class FunnelEvidence(Answer):
     """How many samples of inverse kinematics pass each test."""
 
     collision_free: int
-    """Of these, those that are free."""
+    """Number of those that are free of collisions."""
     converged: int
-    """Those that reached the target."""
+    """Number of them that reached the target."""
     distinct: int
-    """Of these, those that differ from all others."""
+    """Number of those that differ from all others."""
     rejected_by: list[RejectedPair]
     """Collisions by pair, the most frequent first."""
     tried: int
-    """Seeds given to the solver."""
+    """Number of seeds given to the solver."""
     within_limits: int
-    """Of these, those within the joint limits."""
+    """Number of the converged ones within the joint limits."""
     approach_ok: int | None = None
-    """Of the free ones that keep path constraints, those with free approach and retreat."""
+    """Number of the free ones that keep path constraints and have free approach and retreat."""
     blocked_by: list[BlockedMoves] | None = None
     """What stopped approaches and retreats, the most frequent first."""
     breaking: int | None = None
-    """Of the free ones, those that violate a path constraint."""
+    """Number of the free ones that violate a path constraint."""
     rejected: list[RejectedSamples] | None = None
     """Why the others are not among the distinct ones; the counts add up to those tried."""
     summary: str | None = None
@@ -1505,7 +1499,7 @@ class Geometry(Answer):
     """What the bodies of a scene look like; of a revision it never changes."""
 
     bodies: list[VisibleBody]
-    """By name."""
+    """Bodies, sorted by name."""
 
 
 class OtherGoal(Answer):
@@ -1589,7 +1583,7 @@ class GoalLimitsEvidence(Answer):
     """Positions of the goal's configurations outside their limits."""
 
     joints: list[ViolatedLimit]
-    """Where, and by how much."""
+    """Coordinates that are outside."""
     nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
     """The nearest feasible configuration, null if none was found."""
     relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
@@ -1749,122 +1743,6 @@ class GoalsReport(Answer):
     """Goal configurations that were offered to search."""
 
 
-class Grasp(Answer):
-    """Close on an object, and hold it from then on."""
-
-    object: str
-    """Its name; it must be `movable`, and between the fingers."""
-    frame: str | None = None
-    """That it follows from then on; null for the first tool frame of the gripper."""
-    gap: float = 0.0002
-    """Distance that the nearest finger keeps from it [m]: the grasp is a weld, not a contact,
-    and a simulated robot that touches something is stopped."""
-    reach: float = 0.002
-    """Largest distance of any finger from it [m], else it is not held (`grasp_missed`)."""
-    touch: list[str] | None = None
-    """Bodies that it may touch then; null for those of `attach`: the fingers, and what moves
-    rigidly with the frame."""
-
-
-class GraspEvidence(Answer):
-    """Why fingers do not hold an object."""
-
-    bound: float
-    """What they may be [m]."""
-    distances: list[float | None]
-    """Between the object and each finger then [m]; null beyond 5 cm."""
-    object: str
-    """Its name."""
-    width: float
-    """How far the fingers are apart where they have closed [m]."""
-
-
-class GraspMissedFailure(Answer):
-    """Fingers that close do not hold the object."""
-
-    code: Literal["grasp_missed"]
-    """Stable machine-readable name of the kind."""
-    detail: str
-    """What went wrong, for a person."""
-    evidence: GraspEvidence
-    """Facts behind it [SI units, radians]."""
-    stage: AnyStage
-    """The stage that gave up, or in which the time ran out or the cancel came: a name in
-    `timings`, for example `goals`; `worker` if it is not known; or empty."""
-    timings: Timings = Field(default={}, validate_default=True)
-    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
-    was timed."""
-
-
-class GraspMissedProblem(Answer):
-    """Fingers that close do not hold the object."""
-
-    code: Literal["grasp_missed"]
-    """Stable machine-readable name of the kind."""
-    detail: str
-    """What is wrong with this request, for a person."""
-    evidence: GraspEvidence
-    """Facts behind it [SI units, radians]."""
-    status: int
-    """The HTTP status, again."""
-    title: str
-    """The kind of problem, for a person."""
-    type: str
-    """`urn:wayproof:problem:` and the code."""
-    errors: list[ProblemError] = Field(default=[], validate_default=True)
-    """What is wrong in the body, at most 20; absent where no place of it is."""
-
-
-class Gripper(Answer):
-    """How wide a group opens that is a parallel gripper: `travel` times (position - `lower`)."""
-
-    joint: str
-    """Full name of the joint that moves its fingers."""
-    lower: float
-    """Position of that joint where the fingers meet [m]."""
-    max_width: float
-    """How far apart they are at most [m]."""
-    travel: float
-    """By how much they part with each metre of the joint."""
-
-
-class GripperRequest(Answer):
-    """Open or close a gripper, from where its fingers are."""
-
-    group: str | list[str]
-    """A group that is a gripper: `robot` for its default group, `robot::group`, or a group that
-    the scene names; a list of several, or their names joined by `+`, for one group of all their
-    joints, in this order."""
-    scene: str
-    """Id of a scene; it moves in its latest revision."""
-    force: float | None = None
-    """Largest force of the motor of the fingers' joint [N], where a driver has forces: one that
-    needs more is stopped (`torque_limit_reached`); null for the joint's own limit."""
-    grasp: Grasp | None = None
-    """Close on an object; once the fingers rest it is attached as `attach` does it, where it
-    was measured to be."""
-    release: str | None = None
-    """An object that is let go of: detached once the fingers have opened to `width`."""
-    width: float | None = None
-    """How far apart the fingers shall be [m], from 0 to `gripper.max_width` of the group; null
-    to close on the object of `grasp`."""
-
-
-class GripperState(Answer):
-    """How wide a gripper is open, and what it holds."""
-
-    group: str
-    """Its full name."""
-    holds: list[str]
-    """Objects that are attached to a frame of the gripper."""
-    max_width: float
-    """How far apart they can be [m]."""
-    robot: str
-    """Whose gripper it is."""
-    width: float
-    """How far apart its fingers are [m], as `positions` has them."""
-
-
 class Group(Answer):
     """Joints that are planned for together."""
 
@@ -1873,7 +1751,7 @@ class Group(Answer):
     configurations: dict[str, list[float]]
     """Named configurations, in the group's order [rad or m]."""
     joints: list[Joint]
-    """In the group's order."""
+    """Joints in the group's order."""
     limits: Limits
     """What its joints may do."""
     name: str
@@ -1886,8 +1764,6 @@ class Group(Answer):
     """Frames that it moves; the first is the default."""
     velocity_names: list[str]
     """A name per velocity coordinate, in order."""
-    gripper: Gripper | None = None
-    """How wide it opens, of a gripper; left out of other groups."""
     members: list[str] = Field(default=[], validate_default=True)
     """Groups of robots that it spans, in order; left out of one of these."""
 
@@ -1901,14 +1777,14 @@ class Health(Answer):
     status: Literal["ok"]
     """Always `ok`: no answer is the other answer."""
     version: str
-    """Of Wayproof."""
+    """Version of Wayproof."""
 
 
 class HeldObject(Answer):
     """An object that a robot holds."""
 
     frame: str
-    """That it is attached to, of a robot."""
+    """Frame of a robot that it is attached to."""
     object: str
     """Its name."""
 
@@ -1917,7 +1793,7 @@ class HostEvidence(Answer):
     """Whom a request was for."""
 
     host: str
-    """As the request has it."""
+    """Host in the request."""
 
 
 class HostLostEvidence(Answer):
@@ -2048,8 +1924,8 @@ class Ik(Answer):
     """Factor on each joint's part of the distance from the start, by full name
     (`robot::joint`); 1 for joints that are not named [1]."""
     max_configurations: int = 100
-    """At most so many, the nearest to the start of all that are found; as many are looked for,
-    but 100 at least, and until 40 in a row are known already."""
+    """Number of configurations at most, the nearest to the start of all that are found; as many
+    are looked for, but 100 at least, and until 40 in a row are known already."""
     max_trials: int = 300
     """Stop after this many seeds of the solver, over all poses."""
     pose_metric: PoseMetric | None = None
@@ -2076,7 +1952,7 @@ class IkFunnel(Answer):
     blocked_by: list[ApproachFailures] = Field(default=[], validate_default=True)
     """What stopped approaches and retreats, most frequent first."""
     breaking: int = 0
-    """Of the collision-free samples, those that violate a path constraint."""
+    """Collision-free samples that violate a path constraint."""
     rejected: list[Rejection] = Field(default=[], validate_default=True)
     """Why the others are no solutions."""
     summary: str = ""
@@ -2163,9 +2039,9 @@ class InUseEvidence(Answer):
     """What is not deleted, and because of what."""
 
     id: str
-    """Of the resource."""
+    """Id of the resource."""
     used_by: str
-    """Id of what names it, and has not ended."""
+    """Id of what uses it and has not ended."""
 
 
 class InternalErrorEvidence(Answer):
@@ -2174,9 +2050,9 @@ class InternalErrorEvidence(Answer):
     during: str | None = None
     """The stage that it told last."""
     exception: str | None = None
-    """Its class."""
+    """Class of the exception."""
     reference: str | None = None
-    """Under which the server's log says more."""
+    """Reference under which the server's log says more."""
 
 
 class InternalErrorFailure(Answer):
@@ -2281,7 +2157,7 @@ class JobIdEvidence(Answer):
     """Which job does not exist."""
 
     id: str
-    """As it was given."""
+    """Id that was given."""
 
 
 type JobState = Literal["queued", "running", "succeeded", "failed", "canceled"] | str
@@ -2320,7 +2196,7 @@ class JointLimits(Answer):
 
 
 type JointPositions = dict[str, float | list[float]]
-"""By joint of the robot: a number, or one for each of its coordinates."""
+"""Positions by joint of the robot: a number, or one for each of its coordinates."""
 
 type JointType = Literal["revolute", "continuous", "prismatic", "planar", "floating"] | str
 """Types of joints; positions and velocities are in Drake's order."""
@@ -2450,13 +2326,13 @@ class LineEvidence(Answer):
     """Where a straight line stops."""
 
     fraction: float
-    """The part of it that is free [0 to 1]."""
+    """Share of the line that is free [0 to 1]."""
     length: float
-    """Of the line [m]."""
+    """Length of the line [m]."""
     line: int
-    """Which of the goal's lines, from 0."""
+    """Index of the goal's line, from 0."""
     stopped_by: LineStopEvidence
-    """Where and why."""
+    """Place and reason of the stop."""
 
 
 class LineGoal(Answer):
@@ -2485,9 +2361,9 @@ class LineResponse(Answer):
     deviation: FoundDeviation
     """How far from the line the tool is at most, between waypoints too."""
     fraction: float
-    """Of the line that is reached, 0 to 1 [1]."""
+    """Share of the line that is reached, 0 to 1 [1]."""
     fractions: list[float]
-    """Of the line, of every waypoint [1]."""
+    """Share of the line at every waypoint [1]."""
     length: float
     """How far the tool's origin gets along it [m]."""
     poses: list[Pose] | None
@@ -2502,7 +2378,7 @@ class LineStop(Answer):
     """What ended a line before its end."""
 
     fraction: float
-    """Of the line that was reached, to about 1e-5 [1]."""
+    """Share of the line that was reached, to about 1e-5 [1]."""
     joint: str | None
     """The position coordinate at its limit, for `limit`."""
     pair: Pair | None
@@ -2524,19 +2400,19 @@ class LineStopEvidence(Answer):
     """Where and why a straight line stops."""
 
     fraction: float
-    """The part of the line that is free [0 to 1]."""
+    """Share of the line that is free [0 to 1]."""
     joint: str | None
-    """That would leave its limits, if that is the reason."""
+    """Joint that would leave its limits, if that is the reason."""
     pair: ViolatingPair | None
-    """That would violate its margin, if that is the reason."""
+    """Pair that would violate its margin, if that is the reason."""
     positions: list[float]
     """The group's positions there [rad or m]."""
     reason: LineStopReason
-    """Why."""
+    """Reason why the line stops."""
     singular_value: float | None
-    """The least of the Jacobian there."""
+    """Least singular value of the Jacobian there."""
     where: PlainPose
-    """The tool there, in world."""
+    """Pose of the tool there, in world."""
 
 
 type LineStopReason = Literal["limit", "singularity", "collision", "unreachable"] | str
@@ -2554,8 +2430,6 @@ class LiveState(Answer):
     """Those that have joints."""
     scene: str
     """Id of the scene."""
-    grippers: list[GripperState] = Field(default=[], validate_default=True)
-    """Groups that are grippers, and how wide they are open."""
 
 
 class LockedJoints(Answer):
@@ -2588,9 +2462,9 @@ class MemoryEvidence(Answer):
     """How much memory the worker used."""
 
     bound: int
-    """What it may use [bytes]."""
+    """Memory that the worker may use [bytes]."""
     used: int
-    """The most that was seen [bytes]."""
+    """Largest memory that was seen [bytes]."""
     attempts: int | None = None
     """How often the job was started."""
     during: str | None = None
@@ -2646,8 +2520,8 @@ class MeshName(Answer):
     """A mesh, in a file of its own."""
 
     sha256: str
-    """Of the bytes of `GET /v1/scenes/{scene}/geometry/{sha256}.glb`: glTF 2.0, binary; as an
-    exception to glTF its z axis points up."""
+    """sha256 of the bytes of `GET /v1/scenes/{scene}/geometry/{sha256}.glb`: glTF 2.0, binary;
+    as an exception to glTF its z axis points up."""
 
 
 class MethodNotAllowedProblem(Answer):
@@ -2683,7 +2557,7 @@ class Model(Answer):
     groups: list[Group]
     """What can be planned for, in a robot of this name."""
     name: str
-    """As `model` of a scene's robot has it."""
+    """Name, as `model` of a scene's robot has it."""
     sources: list[Source]
     """Where its numbers are from."""
 
@@ -2694,21 +2568,21 @@ class ModelEvidence(Answer):
     reason: str
     """What is wrong."""
     body: str | None = None
-    """At which body."""
+    """Body with the fault."""
     element: str | None = None
-    """In which element of it."""
+    """Element of the file with the fault."""
     elements: Any | None = None
-    """Which elements of it have the fault."""
+    """Elements of the file with the fault."""
     file: str | None = None
-    """In which file."""
+    """File with the fault."""
     joint: str | None = None
-    """At which joint."""
+    """Joint with the fault."""
     joints: list[str] | None = None
-    """At which joints."""
+    """Joints with the fault."""
     link: str | None = None
-    """At which link."""
+    """Link with the fault."""
     robot: str | None = None
-    """Which robot of the scene it is."""
+    """Robot of the scene that has the fault."""
 
 
 class ModelInvalidFailure(Answer):
@@ -2766,7 +2640,7 @@ class MotionData(Answer):
     trajectory: Polynomial
     """All of it; what is spliced has what was passed of the motion before it."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
 
 
 class MotionEvent(Answer):
@@ -2810,15 +2684,15 @@ class NameEvidence(Answer):
     """A name that does not exist."""
 
     kind: str
-    """What was looked for."""
+    """Kind of the name, such as `frame`."""
     known: list[str]
-    """Names that there are."""
+    """Names that exist."""
     name: str
-    """As it was given."""
+    """Name that was given."""
     nearest: list[str] | None = None
-    """Of these, those that were perhaps meant, the nearest first."""
+    """Known names that were perhaps meant, the nearest first."""
     operation: int | None = None
-    """Of an edit, in which operation, from 0."""
+    """Index of the operation of an edit, from 0."""
 
 
 class NearestConfigurationEvidence(Answer):
@@ -2831,9 +2705,9 @@ class NearestConfigurationEvidence(Answer):
     cut_short: bool
     """Whether time ran out, so that a nearer one may exist."""
     differences: dict[str, float]
-    """From it, by coordinate [rad or m]."""
+    """Difference from the goal's configuration, by coordinate [rad or m]."""
     distance: float
-    """From the goal's configuration, in the metric of joints [rad or m]."""
+    """Distance from the goal's configuration, in the metric of joints [rad or m]."""
     goal_index: int
     """Which of the goal's configurations it is nearest to, from 0."""
     joints: list[str]
@@ -2858,7 +2732,7 @@ class NearestPoseEvidence(Answer):
     cut_short: bool
     """Whether time ran out, so that a nearer pose may exist."""
     goal: PlainPose
-    """That pose, within its tolerance, as near as it may be."""
+    """The goal's pose, moved within its tolerance to be as near as possible."""
     joints: list[str]
     """Coordinates at their limits."""
     line: dict[str, Any] | None
@@ -2892,11 +2766,11 @@ class NewWebhook(Answer):
     failing_since: datetime | None
     """Since when it has taken nothing that was sent (UTC); null if it takes them."""
     id: str
-    """Of the webhook."""
+    """Id of the webhook."""
     reason: str
-    """Of the last failure since a success, or empty."""
+    """Reason of the last failure since a success, or empty."""
     secret: str
-    """With which messages are signed, `whsec_` and base64: it is never told again."""
+    """Secret that signs messages, `whsec_` and base64: it is shown once."""
     url: str
     """Where messages are posted."""
 
@@ -2947,9 +2821,9 @@ class NoRegionsEvidence(Answer):
     digest: str
     """Of its content."""
     group: str
-    """That they are for."""
+    """Group that the regions are for."""
     margin: float
-    """That they keep at least [m]."""
+    """Least margin that the regions keep [m]."""
     there: list[dict[str, Any]]
     """Regions that there are, and why they do not fit."""
     scene: str | None = None
@@ -2981,9 +2855,9 @@ class NoTrajectoryEvidence(Answer):
     failure: dict[str, Any] | None = None
     """Why it has no motion, if it ended without one."""
     id: str | None = None
-    """Of the plan."""
+    """Id of the plan."""
     state: str | None = None
-    """That it is in."""
+    """State of the plan."""
 
 
 class NoTrajectoryProblem(Answer):
@@ -3137,9 +3011,9 @@ class Orientation(Answer):
     """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
 
     axis: list[float]
-    """In that frame; any length but zero."""
+    """Axis in that frame; any length but zero."""
     direction: list[float]
-    """In `reference`; any length but zero."""
+    """Direction in `reference`; any length but zero."""
     frame: str
     """Whose axis."""
     tolerance: float
@@ -3218,7 +3092,7 @@ class Pair(Answer):
     bodies: tuple[str, str]
     """Full names."""
     depth: float
-    """Of penetration [m]; 0 if they do not touch."""
+    """Depth of penetration [m]; 0 if they do not touch."""
     distance: float
     """Signed [m]; negative is the depth of penetration."""
     points: list[list[float]]
@@ -3229,7 +3103,7 @@ class PairsEvidence(Answer):
     """Pairs of bodies at the start."""
 
     pairs: list[ViolatingPair]
-    """Those that overlap or violate their margin."""
+    """Pairs that overlap or violate their margin."""
 
 
 class Parameter(Answer):
@@ -3259,9 +3133,9 @@ class Part(Answer):
     kind: Literal["free", "approach", "retreat", "line"] | str
     """What it is for; all but `free` are straight lines of the tool."""
     length: float
-    """Of the tool's way [m]."""
+    """Length of the tool's path [m]."""
     num_waypoints: int
-    """Of its part of `path`, both ends included."""
+    """Number of waypoints of its part of `path`, both ends included."""
 
 
 class PartialPose(Answer):
@@ -3279,17 +3153,17 @@ class PathBlockedEvidence(Answer):
     """What of a motion does not hold in the scene as it was edited."""
 
     check: str
-    """Of the certificate."""
+    """Name of the failed check of the certificate."""
     fraction: float
-    """Share of the path's length that is done there."""
+    """Share of the path's length that lies before that place [0 to 1]."""
     pair: list[str]
     """Full names of both bodies, if it is about two."""
     revision: int
-    """Of the scene."""
+    """Revision of the scene that has the conflict."""
     time: float
-    """On the motion [s]."""
+    """Time along the motion [s]."""
     execution: str | None = None
-    """Of the check `beside`, id of the execution whose motion is in the way; null for others."""
+    """Id of the execution whose motion is in the way, if the check is `beside`; else null."""
 
 
 class PathBlockedFailure(Answer):
@@ -3313,7 +3187,7 @@ class PathGoal(Answer):
     """Bring a tool frame through poses in straight lines, at rest at each."""
 
     poses: list[Pose]
-    """In this order; frames that move count where the start puts them."""
+    """Poses in this order; frames that move count where the start puts them."""
     type: Literal["path"]
     """Says which goal this is."""
     deviation: Deviation | None = None
@@ -3330,7 +3204,7 @@ class Payload(Answer):
     mass: float
     """[kg]."""
     center_of_mass: list[float] = Field(default=[0.0, 0.0, 0.0], validate_default=True)
-    """In the frame [m]."""
+    """Center of mass in the frame [m]."""
     inertia: list[float] = Field(default=[0.0, 0.0, 0.0, 0.0, 0.0, 0.0], validate_default=True)
     """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass, along the frame's axes [kg m^2];
     zeros for a point mass."""
@@ -3365,17 +3239,17 @@ class Plan(ShownPlan):
     finished_at: datetime | None
     """When it ended (UTC)."""
     id: str
-    """Of the plan."""
+    """Id of the plan."""
     progress: float
-    """Of the whole plan, 0 to 1: within a stage it grows with the share of the allowed time
-    that is used; of a plan that failed or was canceled, how far it came."""
+    """Share of the whole plan, 0 to 1: within a stage it grows with the share of the allowed
+    time that is used; of a plan that failed or was canceled, how far it came."""
     request: PlanRequest
     """The request with its defaults, and the scene's latest `revision` and the newest
     `search.regions` where they were left open: posted again, it gives the same plan."""
     result: PlanResult | None
     """What it gave, once it succeeded."""
     seed: int
-    """Of all randomness."""
+    """Seed of all randomness."""
     stage: AnyStage
     """The stage that it is in or ended in, or empty."""
     started_at: datetime | None
@@ -3389,8 +3263,8 @@ class Plan(ShownPlan):
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
     versions: Versions
-    """Of everything that the numbers depend on, in the server that ran it last; empty before it
-    runs, and for plans of versions that did not keep it."""
+    """Versions of everything that the numbers depend on, in the server that ran it last; empty
+    before it runs, and for plans of versions that did not keep it."""
     best: BestPath | None = None
     """The best path of the search so far, while the plan runs; null before one is found, and
     once the plan has ended."""
@@ -3400,7 +3274,7 @@ class PlanPage(Answer):
     """Plans, newest first."""
 
     items: list[PlanSummary]
-    """On this page, without their results."""
+    """Plans on this page, without their results."""
     next: str | None
     """Cursor of the next page; null on the last one."""
 
@@ -3432,11 +3306,11 @@ class PlanRequest(Answer):
     retime: Retime | None = None
     """Options of the timing."""
     revision: int | None = None
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     search: Search | None = None
     """Options of the search."""
     seed: int = 0
-    """Of all randomness: the same seed gives the same bytes."""
+    """Seed of all randomness: the same seed gives the same bytes."""
     start: list[float] | None = None
     """The group's positions [rad or m]; null for the scene's current state."""
 
@@ -3454,7 +3328,7 @@ class PlanResult(Answer):
     start: list[float]
     """Where it starts, clipped into the limits [rad or m]."""
     start_clipped: list[float]
-    """By how much the given start was clipped, at most 1e-6 [rad or m]."""
+    """Change of the given start by clipping, at most 1e-6 [rad or m]."""
     certificate: Certificate | None = None
     """The proof."""
     cut_short: list[str] | None = None
@@ -3491,15 +3365,15 @@ class PlanSummary(Answer):
     finished_at: datetime | None
     """When it ended (UTC)."""
     id: str
-    """Of the plan."""
+    """Id of the plan."""
     progress: float
-    """Of the whole plan, 0 to 1: within a stage it grows with the share of the allowed time
-    that is used; of a plan that failed or was canceled, how far it came."""
+    """Share of the whole plan, 0 to 1: within a stage it grows with the share of the allowed
+    time that is used; of a plan that failed or was canceled, how far it came."""
     request: PlanRequest
     """The request with its defaults, and the scene's latest `revision` and the newest
     `search.regions` where they were left open: posted again, it gives the same plan."""
     seed: int
-    """Of all randomness."""
+    """Seed of all randomness."""
     stage: AnyStage
     """The stage that it is in or ended in, or empty."""
     started_at: datetime | None
@@ -3513,8 +3387,8 @@ class PlanSummary(Answer):
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
     versions: Versions
-    """Of everything that the numbers depend on, in the server that ran it last; empty before it
-    runs, and for plans of versions that did not keep it."""
+    """Versions of everything that the numbers depend on, in the server that ran it last; empty
+    before it runs, and for plans of versions that did not keep it."""
     best: BestPath | None = None
     """The best path of the search so far, while the plan runs; null before one is found, and
     once the plan has ended."""
@@ -3665,7 +3539,7 @@ class Position(Answer):
     type: Literal["position"]
     """Says which constraint this is."""
     pose: Pose | None = None
-    """Of its middle; in a frame that moves with the group, where the start puts it."""
+    """Pose of its middle; in a frame that moves with the group, as the start puts it."""
 
 
 type Priority = Literal["low", "normal", "high"] | str
@@ -3696,7 +3570,6 @@ type Problem = Annotated[
         | CanceledProblem
         | RetimingFailedProblem
         | ScheduleNotFoundProblem
-        | GraspMissedProblem
         | NotCertifiedProblem
         | IllegalTransitionProblem
         | WorkerCrashedProblem
@@ -3805,13 +3678,13 @@ class ProgressData(Answer):
     at: datetime
     """When it happened (UTC)."""
     detail: str
-    """For a person, or empty."""
+    """Text for a person, or empty."""
     progress: float
-    """Of the whole job, 0 to 1."""
+    """Share of the whole job, 0 to 1."""
     stage: Stage
     """The stage that it is in."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
 
 
 class ProgressEvent(Answer):
@@ -3829,13 +3702,13 @@ class QueueFullEvidence(Answer):
     """How full a queue is."""
 
     bound: int
-    """How many may wait."""
+    """Number of jobs that may wait."""
     queue: str
-    """Which queue."""
+    """Name of the queue."""
     retry_after: float
-    """When to ask again [s]."""
+    """Time after which to ask again [s]."""
     queued: int | None = None
-    """How many do."""
+    """Number of jobs that wait."""
 
 
 class QueueFullProblem(Answer):
@@ -3861,13 +3734,13 @@ class QueueTimeoutEvidence(Answer):
     """How long a question waited for a worker."""
 
     queue: str
-    """In which queue."""
+    """Name of the queue."""
     queued: int
-    """How many wait there."""
+    """Number of questions that wait there."""
     retry_after: float
-    """When to ask again [s]."""
+    """Time after which to ask again [s]."""
     waited: float
-    """Seconds."""
+    """Time that the question waited [s]."""
 
 
 class QueueTimeoutProblem(Answer):
@@ -3994,13 +3867,13 @@ class RefineReport(Answer):
     improved: bool
     """Whether the refined curve is what was delivered."""
     length_after: float
-    """Of the refined curve [rad or m]."""
+    """Length of the refined curve [rad or m]."""
     length_before: float
-    """Of the path [rad or m]."""
+    """Length of the path [rad or m]."""
     lower_bound: float
     """What the slowest joint alone takes from start to goal [s]; nothing is quicker."""
     method: Literal["trajopt", "drake", "auto", "none"] | str
-    """As it was asked for."""
+    """Method that was requested."""
     reason: str
     """Why not, or empty."""
     rounds: int
@@ -4096,8 +3969,8 @@ class RegionsBrief(Answer):
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
     versions: Versions
-    """Of everything that the numbers depend on, in the server that ran it last; empty before it
-    runs, and for regions of versions that did not keep it."""
+    """Versions of everything that the numbers depend on, in the server that ran it last; empty
+    before it runs, and for regions of versions that did not keep it."""
 
 
 class RegionsJob(Answer):
@@ -4142,8 +4015,8 @@ class RegionsJob(Answer):
     `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
     for is done all the same."""
     versions: Versions
-    """Of everything that the numbers depend on, in the server that ran it last; empty before it
-    runs, and for regions of versions that did not keep it."""
+    """Versions of everything that the numbers depend on, in the server that ran it last; empty
+    before it runs, and for regions of versions that did not keep it."""
 
 
 class RegionsPage(Answer):
@@ -4201,9 +4074,9 @@ class RegionsRequest(Answer):
     """What goes first of what waits. Clients take turns within a priority, and what has waited
     for 30 s goes with the next priority: `low` is delayed by others, never for good."""
     revision: int | None = None
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     seed: int = 0
-    """Of all randomness: the same seed gives the same regions."""
+    """Seed of all randomness: the same seed gives the same regions."""
 
 
 class RegionsResult(Answer):
@@ -4228,7 +4101,7 @@ class RegionsResult(Answer):
     portals: list[Portal]
     """Where they overlap."""
     regions: list[Region]
-    """In the order in which they were grown."""
+    """Regions in the order in which they were grown."""
     scene: str
     """Digest of the scene in which they are free of collision."""
     seed: int
@@ -4276,13 +4149,13 @@ class RejectedPair(Answer):
     """How many configurations were rejected with one pair as the deepest collision."""
 
     bodies: tuple[str, str]
-    """Full names."""
+    """Full names of both bodies."""
     count: int
-    """Configurations."""
+    """Number of configurations."""
     max_depth: float
-    """The largest depth among them [m]."""
+    """Largest depth of the collision among them [m]."""
     min_depth: float
-    """The least depth among them [m]."""
+    """Least depth of the collision among them [m]."""
 
 
 class RejectedSamples(Answer):
@@ -4291,15 +4164,15 @@ class RejectedSamples(Answer):
     bodies: tuple[str, str] | None
     """The deepest pair of collisions; null where it was not measured."""
     count: int
-    """Samples."""
+    """Number of samples."""
     max_depth: float | None
     """The largest depth among them [m]."""
     min_depth: float | None
     """The least depth among them [m]."""
     reason: SampleRejection
-    """Which test they failed."""
+    """Test that they failed."""
     share: float
-    """Of the samples tried [0 to 1]."""
+    """Share of all samples that were tried [0 to 1]."""
 
 
 class Rejection(Answer):
@@ -4316,14 +4189,14 @@ class Rejection(Answer):
     reason: SampleRejection
     """What is wrong with them."""
     share: float
-    """Of `tried`, 0 to 1."""
+    """Share of `tried`, 0 to 1."""
 
 
 class RelativeGoal(Answer):
     """Move a tool frame by a displacement from where the start has it."""
 
     displacement: Displacement
-    """By how much."""
+    """Displacement from where the tool is at the start."""
     type: Literal["relative"]
     """Says which goal this is."""
     frame: str | None = None
@@ -4418,9 +4291,9 @@ class RequeuedData(Answer):
     at: datetime
     """When it happened (UTC)."""
     reason: str
-    """For a person."""
+    """Text for a person."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
 
 
 class RequeuedEvent(Answer):
@@ -4457,7 +4330,7 @@ class RestartEvidence(Answer):
     """How often the job was started."""
 
     attempts: int
-    """So often."""
+    """Number of times that it was started."""
     during: str | None = None
     """The stage that it told last."""
     reason: str | None = None
@@ -4493,9 +4366,9 @@ class Retime(Answer):
     method: Literal["toppra", "ruckig"] | str = "toppra"
     """toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too."""
     num_points: int | None = None
-    """Deliver so many samples, evenly in time, first and last instants included, however far
-    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
-    `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time, first and last instants included, however
+    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
+    every `sample_period`; not both."""
     payload: Payload | None = None
     """What the group carries that the scene does not show; it counts for torques."""
     sample_period: float | None = 0.01
@@ -4518,9 +4391,9 @@ class RetimeReport(Answer):
     blend_deviation: float
     """How far corners were rounded, or the smoothed curve may be from the path [rad or m]."""
     duration: float
-    """Of the trajectory [s]."""
+    """Duration of the trajectory [s]."""
     method: Literal["toppra", "ruckig"] | str
-    """As it was asked for."""
+    """Method that was requested."""
     slowed: float
     """Factor by which the audit stretched it; 1 is not at all."""
     stops: int
@@ -4561,33 +4434,33 @@ class RetimingEvidence(Answer):
     """Why the path has no timing."""
 
     at: float | None = None
-    """The share of the way where that is [0 to 1]."""
+    """Share of the path at which that is [0 to 1]."""
     bound: float | None = None
-    """That it may use [N m or N]."""
+    """Torque or force that the joint may use [N m or N]."""
     duration: float | None = None
-    """That was requested [s]."""
+    """Duration that was requested [s]."""
     joints: list[str] | None = None
-    """Of types that the method does not move."""
+    """Joints of types that the method does not move."""
     least: float | None = None
-    """That the limits allow [s]."""
+    """Least duration that the limits allow [s]."""
     limit: str | None = None
-    """Which one is too low."""
+    """Name of the limit that is too low."""
     method: str | None = None
-    """Of timing."""
+    """Method of timing."""
     missed: float | None = None
-    """By how much it missed the end of the path [rad or m]."""
+    """Distance by which the method missed the end of the path [rad or m]."""
     num_cells: int | None = None
-    """Pieces that the path was cut into."""
+    """Number of pieces that the path was cut into."""
     num_grid_points: int | None = None
-    """Points that the path was sampled at."""
+    """Number of points at which the path was sampled."""
     result: str | None = None
-    """What the method said."""
+    """Result that the method reported."""
     stuck: list[str] | None = None
-    """Joints that move and may not, because of it."""
+    """Joints that have to move, and may not because of that limit."""
     torque: float | None = None
-    """That gravity alone needs [N m or N]."""
+    """Torque or force that gravity alone needs there [N m or N]."""
     where: str | None = None
-    """Of a limit on torques: the joint."""
+    """Joint whose limit on torque is too low."""
 
 
 class RetimingFailedFailure(Answer):
@@ -4651,7 +4524,7 @@ class RevisionEvidence(Answer):
     latest: int
     """That there is."""
     revision: int
-    """That the request names."""
+    """Revision that the request names."""
 
 
 class RevisionMismatchProblem(Answer):
@@ -4679,7 +4552,7 @@ class Roadmap(Answer):
     neighbours: int = 12
     """With how many of the nearest others each is joined, where the way is free."""
     seed: int = 0
-    """Of its samples; the plan's own seed does not change it."""
+    """Seed of its samples; the plan's own seed does not change it."""
     states: int = 2000
     """Free configurations that it has."""
 
@@ -4757,7 +4630,7 @@ class RobotState(Answer):
     execution: str | None
     """Execution that moves it, or waits to; null for none."""
     positions: JointPositions
-    """Of the joints of its groups [rad or m]; `set_positions` takes them as they are."""
+    """Positions of the joints of its groups [rad or m]; `set_positions` takes them as they are."""
     robot: str
     """Its name in the scene."""
     source: StateSource
@@ -4775,7 +4648,7 @@ class RobotStateEvidence(Answer):
     """Which robots have to be looked at."""
 
     robots: list[str]
-    """Their names."""
+    """Names of the robots."""
 
 
 class RobotStateUnknownFailure(Answer):
@@ -4887,19 +4760,19 @@ class Scene(Answer):
     digest: str
     """sha256 of the content, the bytes of all files included."""
     document: SceneDocument
-    """As it was posted or edited, defaults filled in."""
+    """Document as it was posted or edited, defaults filled in."""
     frames: list[str]
     """Frames that poses may be given in."""
     groups: list[Group]
     """What can be planned for."""
     id: str
-    """Of the scene."""
+    """Id of the scene."""
     name: str
     """For people."""
     num_pairs: int
     """Pairs of bodies that are kept apart."""
     revision: int
-    """Of its content, from 1."""
+    """Revision of its content, from 1."""
     warnings: list[str]
     """What was found odd, for example concave meshes."""
     files: dict[str, Files] = Field(default={}, validate_default=True)
@@ -4917,11 +4790,11 @@ class SceneBrief(Answer):
     digest: str
     """sha256 of the content, the bytes of all files included."""
     id: str
-    """Of the scene."""
+    """Id of the scene."""
     name: str
     """For people."""
     revision: int
-    """Of its content, from 1."""
+    """Revision of its content, from 1."""
 
 
 class SceneDocument(Answer):
@@ -4952,21 +4825,21 @@ class SceneEditEvidence(Answer):
     allowed: list[list[str]] | None = None
     """Pairs that are allowed to collide."""
     attached: list[str] | None = None
-    """What is attached."""
+    """Names of what is attached."""
     frame: str | None = None
-    """That it is attached to, or would be."""
+    """Frame that the object is attached to, or would be."""
     hangs_on: str | None = None
-    """What the frame belongs to."""
+    """Parent of the frame."""
     known: list[str] | None = None
-    """Names that there are already."""
+    """Names that exist already."""
     movable: list[str] | None = None
-    """What may be moved."""
+    """Names of what may be moved."""
     name: str | None = None
-    """Of what it is about."""
+    """Name that the operation is about."""
     operation: int | None = None
-    """Which one, from 0."""
+    """Index of the operation, from 0."""
     pair: list[str] | None = None
-    """Of bodies that is not allowed to collide."""
+    """Two bodies that are not allowed to collide."""
 
 
 class SceneEditImpossibleFailure(Answer):
@@ -5009,7 +4882,7 @@ class SceneFaultEvidence(Answer):
     """Where a scene document has a fault."""
 
     bound: int | None = None
-    """How many of something there may be."""
+    """Largest number that is allowed."""
     faults: list[DocumentFault] | None = None
     """All of them, where there may be several."""
     line: int | None = None
@@ -5079,7 +4952,7 @@ class ScenePage(Answer):
     """Scenes, newest first."""
 
     items: list[SceneBrief]
-    """On this page."""
+    """Scenes on this page."""
     next: str | None
     """Cursor of the next page; null on the last one."""
 
@@ -5149,7 +5022,7 @@ class ScopeEvidence(Answer):
     needed: str
     """The scope that the operation needs."""
     scopes: list[str]
-    """Those of the key."""
+    """Scopes of the key."""
 
 
 class ScopeMissingProblem(Answer):
@@ -5196,7 +5069,7 @@ class Search(Answer):
     num_states: int | None = None
     """Interpolate the path to at least this many waypoints."""
     objective: Literal["length", "weighted_length", "clearance", "duration"] | str = "length"
-    """By what solutions are compared, and improved by planners that improve them."""
+    """Objective by which solutions are compared, and improved by planners that do so."""
     on_cancel: Literal["discard", "best"] | str = "discard"
     """What a cancel ends: the plan, or only the search if it has a path by then; that path is
     delivered if it can be timed and proven in 0.9 s."""
@@ -5233,37 +5106,38 @@ class SearchEvidence(Answer):
     """What a search without a path did; members that its planner does not tell are absent."""
 
     approximate: Approximation | None = None
-    """The nearest to a goal, if the request wants it."""
+    """The nearest that the search came to a goal, if the request wants it."""
     attempts: int | None = None
-    """How many were made."""
+    """Number of attempts."""
     budget: float | None = None
-    """What setting the planner up may take [s]."""
+    """Time that the setup of the planner may take [s]."""
     goal_distance: float | None = None
-    """From the nearest of them to a goal, as a length in joint space [rad or m]."""
+    """Distance from the nearest kept configuration to a goal, as a length in joint space [rad
+    or m]."""
     graph: dict[str, Any] | None = None
     """What the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`."""
     locked: list[str] | None = None
     """Locked joints that no goal has at their start positions."""
     num_edges: int | None = None
-    """Motions that the planner kept; null where it does not tell."""
+    """Number of motions that the planner kept; null where it does not tell."""
     num_given_up: int | None = None
-    """Attempts whose planner gave up before its time was over."""
+    """Number of attempts whose planner gave up before its time was over."""
     num_goals: int | None = None
-    """Goal configurations."""
+    """Number of goal configurations."""
     num_states_checked: int | None = None
-    """Configurations checked for collision."""
+    """Number of configurations checked for collision."""
     num_vertices: int | None = None
-    """Configurations that the planner kept; null where it does not tell."""
+    """Number of configurations that the planner kept; null where it does not tell."""
     padding: float | None = None
     """Distance that was demanded beyond the margin [m]."""
     planner: str | None = None
     """OMPL's name; of several, all."""
     reason: str | None = None
-    """`start`, `goals` or `setup` where nothing could be searched for because of these."""
+    """What left nothing to search for: `start`, `goals` or `setup`."""
     roadmap: dict[str, Any] | None = None
     """What a roadmap did, if the request has one: as in a search's report."""
     spent: float | None = None
-    """What it took [s]."""
+    """Time that the setup of the planner took [s]."""
     status: str | None = None
     """OMPL's word for how its last attempt ended."""
 
@@ -5281,13 +5155,13 @@ class SearchReport(Answer):
     num_states_checked: int
     """Configurations checked for collision."""
     num_waypoints: int
-    """Of the delivered path."""
+    """Number of waypoints of the delivered path."""
     padding: float
     """Distance that was demanded beyond the margin [m]."""
     planner: str
     """OMPL's name; of several, whose solution was kept; `roadmap` for a roadmap's."""
     raw_length: float
-    """Of the kept solution, before shortcutting [rad or m]."""
+    """Length of the kept solution, before shortcutting [rad or m]."""
     resolution: float
     """At which edges were checked [rad or m]."""
     solved: int
@@ -5295,15 +5169,15 @@ class SearchReport(Answer):
     attempts_log: list[AttemptReport] = Field(default=[], validate_default=True)
     """One entry per attempt, the first hundred."""
     cost: float = 0.0
-    """Of the kept solution: a length [rad or m], a duration [s], or, for clearance, length over
-    distance."""
+    """Cost of the kept solution: a length [rad or m], a duration [s], or, for clearance, length
+    over distance."""
     direct: bool = False
     """Whether the straight line was free, so that no search was needed."""
     interpolated: bool = True
     """Whether the path has `num_states` waypoints, if the request has it; false where
     `interpolate_time` was over before."""
     objective: Literal["length", "weighted_length", "clearance", "duration"] | str = "length"
-    """By what solutions were compared."""
+    """Objective by which solutions were compared."""
     regions: RegionsReport | None = None
     """What regions were good for, if the planner is GCS."""
     roadmap: RoadmapReport | None = None
@@ -5482,15 +5356,15 @@ class StageData(Answer):
     at: datetime
     """When it happened (UTC)."""
     detail: str
-    """For a person, or empty."""
+    """Text for a person, or empty."""
     progress: float
-    """Of the whole job, 0 to 1."""
+    """Share of the whole job, 0 to 1."""
     stage: Stage
     """The stage that it is in."""
     timings: Timings
     """Seconds of the stages before it."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
 
 
 class StageEvent(Answer):
@@ -5523,7 +5397,7 @@ class StartConstraintEvidence(Answer):
     """Path constraints that the start violates."""
 
     violations: list[ConstraintViolation]
-    """Which, and by how much."""
+    """Constraints that are violated."""
 
 
 class StartInCollisionFailure(Answer):
@@ -5566,7 +5440,7 @@ class StartLimitsEvidence(Answer):
     """Positions of the start outside their limits."""
 
     joints: list[ViolatedLimit]
-    """Where, and by how much; dust below 1e-6 is clipped and no failure."""
+    """Coordinates that are outside; violations below 1e-6 are clipped instead."""
 
 
 class StartMismatchEvidence(Answer):
@@ -5575,13 +5449,13 @@ class StartMismatchEvidence(Answer):
     distance: float
     """The largest difference of a coordinate [rad or m]."""
     positions: list[float]
-    """Of the robot [rad or m]."""
+    """Positions of the robot [rad or m]."""
     start: list[float]
-    """Of the plan [rad or m]."""
+    """Start of the plan [rad or m]."""
     bound: float | None = None
-    """What it may be [rad or m]."""
+    """Largest difference that is allowed [rad or m]."""
     names: list[str] | None = None
-    """Of the coordinates."""
+    """Names of the coordinates."""
 
 
 class StartMismatchFailure(Answer):
@@ -5801,7 +5675,7 @@ class StatusData(Answer):
     """Seconds of the motion per second of the robot's clock, now; negative is backwards; null
     if not recorded."""
     plan: str | None = None
-    """To which plan, in the stream of a batch; absent in other streams."""
+    """Id of the plan, in the stream of a batch; absent in other streams."""
     torques: list[float] | None = None
     """Measured torques or forces of the motors [N m or N]; null if not known."""
     velocities: list[float] | None = None
@@ -5825,7 +5699,7 @@ class Steering(Answer):
     reverse: bool
     """Whether it drives backwards too."""
     turning_radius: float
-    """Of its tightest turn, at the base's origin [m]."""
+    """Radius of its tightest turn, at the base's origin [m]."""
 
 
 class StopMotionResponse(Answer):
@@ -5857,7 +5731,7 @@ class StopReport(Answer):
     joint: str
     """Which joint, or block of a planar or floating one."""
     time: float
-    """Of the longest stop [s]."""
+    """Duration of the longest stop [s]."""
     tool_distance: float | None
     """The tool frame's longest way until it stands [m]; null without a tool frame."""
     unheld: str = ""
@@ -5938,15 +5812,15 @@ class TorqueEvidence(Answer):
     """Which joint's torque was at its limit, and for how long."""
 
     bound: float
-    """What it may be [N m or N]."""
+    """Limit of that torque or force [N m or N]."""
     joint: str
-    """Full name."""
+    """Full name of the joint."""
     seconds: float
     """How long some joint was at its limit [s]."""
     time: float
-    """On the motion [s]."""
+    """Time along the motion [s]."""
     torque: float
-    """Of the motor [N m or N]."""
+    """Torque or force of its motor [N m or N]."""
 
 
 class TorqueLimitReachedFailure(Answer):
@@ -5970,11 +5844,11 @@ class TrackingEvidence(Answer):
     """How far the robot is off."""
 
     bound: float | None
-    """What it may be [rad or m]."""
+    """Largest tracking error that is allowed [rad or m]."""
     error: float | None
-    """The tracking error [rad or m]; null where a simulation diverged."""
+    """Tracking error [rad or m]; null where a simulation diverged."""
     time: float
-    """On the motion [s]."""
+    """Time along the motion [s]."""
 
 
 class TrackingLostFailure(Answer):
@@ -6000,7 +5874,7 @@ class Trajectory(Answer):
     accelerations: list[list[float]]
     """One row per instant [rad/s^2 or m/s^2]."""
     duration: float
-    """Of the whole motion [s]."""
+    """Duration of the whole motion [s]."""
     joint_names: list[str]
     """A name per position coordinate, in row order."""
     positions: list[list[float]]
@@ -6022,11 +5896,11 @@ class TransitionEvidence(Answer):
     """What a state does not allow."""
 
     event: str
-    """What was asked for."""
+    """Event that was requested."""
     legal: list[str]
-    """What is allowed in that state."""
+    """Events that are allowed in that state."""
     state: str
-    """The present one."""
+    """State at present."""
 
 
 class Translation(Answer):
@@ -6035,7 +5909,7 @@ class Translation(Answer):
     vector: list[float]
     """The way [m]."""
     frame: str = "world"
-    """In whose axes, as they stand at the start: any frame."""
+    """Frame in whose axes the vector is, as they stand at the start."""
 
 
 class UnauthorizedProblem(Answer):
@@ -6135,7 +6009,7 @@ class UnknownResourceEvidence(Answer):
     known: list[str] | None = None
     """Names of models that there are."""
     name: str | None = None
-    """Of a model, as it was given."""
+    """Name of the model that was asked for."""
     nearest: list[str] | None = None
     """Of these, those that were perhaps meant, the nearest first."""
 
@@ -6163,9 +6037,9 @@ class UnreadableEvidence(Answer):
     """Why a body cannot be read."""
 
     line: int | None = None
-    """In which line, from 1."""
+    """Line with the fault, from 1."""
     position: int | None = None
-    """Of the first character that is wrong, from 0."""
+    """Index of the first wrong character, from 0."""
     reason: str | None = None
     """What is wrong with it."""
 
@@ -6214,7 +6088,7 @@ class Verdict(Answer):
 
 
 type Versions = dict[str, str]
-"""Of everything that the numbers depend on, by name."""
+"""Versions of everything that the numbers depend on, by name."""
 
 
 class ViolatedLimit(Answer):
@@ -6229,22 +6103,22 @@ class ViolatedLimit(Answer):
     upper: float | None
     """Its upper bound, null for none [rad or m]."""
     violation: float
-    """By how much it is outside [rad or m]."""
+    """Distance to the limit that is violated [rad or m]."""
 
 
 class ViolatingPair(Answer):
     """Two bodies that overlap or violate their margin."""
 
     bodies: tuple[str, str]
-    """Full names."""
+    """Full names of both bodies."""
     depth: float
-    """What is missing to the margin [m]."""
+    """Distance that is missing to the margin [m]."""
     distance: float
-    """Between them, negative where they overlap [m]."""
+    """Distance between them, negative where they overlap [m]."""
     margin: float
-    """That is demanded between them [m]."""
+    """Margin that is demanded between them [m]."""
     points: list[list[float]]
-    """The nearest points of both in world, or the deepest ones [m]."""
+    """Nearest points of both bodies in world [m]; the deepest ones where they overlap."""
 
 
 class VisibleBody(Answer):
@@ -6309,9 +6183,9 @@ class Webhook(Answer):
     failing_since: datetime | None
     """Since when it has taken nothing that was sent (UTC); null if it takes them."""
     id: str
-    """Of the webhook."""
+    """Id of the webhook."""
     reason: str
-    """Of the last failure since a success, or empty."""
+    """Reason of the last failure since a success, or empty."""
     url: str
     """Where messages are posted."""
 
@@ -6336,7 +6210,7 @@ class WebhookPage(Answer):
     """Webhooks, newest first."""
 
     items: list[Webhook]
-    """On this page."""
+    """Webhooks on this page."""
     next: str | None
     """Cursor of the next page; null on the last one."""
 
@@ -6347,13 +6221,13 @@ class WorkerCrashedEvidence(Answer):
     attempts: int
     """How often the job was started."""
     exit_code: int | None
-    """Negative where a signal ended it, null if unknown."""
+    """Exit code; negative where a signal ended the worker, null if unknown."""
     during: str | None = None
     """The stage that it told last."""
     reason: str | None = None
-    """What it said before, or empty."""
+    """Last message of the worker, or empty."""
     signal: str | None = None
-    """The name of that signal."""
+    """Name of the signal."""
 
 
 class WorkerCrashedFailure(Answer):

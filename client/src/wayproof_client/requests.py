@@ -10,7 +10,7 @@ class AddOperation(TypedDict):
     """Add an object."""
 
     object: ObjectDocument
-    """As in a scene document, under a name that is free."""
+    """Object as in a scene document, with a name that is free."""
     op: Literal["add"]
     """What to do."""
 
@@ -64,7 +64,7 @@ class Box(TypedDict):
     """A box, placed by the pose of its middle."""
 
     pose: NotRequired[Pose]
-    """Of its middle; in a frame that moves with the group, where the start puts it."""
+    """Pose of its middle; in a frame that moves with the group, as the start puts it."""
     size: Sequence[float]
     """Full side lengths along the axes of `pose` [m]."""
 
@@ -75,7 +75,7 @@ class Car(TypedDict):
     reverse: NotRequired[bool]
     """Whether it drives backwards too (Reeds and Shepp's curves) or not (Dubins')."""
     turning_radius: float
-    """Of its tightest turn, at the origin of the base [m]."""
+    """Radius of its tightest turn, at the origin of the base [m]."""
 
 
 class Certify(TypedDict):
@@ -122,7 +122,7 @@ class CertifyMotionRequest(TypedDict):
     payload: NotRequired[Payload | None]
     """What the group carries that the scene does not show; it counts for torques."""
     revision: NotRequired[int | None]
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     scene: str
     """Id of a scene."""
     speed_zones: NotRequired[Sequence[SpeedZone]]
@@ -176,7 +176,7 @@ class ConfigurationGoal(TypedDict):
     """Reach a configuration that the scene or the robot names."""
 
     name: str
-    """Of the configuration, for example `home`."""
+    """Name of the configuration, for example `home`."""
     type: Literal["configuration"]
     """Says which goal this is."""
 
@@ -207,9 +207,9 @@ class Deviation(TypedDict):
     """How far a tool may be from its line, between waypoints and samples too."""
 
     position: NotRequired[float]
-    """Of its origin, from the line [m]."""
+    """Distance of its origin from the line [m]."""
     rotation: NotRequired[float]
-    """Of its rotation [rad]."""
+    """Angle between its rotation and that of the line [rad]."""
 
 
 class Displacement(TypedDict):
@@ -374,8 +374,8 @@ class Ik(TypedDict):
     """Factor on each joint's part of the distance from the start, by full name
     (`robot::joint`); 1 for joints that are not named [1]."""
     max_configurations: NotRequired[int]
-    """At most so many, the nearest to the start of all that are found; as many are looked for,
-    but 100 at least, and until 40 in a row are known already."""
+    """Number of configurations at most, the nearest to the start of all that are found; as many
+    are looked for, but 100 at least, and until 40 in a row are known already."""
     max_trials: NotRequired[int]
     """Stop after this many seeds of the solver, over all poses."""
     pose_metric: NotRequired[PoseMetric]
@@ -399,7 +399,7 @@ class IkRequest(TypedDict):
     path_constraints: NotRequired[Sequence[Constraint]]
     """What solutions shall keep; joints are locked where `start` has them."""
     seed: NotRequired[int]
-    """Of all randomness."""
+    """Seed of all randomness."""
     start: NotRequired[Sequence[float] | None]
     """What `nearest` is measured from [rad or m]; null for the scene's state."""
 
@@ -551,9 +551,9 @@ class Orientation(TypedDict):
     """An axis of a frame stays within an angle of a direction; turns about the axis are free."""
 
     axis: Sequence[float]
-    """In that frame; any length but zero."""
+    """Axis in that frame; any length but zero."""
     direction: Sequence[float]
-    """In `reference`; any length but zero."""
+    """Direction in `reference`; any length but zero."""
     frame: str
     """Whose axis."""
     reference: NotRequired[str]
@@ -572,7 +572,7 @@ class PathGoal(TypedDict):
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     poses: Sequence[Pose]
-    """In this order; frames that move count where the start puts them."""
+    """Poses in this order; frames that move count where the start puts them."""
     type: Literal["path"]
     """Says which goal this is."""
 
@@ -581,7 +581,7 @@ class Payload(TypedDict):
     """A rigid mass that follows a frame and burdens every joint that carries it."""
 
     center_of_mass: NotRequired[Sequence[float]]
-    """In the frame [m]."""
+    """Center of mass in the frame [m]."""
     frame: str
     """What it follows; the group must move it."""
     inertia: NotRequired[Sequence[float]]
@@ -616,13 +616,13 @@ class PlanRequest(TypedDict):
     retime: NotRequired[Retime]
     """Options of the timing."""
     revision: NotRequired[int | None]
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     scene: str
     """Id of a scene."""
     search: NotRequired[Search]
     """Options of the search."""
     seed: NotRequired[int]
-    """Of all randomness: the same seed gives the same bytes."""
+    """Seed of all randomness: the same seed gives the same bytes."""
     start: NotRequired[Sequence[float] | None]
     """The group's positions [rad or m]; null for the scene's current state."""
 
@@ -714,7 +714,7 @@ class Position(TypedDict):
     frame: str
     """Whose origin."""
     pose: NotRequired[Pose]
-    """Of its middle; in a frame that moves with the group, where the start puts it."""
+    """Pose of its middle; in a frame that moves with the group, as the start puts it."""
     size: Sequence[float | None]
     """How wide the band is along each axis of `pose` [m]; null for an axis that is free: one
     number is a plane, two are a line."""
@@ -813,16 +813,16 @@ class RegionsRequest(TypedDict):
     """What goes first of what waits. Clients take turns within a priority, and what has waited
     for 30 s goes with the next priority: `low` is delayed by others, never for good."""
     revision: NotRequired[int | None]
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     seed: NotRequired[int]
-    """Of all randomness: the same seed gives the same regions."""
+    """Seed of all randomness: the same seed gives the same regions."""
 
 
 class RelativeGoal(TypedDict):
     """Move a tool frame by a displacement from where the start has it."""
 
     displacement: Displacement
-    """By how much."""
+    """Displacement from where the tool is at the start."""
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     reference: NotRequired[str | None]
@@ -870,9 +870,9 @@ class Retime(TypedDict):
     method: NotRequired[Literal["toppra", "ruckig"]]
     """toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too."""
     num_points: NotRequired[int | None]
-    """Deliver so many samples, evenly in time, first and last instants included, however far
-    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
-    `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time, first and last instants included, however
+    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
+    every `sample_period`; not both."""
     payload: NotRequired[Payload | None]
     """What the group carries that the scene does not show; it counts for torques."""
     sample_period: NotRequired[float | None]
@@ -907,7 +907,7 @@ class RetimeRequest(TypedDict):
     retime: NotRequired[Retime]
     """How to time it."""
     revision: NotRequired[int | None]
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     scene: str
     """Id of a scene."""
     waypoints: Sequence[Sequence[float]]
@@ -921,7 +921,7 @@ class Roadmap(TypedDict):
     neighbours: NotRequired[int]
     """With how many of the nearest others each is joined, where the way is free."""
     seed: NotRequired[int]
-    """Of its samples; the plan's own seed does not change it."""
+    """Seed of its samples; the plan's own seed does not change it."""
     states: NotRequired[int]
     """Free configurations that it has."""
 
@@ -982,7 +982,7 @@ class SceneEdit(TypedDict):
     """Operations, carried out in order; all of them or none."""
 
     operations: Sequence[SceneOperation]
-    """In order."""
+    """Operations, carried out in this order."""
     revision: NotRequired[int | None]
     """The revision that they are meant for; by default the latest, whichever it is."""
 
@@ -1015,7 +1015,7 @@ class ScheduleMotionsRequest(TypedDict):
     polynomial: NotRequired[bool]
     """Add all motions as one, as an exact piecewise polynomial."""
     revision: NotRequired[int | None]
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     scene: str
     """Id of the scene that all the plans are of."""
 
@@ -1045,7 +1045,7 @@ class Search(TypedDict):
     num_states: NotRequired[int | None]
     """Interpolate the path to at least this many waypoints."""
     objective: NotRequired[Literal["length", "weighted_length", "clearance", "duration"]]
-    """By what solutions are compared, and improved by planners that improve them."""
+    """Objective by which solutions are compared, and improved by planners that do so."""
     on_cancel: NotRequired[Literal["discard", "best"]]
     """What a cancel ends: the plan, or only the search if it has a path by then; that path is
     delivered if it can be timed and proven in 0.9 s."""
@@ -1153,9 +1153,9 @@ class SpliceMotionRequest(TypedDict):
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     num_points: NotRequired[int | None]
-    """Deliver so many samples, evenly in time, first and last instants included, however far
-    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
-    `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time, first and last instants included, however
+    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
+    every `sample_period`; not both."""
     onto: TrajectoryInput
     """The other motion, which is followed to its end."""
     path_constraints: NotRequired[Sequence[Constraint]]
@@ -1166,7 +1166,7 @@ class SpliceMotionRequest(TypedDict):
     polynomial: NotRequired[bool]
     """Add the exact piecewise polynomial."""
     revision: NotRequired[int | None]
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     sample_period: NotRequired[float | None]
     """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
     and evenly between, so that every interpolation of them can be proven; 200000 at most, more
@@ -1213,9 +1213,9 @@ class StopMotionRequest(TypedDict):
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     num_points: NotRequired[int | None]
-    """Deliver so many samples, evenly in time, first and last instants included, however far
-    apart that is; `trajectory.interpolations` says what is proven of them; null for one every
-    `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time, first and last instants included, however
+    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
+    every `sample_period`; not both."""
     path_constraints: NotRequired[Sequence[Constraint]]
     """Constraints on the whole motion; those relative to the start are relative to the first
     configuration of the given path or motion."""
@@ -1224,7 +1224,7 @@ class StopMotionRequest(TypedDict):
     polynomial: NotRequired[bool]
     """Add the exact piecewise polynomial."""
     revision: NotRequired[int | None]
-    """Of the scene; null for its latest."""
+    """Revision of the scene; null for its latest."""
     sample_period: NotRequired[float | None]
     """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
     and evenly between, so that every interpolation of them can be proven; 200000 at most, more
@@ -1296,7 +1296,7 @@ class Translation(TypedDict):
     """A way without a turn."""
 
     frame: NotRequired[str]
-    """In whose axes, as they stand at the start: any frame."""
+    """Frame in whose axes the vector is, as they stand at the start."""
     vector: Sequence[float]
     """The way [m]."""
 

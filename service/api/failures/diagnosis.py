@@ -20,19 +20,19 @@ class LineStopEvidence(TypedDict):
     """Where and why a straight line stops."""
 
     reason: LineStopReason
-    """Why"""
+    """Reason why the line stops"""
     fraction: float
-    """The part of the line that is free [0 to 1]"""
+    """Share of the line that is free [0 to 1]"""
     where: PlainPose
-    """The tool there, in world"""
+    """Pose of the tool there, in world"""
     positions: list[float]
     """The group's positions there [rad or m]"""
     joint: str | None
-    """That would leave its limits, if that is the reason"""
+    """Joint that would leave its limits, if that is the reason"""
     pair: ViolatingPair | None
-    """That would violate its margin, if that is the reason"""
+    """Pair that would violate its margin, if that is the reason"""
     singular_value: float | None
-    """The least of the Jacobian there"""
+    """Least singular value of the Jacobian there"""
 
 
 @with_config(OPEN)
@@ -52,7 +52,7 @@ class NearestPoseEvidence(TypedDict):
     pose_index: int
     """Which of the goal's poses it is nearest to, from 0"""
     goal: PlainPose
-    """That pose, within its tolerance, as near as it may be"""
+    """The goal's pose, moved within its tolerance to be as near as possible"""
     binding: (
         Literal["collision", "path_constraint", "approach", "retreat", "limits", "reach"] | None
     )
@@ -76,9 +76,9 @@ class NearestConfigurationEvidence(TypedDict):
     positions: list[float]
     """The group's positions [rad or m]"""
     distance: float
-    """From the goal's configuration, in the metric of joints [rad or m]"""
+    """Distance from the goal's configuration, in the metric of joints [rad or m]"""
     differences: dict[str, float]
-    """From it, by coordinate [rad or m]"""
+    """Difference from the goal's configuration, by coordinate [rad or m]"""
     goal_index: int
     """Which of the goal's configurations it is nearest to, from 0"""
     binding: Literal["collision", "path_constraint", "limits"]

@@ -19,7 +19,7 @@ class PairsEvidence(TypedDict):
     """Pairs of bodies at the start."""
 
     pairs: list[ViolatingPair]
-    """Those that overlap or violate their margin"""
+    """Pairs that overlap or violate their margin"""
 
 
 @with_config(OPEN)
@@ -27,7 +27,7 @@ class StartLimitsEvidence(TypedDict):
     """Positions of the start outside their limits."""
 
     joints: list[ViolatedLimit]
-    """Where, and by how much; dust below 1e-6 is clipped and no failure"""
+    """Coordinates that are outside; violations below 1e-6 are clipped instead"""
 
 
 @with_config(OPEN)
@@ -35,7 +35,7 @@ class StartConstraintEvidence(TypedDict):
     """Path constraints that the start violates."""
 
     violations: list[ConstraintViolation]
-    """Which, and by how much"""
+    """Constraints that are violated"""
 
 
 @with_config(OPEN)
@@ -43,7 +43,7 @@ class GoalLimitsEvidence(TypedDict):
     """Positions of the goal's configurations outside their limits."""
 
     joints: list[ViolatedLimit]
-    """Where, and by how much"""
+    """Coordinates that are outside"""
     nearest: NotRequired[Nearest]
     """The nearest feasible configuration, null if none was found"""
     relaxation: NotRequired[Relaxation]
@@ -93,10 +93,10 @@ class LineEvidence(TypedDict):
     """Where a straight line stops."""
 
     line: int
-    """Which of the goal's lines, from 0"""
+    """Index of the goal's line, from 0"""
     fraction: float
-    """The part of it that is free [0 to 1]"""
+    """Share of the line that is free [0 to 1]"""
     length: float
-    """Of the line [m]"""
+    """Length of the line [m]"""
     stopped_by: LineStopEvidence
-    """Where and why"""
+    """Place and reason of the stop"""

@@ -38,7 +38,7 @@ class SceneFaultEvidence(TypedDict):
     faults: NotRequired[list[DocumentFault]]
     """All of them, where there may be several"""
     bound: NotRequired[int]
-    """How many of something there may be"""
+    """Largest number that is allowed"""
 
 
 @with_config(OPEN)
@@ -46,23 +46,23 @@ class SceneEditEvidence(TypedDict):
     """Which operation cannot be applied, and what is in its way."""
 
     operation: NotRequired[int]
-    """Which one, from 0"""
+    """Index of the operation, from 0"""
     name: NotRequired[str]
-    """Of what it is about"""
+    """Name that the operation is about"""
     known: NotRequired[list[str]]
-    """Names that there are already"""
+    """Names that exist already"""
     movable: NotRequired[list[str]]
-    """What may be moved"""
+    """Names of what may be moved"""
     attached: NotRequired[list[str]]
-    """What is attached"""
+    """Names of what is attached"""
     frame: NotRequired[str]
-    """That it is attached to, or would be"""
+    """Frame that the object is attached to, or would be"""
     pair: NotRequired[list[str]]
-    """Of bodies that is not allowed to collide"""
+    """Two bodies that are not allowed to collide"""
     allowed: NotRequired[list[list[str]]]
     """Pairs that are allowed to collide"""
     hangs_on: NotRequired[str]
-    """What the frame belongs to"""
+    """Parent of the frame"""
 
 
 @with_config(OPEN)
@@ -70,9 +70,9 @@ class AssetEvidence(TypedDict):
     """Which file does not exist."""
 
     uri: str
-    """As the scene or the model has it"""
+    """Name of the file in the scene or in the model"""
     known: NotRequired[list[str]]
-    """What there is instead"""
+    """Names that exist"""
     path: NotRequired[str]
     """Its place in the scene"""
 
@@ -84,21 +84,21 @@ class ModelEvidence(TypedDict):
     reason: str
     """What is wrong"""
     file: NotRequired[str]
-    """In which file"""
+    """File with the fault"""
     element: NotRequired[str]
-    """In which element of it"""
+    """Element of the file with the fault"""
     joint: NotRequired[str]
-    """At which joint"""
+    """Joint with the fault"""
     joints: NotRequired[list[str]]
-    """At which joints"""
+    """Joints with the fault"""
     body: NotRequired[str]
-    """At which body"""
+    """Body with the fault"""
     link: NotRequired[str]
-    """At which link"""
+    """Link with the fault"""
     elements: NotRequired[object]
-    """Which elements of it have the fault"""
+    """Elements of the file with the fault"""
     robot: NotRequired[str]
-    """Which robot of the scene it is"""
+    """Robot of the scene that has the fault"""
 
 
 @with_config(OPEN)
@@ -114,15 +114,15 @@ class NameEvidence(TypedDict):
     """A name that does not exist."""
 
     kind: str
-    """What was looked for"""
+    """Kind of the name, such as `frame`"""
     name: str
-    """As it was given"""
+    """Name that was given"""
     known: list[str]
-    """Names that there are"""
+    """Names that exist"""
     nearest: NotRequired[list[str]]
-    """Of these, those that were perhaps meant, the nearest first"""
+    """Known names that were perhaps meant, the nearest first"""
     operation: NotRequired[int]
-    """Of an edit, in which operation, from 0"""
+    """Index of the operation of an edit, from 0"""
 
 
 @with_config(OPEN)
@@ -140,8 +140,8 @@ class CountEvidence(TypedDict):
     field: NotRequired[str]
     """Its place in the request"""
     expected: int
-    """As many"""
+    """Number of values that are expected"""
     got: int
-    """As many were given"""
+    """Number of values that were given"""
     names: list[str]
-    """Of the coordinates that they are for"""
+    """Names of the coordinates that the values are for"""

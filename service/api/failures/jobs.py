@@ -12,13 +12,13 @@ class QueueFullEvidence(TypedDict):
     """How full a queue is."""
 
     queue: str
-    """Which queue"""
+    """Name of the queue"""
     bound: int
-    """How many may wait"""
+    """Number of jobs that may wait"""
     queued: NotRequired[int]
-    """How many do"""
+    """Number of jobs that wait"""
     retry_after: float
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)
@@ -26,13 +26,13 @@ class QueueTimeoutEvidence(TypedDict):
     """How long a question waited for a worker."""
 
     queue: str
-    """In which queue"""
+    """Name of the queue"""
     waited: float
-    """Seconds"""
+    """Time that the question waited [s]"""
     queued: int
-    """How many wait there"""
+    """Number of questions that wait there"""
     retry_after: float
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)
@@ -54,9 +54,9 @@ class InUseEvidence(TypedDict):
     """What is not deleted, and because of what."""
 
     id: str
-    """Of the resource"""
+    """Id of the resource"""
     used_by: str
-    """Id of what names it, and has not ended"""
+    """Id of what uses it and has not ended"""
 
 
 @with_config(OPEN)
@@ -64,7 +64,7 @@ class JobIdEvidence(TypedDict):
     """Which job does not exist."""
 
     id: str
-    """As it was given"""
+    """Id that was given"""
 
 
 @with_config(OPEN)
@@ -110,9 +110,9 @@ class DatabaseTakenEvidence(TypedDict):
     """Which server has the database."""
 
     epoch: int
-    """How many servers had it up to this one"""
+    """Epoch of this server"""
     latest: int | None
-    """And up to the one that has it now"""
+    """Epoch of the server that has the database now"""
 
 
 @with_config(OPEN)
@@ -132,11 +132,11 @@ class WorkerCrashedEvidence(TypedDict):
     attempts: int
     """How often the job was started"""
     exit_code: int | None
-    """Negative where a signal ended it, null if unknown"""
+    """Exit code; negative where a signal ended the worker, null if unknown"""
     signal: NotRequired[str | None]
-    """The name of that signal"""
+    """Name of the signal"""
     reason: NotRequired[str]
-    """What it said before, or empty"""
+    """Last message of the worker, or empty"""
     during: NotRequired[str]
     """The stage that it told last"""
 
@@ -170,9 +170,9 @@ class MemoryEvidence(TypedDict):
     """How much memory the worker used."""
 
     used: int
-    """The most that was seen [bytes]"""
+    """Largest memory that was seen [bytes]"""
     bound: int
-    """What it may use [bytes]"""
+    """Memory that the worker may use [bytes]"""
     attempts: NotRequired[int]
     """How often the job was started"""
     during: NotRequired[str]
@@ -184,7 +184,7 @@ class RestartEvidence(TypedDict):
     """How often the job was started."""
 
     attempts: int
-    """So often"""
+    """Number of times that it was started"""
     reason: NotRequired[str]
     """Why the server ended it, if it did"""
     during: NotRequired[str]
@@ -196,8 +196,8 @@ class InternalErrorEvidence(TypedDict):
     """A fault of ours; the log has the rest."""
 
     exception: NotRequired[str]
-    """Its class"""
+    """Class of the exception"""
     reference: NotRequired[str]
-    """Under which the server's log says more"""
+    """Reference under which the server's log says more"""
     during: NotRequired[str]
     """The stage that it told last"""

@@ -12,13 +12,13 @@ class Approximation(TypedDict):
     """The nearest that a search came to a goal."""
 
     positions: list[float]
-    """The configuration [rad or m]"""
+    """Configuration of the search that is nearest to a goal [rad or m]"""
     path: list[list[float]]
-    """To it, a row for each configuration [rad or m]"""
+    """Path to that configuration, one row per waypoint [rad or m]"""
     goal_distance: float
-    """From a goal, as a length in joint space [rad or m]"""
+    """Distance from that configuration to the goal, as a length in joint space [rad or m]"""
     goal: list[float]
-    """That goal [rad or m]"""
+    """The goal configuration that it is nearest to [rad or m]"""
 
 
 @with_config(OPEN)
@@ -28,33 +28,34 @@ class SearchEvidence(TypedDict):
     planner: NotRequired[str]
     """OMPL's name; of several, all"""
     reason: NotRequired[str]
-    """`start`, `goals` or `setup` where nothing could be searched for because of these"""
+    """What left nothing to search for: `start`, `goals` or `setup`"""
     locked: NotRequired[list[str]]
     """Locked joints that no goal has at their start positions"""
     padding: NotRequired[float]
     """Distance that was demanded beyond the margin [m]"""
     attempts: NotRequired[int]
-    """How many were made"""
+    """Number of attempts"""
     num_goals: NotRequired[int]
-    """Goal configurations"""
+    """Number of goal configurations"""
     num_states_checked: NotRequired[int]
-    """Configurations checked for collision"""
+    """Number of configurations checked for collision"""
     status: NotRequired[str]
     """OMPL's word for how its last attempt ended"""
     num_vertices: NotRequired[int | None]
-    """Configurations that the planner kept; null where it does not tell"""
+    """Number of configurations that the planner kept; null where it does not tell"""
     num_edges: NotRequired[int | None]
-    """Motions that the planner kept; null where it does not tell"""
+    """Number of motions that the planner kept; null where it does not tell"""
     goal_distance: NotRequired[float | None]
-    """From the nearest of them to a goal, as a length in joint space [rad or m]"""
+    """Distance from the nearest kept configuration to a goal, as a length in joint space [rad
+    or m]"""
     num_given_up: NotRequired[int]
-    """Attempts whose planner gave up before its time was over"""
+    """Number of attempts whose planner gave up before its time was over"""
     budget: NotRequired[float]
-    """What setting the planner up may take [s]"""
+    """Time that the setup of the planner may take [s]"""
     spent: NotRequired[float]
-    """What it took [s]"""
+    """Time that the setup of the planner took [s]"""
     approximate: NotRequired[Approximation | None]
-    """The nearest to a goal, if the request wants it"""
+    """The nearest that the search came to a goal, if the request wants it"""
     graph: NotRequired[dict[str, object]]
     """What the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`"""
     roadmap: NotRequired[dict[str, object]]
@@ -66,11 +67,11 @@ class DeadlineEvidence(TypedDict):
     """What had been done when the time was over; of a search, as in `SearchEvidence`."""
 
     allowed: NotRequired[float]
-    """Seconds that it might take"""
+    """Time that was allowed [s]"""
     during: NotRequired[str]
-    """The work at which it ended"""
+    """Work during which the time ran out"""
     waited: NotRequired[float]
-    """Seconds for which a question waited for a worker before"""
+    """Time that the question waited for a worker before [s]"""
     funnel: NotRequired[FunnelEvidence]
     """In the stage `goals`, how many samples passed each test until then"""
     max_trials: NotRequired[int]
@@ -98,11 +99,11 @@ class CancelEvidence(TypedDict):
     """Where a cancel came."""
 
     during: NotRequired[str]
-    """The work at which it ended"""
+    """Work during which the cancel came"""
     time: NotRequired[float]
-    """Of an execution, along the motion [s]"""
+    """Time along the motion of an execution [s]"""
     reason: NotRequired[str]
-    """Where the server ended it, not a client: why"""
+    """Why the server ended it; absent if a client did"""
 
 
 @with_config(OPEN)
@@ -110,33 +111,33 @@ class RetimingEvidence(TypedDict):
     """Why the path has no timing."""
 
     method: NotRequired[str]
-    """Of timing"""
+    """Method of timing"""
     duration: NotRequired[float]
-    """That was requested [s]"""
+    """Duration that was requested [s]"""
     least: NotRequired[float]
-    """That the limits allow [s]"""
+    """Least duration that the limits allow [s]"""
     limit: NotRequired[str]
-    """Which one is too low"""
+    """Name of the limit that is too low"""
     stuck: NotRequired[list[str]]
-    """Joints that move and may not, because of it"""
+    """Joints that have to move, and may not because of that limit"""
     where: NotRequired[str]
-    """Of a limit on torques: the joint"""
+    """Joint whose limit on torque is too low"""
     torque: NotRequired[float]
-    """That gravity alone needs [N m or N]"""
+    """Torque or force that gravity alone needs there [N m or N]"""
     bound: NotRequired[float]
-    """That it may use [N m or N]"""
+    """Torque or force that the joint may use [N m or N]"""
     at: NotRequired[float]
-    """The share of the way where that is [0 to 1]"""
+    """Share of the path at which that is [0 to 1]"""
     joints: NotRequired[list[str]]
-    """Of types that the method does not move"""
+    """Joints of types that the method does not move"""
     result: NotRequired[str]
-    """What the method said"""
+    """Result that the method reported"""
     missed: NotRequired[float]
-    """By how much it missed the end of the path [rad or m]"""
+    """Distance by which the method missed the end of the path [rad or m]"""
     num_cells: NotRequired[int]
-    """Pieces that the path was cut into"""
+    """Number of pieces that the path was cut into"""
     num_grid_points: NotRequired[int]
-    """Points that the path was sampled at"""
+    """Number of points at which the path was sampled"""
 
 
 @with_config(OPEN)
@@ -144,17 +145,17 @@ class FailedCheck(TypedDict):
     """A check of the certificate that failed."""
 
     name: str
-    """Of the check"""
+    """Name of the check"""
     value: float | None
-    """Its worst value, in the unit of the check; null where it is not finite"""
+    """Worst value of the check, in `unit`; null where it is not finite"""
     bound: float | None
-    """What it may be; null where it is not finite"""
+    """Bound of the check, in `unit`; null where it is not finite"""
     unit: NotRequired[str]
-    """Of both; `1` for a number without one"""
+    """Unit of value and bound; `1` for a number without one"""
     where: str
     """The joint, frame or bodies, or empty"""
     time: NotRequired[float]
-    """On the motion [s]"""
+    """Time on the motion at which the value is worst [s]"""
     positions: NotRequired[list[float]]
     """The group's positions at that time [rad or m]"""
 
@@ -166,11 +167,11 @@ class Encounter(TypedDict):
     pair: list[str]
     """The two bodies"""
     distance: float
-    """Between them then, negative where they overlap [m]"""
+    """Distance of both bodies then, negative where they overlap [m]"""
     times: dict[str, float]
-    """When, by the time of each group's own motion [s]"""
+    """When they meet, by the time of each group's own motion [s]"""
     waiting: NotRequired[str]
-    """The group that does not avoid it, however long it waits"""
+    """Group that does not avoid the encounter, however long it waits"""
 
 
 @with_config(OPEN)
@@ -206,23 +207,23 @@ class CertificateEvidence(TypedDict):
     """Why no motion passed the certifier; of executions, why the plan's does not by now."""
 
     checks: list[FailedCheck]
-    """Of the last motion, the worst first"""
+    """Failed checks of the last motion, the worst first"""
     refused: NotRequired[list[str]]
     """Each motion that was refused, and why"""
     check: NotRequired[str]
-    """Of executions, the first of the checks"""
+    """Name of the first failed check; executions only"""
     pair: NotRequired[list[str]]
-    """Of executions, the two bodies that come too near, if that is the check"""
+    """The two bodies that come too near, if that is the check; executions only"""
     time: NotRequired[float]
-    """Of executions, when on the motion [s]"""
+    """Time on the motion of the first failed check [s]; executions only"""
     value: NotRequired[float | None]
-    """Of executions, the worst value of that check"""
+    """Worst value of that check; executions only"""
     bound: NotRequired[float | None]
-    """Of executions, what it may be"""
+    """Bound of that check; executions only"""
     execution: NotRequired[str]
-    """Of the check `beside`, id of the execution whose motion is in the way"""
+    """Id of the execution whose motion is in the way, if the check is `beside`"""
     other_time: NotRequired[float]
-    """Of the check `beside`, when on the motion of that one [s]"""
+    """Time on the motion of that execution [s], if the check is `beside`"""
 
 
 @with_config(OPEN)
@@ -230,11 +231,11 @@ class TransitionEvidence(TypedDict):
     """What a state does not allow."""
 
     state: str
-    """The present one"""
+    """State at present"""
     event: str
-    """What was asked for"""
+    """Event that was requested"""
     legal: list[str]
-    """What is allowed in that state"""
+    """Events that are allowed in that state"""
 
 
 @with_config(OPEN)
@@ -242,11 +243,11 @@ class TrackingEvidence(TypedDict):
     """How far the robot is off."""
 
     error: float | None
-    """The tracking error [rad or m]; null where a simulation diverged"""
+    """Tracking error [rad or m]; null where a simulation diverged"""
     bound: float | None
-    """What it may be [rad or m]"""
+    """Largest tracking error that is allowed [rad or m]"""
     time: float
-    """On the motion [s]"""
+    """Time along the motion [s]"""
 
 
 @with_config(OPEN)
@@ -256,11 +257,11 @@ class ContactEvidence(TypedDict):
     pair: list[str]
     """Full names of both bodies"""
     depth: NotRequired[float]
-    """By which they overlap [m]"""
+    """Depth by which they overlap [m]"""
     force: NotRequired[float | None]
     """Force between them [N]; null where it is not known"""
     time: float
-    """On the motion [s]"""
+    """Time along the motion [s]"""
     execution: NotRequired[str]
     """Id of the execution that moves the other robot, if one does"""
 
@@ -270,15 +271,15 @@ class TorqueEvidence(TypedDict):
     """Which joint's torque was at its limit, and for how long."""
 
     joint: str
-    """Full name"""
+    """Full name of the joint"""
     torque: float
-    """Of the motor [N m or N]"""
+    """Torque or force of its motor [N m or N]"""
     bound: float
-    """What it may be [N m or N]"""
+    """Limit of that torque or force [N m or N]"""
     seconds: float
     """How long some joint was at its limit [s]"""
     time: float
-    """On the motion [s]"""
+    """Time along the motion [s]"""
 
 
 @with_config(OPEN)
@@ -286,17 +287,17 @@ class PathBlockedEvidence(TypedDict):
     """What of a motion does not hold in the scene as it was edited."""
 
     check: str
-    """Of the certificate"""
+    """Name of the failed check of the certificate"""
     pair: list[str]
     """Full names of both bodies, if it is about two"""
     time: float
-    """On the motion [s]"""
+    """Time along the motion [s]"""
     fraction: float
-    """Share of the path's length that is done there"""
+    """Share of the path's length that lies before that place [0 to 1]"""
     revision: int
-    """Of the scene"""
+    """Revision of the scene that has the conflict"""
     execution: NotRequired[str | None]
-    """Of the check `beside`, id of the execution whose motion is in the way; null for others"""
+    """Id of the execution whose motion is in the way, if the check is `beside`; else null"""
 
 
 @with_config(OPEN)
@@ -304,7 +305,7 @@ class DriverLostEvidence(TypedDict):
     """Which driver was lost, and what is known of its robot."""
 
     driver: str
-    """Its name"""
+    """Name of the driver"""
     reason: str
     """What happened"""
     rests: bool

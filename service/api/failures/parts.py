@@ -36,15 +36,15 @@ class ViolatingPair(TypedDict):
     """Two bodies that overlap or violate their margin."""
 
     bodies: Bodies
-    """Full names"""
+    """Full names of both bodies"""
     distance: float
-    """Between them, negative where they overlap [m]"""
+    """Distance between them, negative where they overlap [m]"""
     margin: float
-    """That is demanded between them [m]"""
+    """Margin that is demanded between them [m]"""
     depth: float
-    """What is missing to the margin [m]"""
+    """Distance that is missing to the margin [m]"""
     points: list[list[float]]
-    """The nearest points of both in world, or the deepest ones [m]"""
+    """Nearest points of both bodies in world [m]; the deepest ones where they overlap"""
 
 
 @with_config(OPEN)
@@ -60,7 +60,7 @@ class ViolatedLimit(TypedDict):
     upper: float | None
     """Its upper bound, null for none [rad or m]"""
     violation: float
-    """By how much it is outside [rad or m]"""
+    """Distance to the limit that is violated [rad or m]"""
 
 
 @with_config(OPEN)
@@ -70,13 +70,13 @@ class ConstraintViolation(TypedDict):
     constraint: str
     """Its place in the request and its kind"""
     value: float | None
-    """What it is, in `unit`"""
+    """Value of the constraint, in `unit`"""
     bound: float | None
-    """What it may be, in `unit`"""
+    """Bound of the constraint, in `unit`"""
     unit: str
-    """Of both; `1` for a number without one"""
+    """Unit of value and bound; `1` for a number without one"""
     joint: NotRequired[str]
-    """Of constraints on joints, the worst one"""
+    """Worst joint, for constraints on joints"""
 
 
 @with_config(OPEN)
@@ -84,13 +84,13 @@ class RejectedPair(TypedDict):
     """How many configurations were rejected with one pair as the deepest collision."""
 
     bodies: Bodies
-    """Full names"""
+    """Full names of both bodies"""
     count: int
-    """Configurations"""
+    """Number of configurations"""
     min_depth: float
-    """The least depth among them [m]"""
+    """Least depth of the collision among them [m]"""
     max_depth: float
-    """The largest depth among them [m]"""
+    """Largest depth of the collision among them [m]"""
 
 
 @with_config(OPEN)
@@ -98,13 +98,13 @@ class BlockedMoves(TypedDict):
     """How many approaches or retreats stopped for one reason."""
 
     leg: LineLeg
-    """Which"""
+    """`approach` or `retreat`"""
     reason: LineStopReason
-    """Why"""
+    """Reason why they stopped"""
     where: str
-    """The pair of bodies or the joint, or empty"""
+    """Pair of bodies or joint that stopped them, or empty"""
     count: int
-    """Configurations"""
+    """Number of configurations"""
     max_fraction: float
     """The largest part of the line that is free, from the goal outwards [0 to 1]"""
 
@@ -114,11 +114,11 @@ class RejectedSamples(TypedDict):
     """Why some samples are no goal configurations."""
 
     reason: SampleRejection
-    """Which test they failed"""
+    """Test that they failed"""
     count: int
-    """Samples"""
+    """Number of samples"""
     share: float
-    """Of the samples tried [0 to 1]"""
+    """Share of all samples that were tried [0 to 1]"""
     bodies: Bodies | None
     """The deepest pair of collisions; null where it was not measured"""
     min_depth: float | None
@@ -132,21 +132,21 @@ class FunnelEvidence(TypedDict):
     """How many samples of inverse kinematics pass each test."""
 
     tried: int
-    """Seeds given to the solver"""
+    """Number of seeds given to the solver"""
     converged: int
-    """Those that reached the target"""
+    """Number of them that reached the target"""
     within_limits: int
-    """Of these, those within the joint limits"""
+    """Number of the converged ones within the joint limits"""
     collision_free: int
-    """Of these, those that are free"""
+    """Number of those that are free of collisions"""
     breaking: NotRequired[int]
-    """Of the free ones, those that violate a path constraint"""
+    """Number of the free ones that violate a path constraint"""
     violating: NotRequired[int]
     """Goal configurations dropped for path constraints, whole turns included"""
     approach_ok: NotRequired[int]
-    """Of the free ones that keep path constraints, those with free approach and retreat"""
+    """Number of the free ones that keep path constraints and have free approach and retreat"""
     distinct: int
-    """Of these, those that differ from all others"""
+    """Number of those that differ from all others"""
     rejected_by: list[RejectedPair]
     """Collisions by pair, the most frequent first"""
     blocked_by: NotRequired[list[BlockedMoves]]

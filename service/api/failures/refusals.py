@@ -14,9 +14,9 @@ class UnreadableEvidence(TypedDict):
     reason: NotRequired[str]
     """What is wrong with it"""
     position: NotRequired[int | None]
-    """Of the first character that is wrong, from 0"""
+    """Index of the first wrong character, from 0"""
     line: NotRequired[int]
-    """In which line, from 1"""
+    """Line with the fault, from 1"""
 
 
 @with_config(OPEN)
@@ -24,7 +24,7 @@ class HostEvidence(TypedDict):
     """Whom a request was for."""
 
     host: str
-    """As the request has it"""
+    """Host in the request"""
 
 
 @with_config(OPEN)
@@ -52,7 +52,7 @@ class UnknownResourceEvidence(TypedDict):
     id: NotRequired[str]
     """As it was given"""
     name: NotRequired[str]
-    """Of a model, as it was given"""
+    """Name of the model that was asked for"""
     known: NotRequired[list[str]]
     """Names of models that there are"""
     nearest: NotRequired[list[str]]
@@ -64,9 +64,9 @@ class AddressEvidence(TypedDict):
     """Where a webhook may not lead."""
 
     host: str
-    """As the URL has it"""
+    """Host in the URL"""
     pointer: str
-    """Where the URL stands in the body"""
+    """JSON pointer to the URL in the body"""
 
 
 @with_config(OPEN)
@@ -84,9 +84,9 @@ class NoTrajectoryEvidence(TypedDict):
     """What there is instead of a motion."""
 
     id: NotRequired[str]
-    """Of the plan"""
+    """Id of the plan"""
     state: NotRequired[str]
-    """That it is in"""
+    """State of the plan"""
     failure: NotRequired[dict[str, Any] | None]
     """Why it has no motion, if it ended without one"""
 
@@ -100,9 +100,9 @@ class NoRegionsEvidence(TypedDict):
     digest: str
     """Of its content"""
     group: str
-    """That they are for"""
+    """Group that the regions are for"""
     margin: float
-    """That they keep at least [m]"""
+    """Least margin that the regions keep [m]"""
     there: list[dict[str, Any]]
     """Regions that there are, and why they do not fit"""
 
@@ -112,15 +112,15 @@ class StartMismatchEvidence(TypedDict):
     """Where a plan starts, and where the robot is."""
 
     start: list[float]
-    """Of the plan [rad or m]"""
+    """Start of the plan [rad or m]"""
     positions: list[float]
-    """Of the robot [rad or m]"""
+    """Positions of the robot [rad or m]"""
     distance: float
     """The largest difference of a coordinate [rad or m]"""
     bound: NotRequired[float]
-    """What it may be [rad or m]"""
+    """Largest difference that is allowed [rad or m]"""
     names: NotRequired[list[str]]
-    """Of the coordinates"""
+    """Names of the coordinates"""
 
 
 @with_config(OPEN)
@@ -128,7 +128,7 @@ class RobotStateEvidence(TypedDict):
     """Which robots have to be looked at."""
 
     robots: list[str]
-    """Their names"""
+    """Names of the robots"""
 
 
 @with_config(OPEN)
@@ -136,9 +136,9 @@ class BusyEvidence(TypedDict):
     """What moves a robot, or waits for it."""
 
     execution: str
-    """Its id"""
+    """Id of the execution"""
     group: str
-    """That it moves"""
+    """Group that it moves"""
 
 
 @with_config(OPEN)
@@ -146,7 +146,7 @@ class RevisionEvidence(TypedDict):
     """Which revision the scene is at."""
 
     revision: int
-    """That the request names"""
+    """Revision that the request names"""
     latest: int
     """That there is"""
 
@@ -156,11 +156,11 @@ class EntityTagEvidence(TypedDict):
     """Which revision the scene is at."""
 
     revision: int
-    """That there is"""
+    """Latest revision"""
     etag: str
-    """Of that revision"""
+    """`ETag` of the latest revision"""
     asked: str
-    """What `If-Match` names"""
+    """Tag in `If-Match`"""
 
 
 @with_config(OPEN)
@@ -168,7 +168,7 @@ class DigestEvidence(TypedDict):
     """Which scene is not kept."""
 
     digest: str
-    """Of its content"""
+    """Digest of the content of the scene"""
 
 
 @with_config(OPEN)
@@ -198,7 +198,7 @@ class ScopeEvidence(TypedDict):
     needed: str
     """The scope that the operation needs"""
     scopes: list[str]
-    """Those of the key"""
+    """Scopes of the key"""
 
 
 @with_config(OPEN)

@@ -36,7 +36,7 @@ class BatchCounts(ResponseModel):
 class BatchSummary(ResponseModel):
     """A batch without the ids of its plans. Deleted plans are no part of it any more."""
 
-    id: str = Field(description="Of the batch")
+    id: str = Field(description="Id of the batch")
     counts: BatchCounts = Field(description="Plans by state")
     created_at: datetime = Field(description="When it was requested (UTC)")
     finished_at: datetime | None = Field(
@@ -56,5 +56,7 @@ class Batch(BatchSummary):
 class BatchPage(ResponseModel):
     """Batches, newest first."""
 
-    items: list[BatchSummary] = Field(description="On this page, without the ids of their plans")
+    items: list[BatchSummary] = Field(
+        description="Batches on this page, without the ids of their plans"
+    )
     next: str | None = Field(description="Cursor of the next page; null on the last one")

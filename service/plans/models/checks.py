@@ -17,7 +17,7 @@ class Check(ResponseModel):
         "then, there may be worse; null for none"
     )
     bound: FiniteOrNull = Field(description="What it was held against, in `unit`; null for none")
-    unit: str = Field(description="Of value, bound and resolution; `1` for peak over limit")
+    unit: str = Field(description="Unit of value, bound and resolution; `1` for peak over limit")
     resolution: FiniteOrNull = Field(
         description="How far the true worst value may lie beyond `value`; null if it is not "
         "bounded, as where a search for it ended at once"

@@ -35,7 +35,8 @@ class Box(RequestModel):
     )
     pose: Pose = Field(
         default_factory=lambda: Pose(position=[0.0, 0.0, 0.0]),
-        description="Of its middle; in a frame that moves with the group, where the start puts it",
+        description="Pose of its middle; in a frame that moves with the group, as the start "
+        "puts it",
     )
 
     def to_domain(self) -> domain.PlacedBox:
@@ -135,7 +136,8 @@ class Position(RequestModel):
     )
     pose: Pose = Field(
         default_factory=lambda: Pose(position=[0.0, 0.0, 0.0]),
-        description="Of its middle; in a frame that moves with the group, where the start puts it",
+        description="Pose of its middle; in a frame that moves with the group, as the start "
+        "puts it",
     )
 
     @model_validator(mode="after")
@@ -169,8 +171,8 @@ class Orientation(RequestModel):
 
     type: Literal["orientation"] = Field(description="Says which constraint this is")
     frame: FrameName = Field(description="Whose axis")
-    axis: Triple = Field(description="In that frame; any length but zero")
-    direction: Triple = Field(description="In `reference`; any length but zero")
+    axis: Triple = Field(description="Axis in that frame; any length but zero")
+    direction: Triple = Field(description="Direction in `reference`; any length but zero")
     tolerance: Annotated[Real, Field(gt=0, le=math.pi)] = Field(
         description="Largest angle between them [rad]"
     )

@@ -37,7 +37,7 @@ class ConfigurationGoal(RequestModel):
     """Reach a configuration that the scene or the robot names."""
 
     type: Literal["configuration"] = Field(description="Says which goal this is")
-    name: ConfigurationName = Field(description="Of the configuration, for example `home`")
+    name: ConfigurationName = Field(description="Name of the configuration, for example `home`")
 
     def to_domain(self) -> domain.ConfigurationGoal:
         """Return the domain's goal."""
@@ -85,7 +85,9 @@ class RelativeGoal(RequestModel):
     )
 
     type: Literal["relative"] = Field(description="Says which goal this is")
-    displacement: Displacement = Field(description="By how much")
+    displacement: Displacement = Field(
+        description="Displacement from where the tool is at the start"
+    )
     frame: ToolFrame = None
     reference: FrameName | None = Field(
         default=None,

@@ -39,7 +39,8 @@ class Ik(RequestModel):
 
     max_configurations: Annotated[int, Strict(), Field(ge=1, le=10_000), WHOLE] = Field(
         default=100,
-        description="At most so many, the nearest to the start of all that are found; as many are "
+        description="Number of configurations at most, the nearest to the start of all that "
+        "are found; as many are "
         "looked for, but 100 at least, and until 40 in a row are known already",
     )
     max_trials: Annotated[int, Strict(), Field(ge=1, le=100_000), WHOLE] = Field(
@@ -117,7 +118,7 @@ class Funnel(ResponseModel):
         "their lines violate a path constraint",
     )
     breaking: int = Field(
-        default=0, description="Of the collision-free samples, those that violate a path constraint"
+        default=0, description="Collision-free samples that violate a path constraint"
     )
 
 
@@ -126,7 +127,7 @@ class Rejection(ResponseModel):
 
     reason: SampleRejection = Field(description="What is wrong with them")
     count: int = Field(description="How many; with `distinct` the counts add up to `tried`")
-    share: float = Field(description="Of `tried`, 0 to 1")
+    share: float = Field(description="Share of `tried`, 0 to 1")
     bodies: tuple[str, str] | None = Field(
         description="For `collision`, what they hit deepest; null for those that time was short for"
     )

@@ -20,8 +20,11 @@ type ToolFrame = Annotated[
 class Deviation(RequestModel):
     """How far a tool may be from its line, between waypoints and samples too."""
 
-    position: Shift = Field(default=0.001, description="Of its origin, from the line [m]")
-    rotation: Turn = Field(default=0.008726646259971648, description="Of its rotation [rad]")
+    position: Shift = Field(default=0.001, description="Distance of its origin from the line [m]")
+    rotation: Turn = Field(
+        default=0.008726646259971648,
+        description="Angle between its rotation and that of the line [rad]",
+    )
 
 
 class Translation(RequestModel):
@@ -29,7 +32,7 @@ class Translation(RequestModel):
 
     vector: Triple = Field(description="The way [m]")
     frame: FrameName = Field(
-        default="world", description="In whose axes, as they stand at the start: any frame"
+        default="world", description="Frame in whose axes the vector is, as they stand at the start"
     )
 
     def to_domain(self) -> Displacement:
@@ -106,7 +109,7 @@ class PathGoal(RequestModel):
 
     type: Literal["path"] = Field(description="Says which goal this is")
     poses: Annotated[list[Pose], Field(min_length=1, max_length=1000)] = Field(
-        description="In this order; frames that move count where the start puts them"
+        description="Poses in this order; frames that move count where the start puts them"
     )
     frame: ToolFrame = None
     deviation: Deviation = Field(

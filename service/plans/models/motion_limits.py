@@ -89,7 +89,9 @@ class Payload(RequestModel):
 
     frame: FrameName = Field(description="What it follows; the group must move it")
     mass: Annotated[Real, Field(gt=0, le=1e4)] = Field(description="[kg]")
-    center_of_mass: Triple = Field(default=[0.0, 0.0, 0.0], description="In the frame [m]")
+    center_of_mass: Triple = Field(
+        default=[0.0, 0.0, 0.0], description="Center of mass in the frame [m]"
+    )
     inertia: Moments = Field(
         default=[0.0] * 6,
         description="Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass, along the frame's axes "

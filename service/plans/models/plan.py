@@ -32,13 +32,13 @@ class BestPath(ResponseModel):
 class PlanSummary(ResponseModel):
     """A plan without its result."""
 
-    id: str = Field(description="Of the plan")
+    id: str = Field(description="Id of the plan")
     batch: str | None = Field(description="Id of the batch that it is of; null for none")
     state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
     stage: AnyStage = Field(description="The stage that it is in or ended in, or empty")
     progress: float = Field(
-        description="Of the whole plan, 0 to 1: within a stage it grows with the share of the "
-        "allowed time that is used; of a plan that failed or was canceled, how far it came",
+        description="Share of the whole plan, 0 to 1: within a stage it grows with the share "
+        "of the allowed time that is used; of a plan that failed or was canceled, how far it came",
         ge=0,
         le=1,
     )
@@ -57,11 +57,11 @@ class PlanSummary(ResponseModel):
         "newest `search.regions` where they were left open: posted again, it gives the same plan"
     )
     failure: Failure | None = Field(description="Why there is no result")
-    seed: int = Field(description="Of all randomness")
+    seed: int = Field(description="Seed of all randomness")
     digest: str | None = Field(description="sha256 over the delivered numbers")
     versions: Versions = Field(
-        description="Of everything that the numbers depend on, in the server that ran it last; "
-        "empty before it runs, and for plans of versions that did not keep it"
+        description="Versions of everything that the numbers depend on, in the server that ran it "
+        "last; empty before it runs, and for plans of versions that did not keep it"
     )
     timings: Timings = Field(
         description="Seconds per stage, once it has ended; of a failure those of `failure` [s]"
@@ -78,5 +78,5 @@ class Plan(PlanSummary):
 class PlanPage(ResponseModel):
     """Plans, newest first."""
 
-    items: list[PlanSummary] = Field(description="On this page, without their results")
+    items: list[PlanSummary] = Field(description="Plans on this page, without their results")
     next: str | None = Field(description="Cursor of the next page; null on the last one")

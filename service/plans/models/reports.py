@@ -37,15 +37,17 @@ class ObjectiveValues(ResponseModel):
 class RefineReport(ResponseModel):
     """What the refine stage did."""
 
-    method: Literal["trajopt", "drake", "auto", "none"] = Field(description="As it was asked for")
+    method: Literal["trajopt", "drake", "auto", "none"] = Field(
+        description="Method that was requested"
+    )
     improved: bool = Field(description="Whether the refined curve is what was delivered")
     reason: str = Field(description="Why not, or empty")
     solver: str = Field(description="Name of the solver, or empty")
     rounds: int = Field(
         description="Steps tried, each a convex program; of `drake` nonlinear programs"
     )
-    length_before: float = Field(description="Of the path [rad or m]")
-    length_after: float = Field(description="Of the refined curve [rad or m]")
+    length_before: float = Field(description="Length of the path [rad or m]")
+    length_after: float = Field(description="Length of the refined curve [rad or m]")
     duration_before: float = Field(description="Estimate for the initial guess [s]")
     duration_after: float = Field(description="Estimate for the solution [s]")
     lower_bound: float = Field(
@@ -121,8 +123,8 @@ class DurationExplanation(ResponseModel):
 class RetimeReport(ResponseModel):
     """What the retime stage did."""
 
-    method: Literal["toppra", "ruckig"] = Field(description="As it was asked for")
-    duration: float = Field(description="Of the trajectory [s]")
+    method: Literal["toppra", "ruckig"] = Field(description="Method that was requested")
+    duration: float = Field(description="Duration of the trajectory [s]")
     slowed: float = Field(description="Factor by which the audit stretched it; 1 is not at all")
     binding: dict[str, str] = Field(description="What is nearest its bound, per limit")
     utilisation: dict[str, float] = Field(description="Peak over limit, per limit [1]")
@@ -140,7 +142,7 @@ class RetimeReport(ResponseModel):
 class StopReport(ResponseModel):
     """Stops along the path within limits, from every instant: guaranteed upper bounds."""
 
-    time: float = Field(description="Of the longest stop [s]")
+    time: float = Field(description="Duration of the longest stop [s]")
     begin: float = Field(description="When it begins [s]")
     distance: float = Field(description="A joint's longest way until it stands [rad or m]")
     joint: str = Field(description="Which joint, or block of a planar or floating one")

@@ -114,7 +114,7 @@ class PlanRequest(RequestModel):
 
     scene: Identifier = Field(description="Id of a scene")
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
-        default=None, description="Of the scene; null for its latest"
+        default=None, description="Revision of the scene; null for its latest"
     )
     group: GroupName = Field(description=GROUP)
     start: GroupPositions | None = Field(
@@ -138,7 +138,7 @@ class PlanRequest(RequestModel):
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
-        default=0, description="Of all randomness: the same seed gives the same bytes"
+        default=0, description="Seed of all randomness: the same seed gives the same bytes"
     )
     priority: Annotated[Priority, ADDED] = Field(default=Priority.NORMAL, description=PRIORITY)
 

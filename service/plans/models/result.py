@@ -85,8 +85,10 @@ class Part(ResponseModel):
     )
     begin: float = Field(description="First instant [s]")
     end: float = Field(description="Last instant [s]")
-    length: float = Field(description="Of the tool's way [m]")
-    num_waypoints: int = Field(description="Of its part of `path`, both ends included")
+    length: float = Field(description="Length of the tool's path [m]")
+    num_waypoints: int = Field(
+        description="Number of waypoints of its part of `path`, both ends included"
+    )
 
 
 # What `?include=` may leave out of an answer: it grows with the motion and the scene.
@@ -111,7 +113,7 @@ class PlanResult(ResponseModel):
     goal_index: int = Field(description="Which of the goal's candidates that is, from 0")
     start: Row = Field(description="Where it starts, clipped into the limits [rad or m]")
     start_clipped: Row = Field(
-        description="By how much the given start was clipped, at most 1e-6 [rad or m]"
+        description="Change of the given start by clipping, at most 1e-6 [rad or m]"
     )
     path: Rows = Field(description="Untimed waypoints, one row each [rad or m]")
     parts: list[Part] = Field(

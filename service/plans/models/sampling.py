@@ -35,7 +35,8 @@ class Sampling(RequestModel):
     )
     num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
         default=None,
-        description="Deliver so many samples, evenly in time, first and last instants included, "
+        description="Number of samples to deliver, evenly in time, first and last instants "
+        "included, "
         "however far apart that is; `trajectory.interpolations` says what is proven of them; null "
         "for one every `sample_period`; not both",
     )

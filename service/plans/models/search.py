@@ -34,7 +34,7 @@ class Roadmap(RequestModel):
         description="With how many of the nearest others each is joined, where the way is free",
     )
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
-        default=0, description="Of its samples; the plan's own seed does not change it"
+        default=0, description="Seed of its samples; the plan's own seed does not change it"
     )
 
     def to_domain(self) -> domain.RoadmapOptions:
@@ -46,7 +46,7 @@ class Car(RequestModel):
     """A planar base that moves like a car: never sideways, in no tighter turn than it can."""
 
     turning_radius: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
-        description="Of its tightest turn, at the origin of the base [m]"
+        description="Radius of its tightest turn, at the origin of the base [m]"
     )
     reverse: Boolean = Field(
         default=True,
@@ -144,7 +144,8 @@ class Search(RequestModel):
     )
     objective: Literal["length", "weighted_length", "clearance", "duration"] = Field(
         default="length",
-        description="By what solutions are compared, and improved by planners that improve them",
+        description="Objective by which solutions are compared, and improved by planners that "
+        "do so",
     )
     approximate: Boolean = Field(
         default=False,

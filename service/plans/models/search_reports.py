@@ -16,9 +16,9 @@ class AttemptReport(ResponseModel):
         description="`solved`, `collides` (on a closer look), `setup` (setting the planner up took "
         "longer than it may), or how it ended"
     )
-    raw_length: float = Field(description="Of its solution, before shortcutting [rad or m]")
+    raw_length: float = Field(description="Length of its solution, before shortcutting [rad or m]")
     length: float = Field(description="And after it [rad or m]")
-    cost: float = Field(description="By the objective, in its unit")
+    cost: float = Field(description="Cost by the objective, in its unit")
     num_states_checked: int = Field(description="Configurations checked for collision")
 
 
@@ -73,9 +73,11 @@ class SearchReport(ResponseModel):
     solved: int = Field(description="How many of the attempts found an exact solution")
     num_states_checked: int = Field(description="Configurations checked for collision")
     num_motions_checked: int = Field(description="Edges checked")
-    raw_length: float = Field(description="Of the kept solution, before shortcutting [rad or m]")
+    raw_length: float = Field(
+        description="Length of the kept solution, before shortcutting [rad or m]"
+    )
     length: float = Field(description="And after it [rad or m]")
-    num_waypoints: int = Field(description="Of the delivered path")
+    num_waypoints: int = Field(description="Number of waypoints of the delivered path")
     resolution: float = Field(description="At which edges were checked [rad or m]")
     padding: float = Field(description="Distance that was demanded beyond the margin [m]")
     direct: bool = Field(
@@ -83,11 +85,12 @@ class SearchReport(ResponseModel):
         description="Whether the straight line was free, so that no search was needed",
     )
     objective: Literal["length", "weighted_length", "clearance", "duration"] = Field(
-        default="length", description="By what solutions were compared"
+        default="length", description="Objective by which solutions were compared"
     )
     cost: float = Field(
         default=0.0,
-        description="Of the kept solution: a length [rad or m], a duration [s], or, for clearance, "
+        description="Cost of the kept solution: a length [rad or m], a duration [s], or, for "
+        "clearance, "
         "length over distance",
     )
     attempts_log: list[AttemptReport] = Field(

@@ -84,7 +84,7 @@ class Trajectory(ResponseModel):
     positions: Rows = Field(description="One row per instant [rad or m]")
     velocities: Rows = Field(description="One row per instant [rad/s or m/s]")
     accelerations: Rows = Field(description="One row per instant [rad/s^2 or m/s^2]")
-    duration: float = Field(description="Of the whole motion [s]")
+    duration: float = Field(description="Duration of the whole motion [s]")
     interpolations: list[Interpolation] = Field(
         default=[],
         description="What is proven of the samples, by what receivers make of them; the "

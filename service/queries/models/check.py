@@ -83,4 +83,4 @@ class Verdict(ResponseModel):
 class CheckResponse(ResponseModel):
     """A verdict per configuration, in order."""
 
-    results: list[Verdict] = Field(description="In the order of the configurations")
+    results: list[Verdict] = Field(description="Verdicts in the order of the configurations")

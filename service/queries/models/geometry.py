@@ -15,14 +15,15 @@ type Digest = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 class MeshRequest(RequestModel):
     """Ask for a mesh of a scene."""
 
-    sha256: Digest = Field(description="Of its bytes")
+    sha256: Digest = Field(description="sha256 of its bytes")
 
 
 class MeshName(ResponseModel):
     """A mesh, in a file of its own."""
 
     sha256: str = Field(
-        description="Of the bytes of `GET /v1/scenes/{scene}/geometry/{sha256}.glb`: glTF 2.0, "
+        description="sha256 of the bytes of `GET /v1/scenes/{scene}/geometry/{sha256}.glb`: "
+        "glTF 2.0, "
         "binary; as an exception to glTF its z axis points up"
     )
 
@@ -84,7 +85,7 @@ class VisibleBody(ResponseModel):
 class Geometry(ResponseModel):
     """What the bodies of a scene look like; of a revision it never changes."""
 
-    bodies: list[VisibleBody] = Field(description="By name")
+    bodies: list[VisibleBody] = Field(description="Bodies, sorted by name")
 
     @classmethod
     def from_domain(cls, bodies: tuple[domain.VisibleBody, ...]) -> Self:

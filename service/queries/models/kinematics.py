@@ -91,7 +91,7 @@ class IkRequest(RequestModel):
         default=5.0, description="Stop after this long, with what was found [s]"
     )
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
-        default=0, description="Of all randomness"
+        default=0, description="Seed of all randomness"
     )
 
 
@@ -101,8 +101,8 @@ class Branch(ResponseModel):
     model_config = ConfigDict(from_attributes=True)
 
     shoulder: Literal[-1, 0, 1] = Field(description="On which side of the first axis the wrist is")
-    elbow: Literal[-1, 0, 1] = Field(description="To which side the elbow bends")
-    wrist: Literal[-1, 0, 1] = Field(description="To which side the wrist bends")
+    elbow: Literal[-1, 0, 1] = Field(description="Side to which the elbow bends")
+    wrist: Literal[-1, 0, 1] = Field(description="Side to which the wrist bends")
 
 
 class IkSolution(ResponseModel):

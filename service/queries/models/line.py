@@ -24,8 +24,8 @@ from service.scenes.models.pairs import Pair
 class FoundDeviation(ResponseModel):
     """How far a tool is from its line at most, between waypoints too."""
 
-    position: float = Field(description="Of its origin, from the line [m]")
-    rotation: float = Field(description="Of its rotation [rad]")
+    position: float = Field(description="Distance of its origin from the line [m]")
+    rotation: float = Field(description="Angle between its rotation and that of the line [rad]")
 
 
 class LineRequest(LineTarget):
@@ -69,7 +69,7 @@ class LineStop(ResponseModel):
         "nearer than their margin. `singularity`: the joints would have to move without bound. "
         "`unreachable`: the joints cannot move the tool that way"
     )
-    fraction: float = Field(description="Of the line that was reached, to about 1e-5 [1]")
+    fraction: float = Field(description="Share of the line that was reached, to about 1e-5 [1]")
     where: Pose = Field(description="The tool there, in world")
     positions: list[float] = Field(description="The group there [rad or m]")
     joint: str | None = Field(description="The position coordinate at its limit, for `limit`")
@@ -96,9 +96,9 @@ class LineStop(ResponseModel):
 class LineResponse(ResponseModel):
     """How far it goes, on what way, and what stops it."""
 
-    fraction: float = Field(description="Of the line that is reached, 0 to 1 [1]", ge=0, le=1)
+    fraction: float = Field(description="Share of the line that is reached, 0 to 1 [1]", ge=0, le=1)
     length: float = Field(description="How far the tool's origin gets along it [m]")
-    fractions: list[float] = Field(description="Of the line, of every waypoint [1]")
+    fractions: list[float] = Field(description="Share of the line at every waypoint [1]")
     positions: list[list[float]] = Field(
         description="Waypoints from the start on, to be joined straight [rad or m]"
     )

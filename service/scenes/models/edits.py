@@ -26,7 +26,9 @@ class AddOperation(RequestModel):
     model_config = ConfigDict(title="AddOperation")
 
     op: Literal["add"] = Field(description="What to do")
-    object: ObjectDocument = Field(description="As in a scene document, under a name that is free")
+    object: ObjectDocument = Field(
+        description="Object as in a scene document, with a name that is free"
+    )
 
     def to_domain(self) -> domain.AddObject:
         """Return the operation for the domain."""
@@ -182,7 +184,7 @@ class SceneEdit(RequestModel):
     model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
 
     operations: Annotated[list[SceneOperation], Field(min_length=1, max_length=1000)] = Field(
-        description="In order"
+        description="Operations, carried out in this order"
     )
     revision: Annotated[int, Strict(), Field(ge=1), WHOLE] | None = Field(
         default=None,

@@ -15,7 +15,7 @@ class Pair(ResponseModel):
 
     bodies: tuple[str, str] = Field(description="Full names")
     distance: float = Field(description="Signed [m]; negative is the depth of penetration")
-    depth: float = Field(description="Of penetration [m]; 0 if they do not touch", ge=0)
+    depth: float = Field(description="Depth of penetration [m]; 0 if they do not touch", ge=0)
     points: list[list[float]] = Field(description="The nearest point of each, in world [m]")
 
     @classmethod

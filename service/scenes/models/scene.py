@@ -20,8 +20,8 @@ class SceneBrief(ResponseModel):
 
     model_config = ConfigDict(from_attributes=True)
 
-    id: str = Field(description="Of the scene")
-    revision: int = Field(description="Of its content, from 1")
+    id: str = Field(description="Id of the scene")
+    revision: int = Field(description="Revision of its content, from 1")
     digest: str = Field(description="sha256 of the content, the bytes of all files included")
     name: str = Field(description="For people")
     created_at: datetime = Field(description="When this revision was made (UTC)")
@@ -36,7 +36,7 @@ class Files(ResponseModel):
     main: str = Field(description="The robot's description, or the mesh; one of the paths")
     card: str = Field(description="The `robot.yaml` that goes with it; empty for none")
     sha256: dict[str, str] = Field(
-        description="Of the bytes of every file, by path relative to the folder of all"
+        description="sha256 of the bytes of every file, by path relative to the folder of all"
     )
 
 
@@ -99,7 +99,9 @@ class Scene(SceneBrief):
         default=[], description="Pairs of bodies that no collision check looks at, and why"
     )
     warnings: list[str] = Field(description="What was found odd, for example concave meshes")
-    document: SceneDocument = Field(description="As it was posted or edited, defaults filled in")
+    document: SceneDocument = Field(
+        description="Document as it was posted or edited, defaults filled in"
+    )
     files: dict[str, Files] = Field(
         default={},
         description="What its robots and meshes were made from, by name: they are kept, and no "
@@ -121,5 +123,5 @@ class EditedScene(Scene):
 class ScenePage(ResponseModel):
     """Scenes, newest first."""
 
-    items: list[SceneBrief] = Field(description="On this page")
+    items: list[SceneBrief] = Field(description="Scenes on this page")
     next: str | None = Field(description="Cursor of the next page; null on the last one")

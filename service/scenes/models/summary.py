@@ -27,7 +27,9 @@ class Steering(ResponseModel):
 
     model_config = ConfigDict(from_attributes=True)
 
-    turning_radius: float = Field(description="Of its tightest turn, at the base's origin [m]")
+    turning_radius: float = Field(
+        description="Radius of its tightest turn, at the base's origin [m]"
+    )
     reverse: bool = Field(description="Whether it drives backwards too")
 
 
@@ -95,7 +97,7 @@ class Group(ResponseModel):
         description="Groups of robots that it spans, in order; left out of one of these",
         exclude_if=_is_empty,
     )
-    joints: list[Joint] = Field(description="In the group's order")
+    joints: list[Joint] = Field(description="Joints in the group's order")
     position_names: list[str] = Field(description="A name per position coordinate, in order")
     velocity_names: list[str] = Field(description="A name per velocity coordinate, in order")
     tool_frames: list[str] = Field(description="Frames that it moves; the first is the default")
@@ -185,7 +187,7 @@ class Model(ResponseModel):
 
     model_config = ConfigDict(title="Model")
 
-    name: str = Field(description="As `model` of a scene's robot has it")
+    name: str = Field(description="Name, as `model` of a scene's robot has it")
     description: str = Field(description="What it is")
     default_group: str = Field(description="The group that the bare robot name stands for")
     groups: list[Group] = Field(description="What can be planned for, in a robot of this name")
