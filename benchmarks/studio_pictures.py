@@ -56,7 +56,7 @@ def failure(page: StudioPage) -> None:
     """Ask for what collides."""
     page.page.get_by_role("tab", name="Plan", exact=True).click()
     page.unfold("Joints of the goal")
-    page.set("shoulder_lift_joint", 0.4)
+    page.set("shoulder_lift_joint", 0.5)
     page.wait_for("Collides")
     page.unfold("Joints of the goal")
     page.click("Plan")
