@@ -48,7 +48,8 @@ def noops(count: int, slots: int) -> Measure:
 async def _done(folder: Path, count: int, slots: int) -> Measure:
     measure = Measure(f"durable jobs that do nothing, {slots} workers")
     engine = open_engine(f"sqlite:///{folder / 'jobs.sqlite'}")
-    queues = {"plan": JobQueue("plan", [ProcessWorker([_HERE]) for _ in range(slots)], count + 1)}
+    most = 2 * count  # one client alone has nine tenths of that
+    queues = {"plan": JobQueue("plan", [ProcessWorker([_HERE]) for _ in range(slots)], most)}
     dispatcher = Dispatcher(JobStore(engine, {}), DispatcherLock(engine), queues)
     await dispatcher.start()
 

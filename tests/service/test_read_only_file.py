@@ -17,8 +17,10 @@ def immutable(files, *, is_so):
 
 @only_campaign("10 s; and not on tmpfs, where files that are open can still be written")
 def test_a_database_that_can_only_be_read_is_told_and_loses_nothing(tmp_path):
-    with server(tmp_path) as running:
-        http = httpx.Client(base_url=running.url, timeout=60, trust_env=False)
+    with (
+        server(tmp_path) as running,
+        httpx.Client(base_url=running.url, timeout=60, trust_env=False) as http,
+    ):
         scene = running.client.add_scene(ARM)
         request = request_of(scene, seed=1)
         assert http.post("/v1/plans?wait=30", json=request).json()["state"] == "succeeded"
