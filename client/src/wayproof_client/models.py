@@ -697,6 +697,8 @@ class ContactEvidence(Answer):
     """Time along the motion [s]."""
     depth: float | None = None
     """Depth by which they overlap [m]."""
+    execution: str | None = None
+    """Id of the execution that moves the other robot, if one does."""
     force: float | None = None
     """Force between them [N]; null where it is not known."""
 
@@ -1258,6 +1260,9 @@ class ExecutionTerms(Answer):
     /trajectories/schedule` finds them."""
     driver: DriverName | UrRtdeDriver = "simulated"
     """What moves."""
+    gripper: GripperRequest | None = None
+    """Open or close a gripper, from where its fingers are, and take hold of an object or let it
+    go."""
     on_conflict: Literal["stop", "slow", "replan", "ignore"] | str = "stop"
     """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
     on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
@@ -1352,6 +1357,7 @@ type Failure = Annotated[
         | CanceledFailure
         | RetimingFailedFailure
         | ScheduleNotFoundFailure
+        | GraspMissedFailure
         | NotCertifiedFailure
         | IllegalTransitionFailure
         | TrackingLostFailure
@@ -1743,6 +1749,122 @@ class GoalsReport(Answer):
     """Goal configurations that were offered to search."""
 
 
+class Grasp(Answer):
+    """Close on an object, and hold it from then on."""
+
+    object: str
+    """Its name; it must be `movable`, and between the fingers."""
+    frame: str | None = None
+    """That it follows from then on; null for the first tool frame of the gripper."""
+    gap: float = 0.0002
+    """Distance that the nearest finger keeps from it [m]: the grasp is a weld, not a contact,
+    and a simulated robot that touches something is stopped."""
+    reach: float = 0.002
+    """Largest distance of any finger from it [m], else it is not held (`grasp_missed`)."""
+    touch: list[str] | None = None
+    """Bodies that it may touch then; null for those of `attach`: the fingers, and what moves
+    rigidly with the frame."""
+
+
+class GraspEvidence(Answer):
+    """Why fingers do not hold an object."""
+
+    bound: float
+    """What they may be [m]."""
+    distances: list[float | None]
+    """Between the object and each finger then [m]; null beyond 5 cm."""
+    object: str
+    """Its name."""
+    width: float
+    """How far the fingers are apart where they have closed [m]."""
+
+
+class GraspMissedFailure(Answer):
+    """Fingers that close do not hold the object."""
+
+    code: Literal["grasp_missed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GraspEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
+
+
+class GraspMissedProblem(Answer):
+    """Fingers that close do not hold the object."""
+
+    code: Literal["grasp_missed"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What is wrong with this request, for a person."""
+    evidence: GraspEvidence
+    """Facts behind it [SI units, radians]."""
+    status: int
+    """The HTTP status, again."""
+    title: str
+    """The kind of problem, for a person."""
+    type: str
+    """`urn:wayproof:problem:` and the code."""
+    errors: list[ProblemError] = Field(default=[], validate_default=True)
+    """What is wrong in the body, at most 20; absent where no place of it is."""
+
+
+class Gripper(Answer):
+    """How wide a group opens that is a parallel gripper: `travel` times (position - `lower`)."""
+
+    joint: str
+    """Full name of the joint that moves its fingers."""
+    lower: float
+    """Position of that joint where the fingers meet [m]."""
+    max_width: float
+    """How far apart they are at most [m]."""
+    travel: float
+    """By how much they part with each metre of the joint."""
+
+
+class GripperRequest(Answer):
+    """Open or close a gripper, from where its fingers are."""
+
+    group: str | list[str]
+    """A group that is a gripper: `robot` for its default group, `robot::group`, or a group that
+    the scene names; a list of several, or their names joined by `+`, for one group of all their
+    joints, in this order."""
+    scene: str
+    """Id of a scene; it moves in its latest revision."""
+    force: float | None = None
+    """Largest force of the motor of the fingers' joint [N], where a driver has forces: one that
+    needs more is stopped (`torque_limit_reached`); null for the joint's own limit."""
+    grasp: Grasp | None = None
+    """Close on an object; once the fingers rest it is attached as `attach` does it, where it
+    was measured to be."""
+    release: str | None = None
+    """An object that is let go of: detached once the fingers have opened to `width`."""
+    width: float | None = None
+    """How far apart the fingers shall be [m], from 0 to `gripper.max_width` of the group; null
+    to close on the object of `grasp`."""
+
+
+class GripperState(Answer):
+    """How wide a gripper is open, and what it holds."""
+
+    group: str
+    """Its full name."""
+    holds: list[str]
+    """Objects that are attached to a frame of the gripper."""
+    max_width: float
+    """How far apart they can be [m]."""
+    robot: str
+    """Whose gripper it is."""
+    width: float
+    """How far apart its fingers are [m], as `positions` has them."""
+
+
 class Group(Answer):
     """Joints that are planned for together."""
 
@@ -1764,6 +1886,8 @@ class Group(Answer):
     """Frames that it moves; the first is the default."""
     velocity_names: list[str]
     """A name per velocity coordinate, in order."""
+    gripper: Gripper | None = None
+    """How wide it opens, of a gripper; left out of other groups."""
     members: list[str] = Field(default=[], validate_default=True)
     """Groups of robots that it spans, in order; left out of one of these."""
 
@@ -2430,6 +2554,8 @@ class LiveState(Answer):
     """Those that have joints."""
     scene: str
     """Id of the scene."""
+    grippers: list[GripperState] = Field(default=[], validate_default=True)
+    """Groups that are grippers, and how wide they are open."""
 
 
 class LockedJoints(Answer):
@@ -3570,6 +3696,7 @@ type Problem = Annotated[
         | CanceledProblem
         | RetimingFailedProblem
         | ScheduleNotFoundProblem
+        | GraspMissedProblem
         | NotCertifiedProblem
         | IllegalTransitionProblem
         | WorkerCrashedProblem
