@@ -1,4 +1,4 @@
-"""One server and one browser for all tests of pages in a process; a page of its own for each."""
+"""One server and one browser for all tests of pages in a row; a page of its own for each."""
 
 import pytest
 
@@ -7,13 +7,13 @@ from tests.browser.studio_page import StudioPage
 from tests.service.servers import server
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def studio_server(tmp_path_factory):
     with server(tmp_path_factory.mktemp("studio")) as running:
         yield running
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser():
     with chromium() as running:
         yield running

@@ -179,6 +179,7 @@ def test_a_motion_of_ones_own_is_proven_and_carried_out(client, scene):
         "plan": None,
         "plans": None,
         "delays": None,
+        "gripper": None,
         "driver": "simulated",
         "speed": 20,
         "on_conflict": "stop",

@@ -5,6 +5,7 @@ import itertools
 import json
 from contextlib import aclosing, contextmanager
 from datetime import UTC, datetime, timedelta
+from types import SimpleNamespace
 
 import pytest
 
@@ -110,6 +111,7 @@ class Record:
     """A revision of a scene in which one robot moves."""
 
     id, revision, created_at = "scn", 1, MADE
+    summary = SimpleNamespace(groups=())
 
     def __init__(self, live, objects=()):
         self.live, self.document = live, {"objects": list(objects)}
