@@ -55,13 +55,13 @@ class GoalEvidence(TypedDict):
     """Why no goal configuration is feasible, and what would have to change."""
 
     funnel: FunnelEvidence
-    """How many samples passed each test"""
+    """Number of samples that passed each test"""
     pairs: NotRequired[list[ViolatingPair]]
-    """Of given configurations, the pairs of the least infeasible one"""
+    """Pairs of the least infeasible of the given configurations"""
     nearest: NotRequired[Nearest]
     """The nearest feasible pose or configuration, null if none was found"""
     relaxation: NotRequired[Relaxation]
-    """What would have to change"""
+    """Changes that would be sufficient"""
 
 
 @with_config(OPEN)

@@ -20,7 +20,7 @@ class DocumentFault(TypedDict):
     nearest: NotRequired[list[str]]
     """Names that were perhaps meant, the nearest first"""
     line: NotRequired[int | None]
-    """In the text, from 1; null where it is not known"""
+    """Line in the text, from 1; null where it is not known"""
     type: NotRequired[str]
     """Kind of the fault, as the library calls it that checks documents"""
 
@@ -130,7 +130,7 @@ class FaultsEvidence(TypedDict):
     """Where a body or its parameters have faults."""
 
     faults: list[DocumentFault]
-    """At most 20 of them"""
+    """Faults, at most 20 of them"""
 
 
 @with_config(OPEN)

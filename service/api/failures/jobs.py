@@ -37,7 +37,7 @@ class QueueTimeoutEvidence(TypedDict):
 
 @with_config(OPEN)
 class IdempotencyEvidence(TypedDict):
-    """What the first request with the key made."""
+    """Resource that the first request with the key made."""
 
     key: str
     """The key"""
@@ -90,7 +90,7 @@ class ForeignTableEvidence(TypedDict):
     """Which table is not one of this program."""
 
     table: str
-    """Its name"""
+    """Name of the table"""
     missing: list[str]
     """Columns that it lacks"""
 
@@ -120,9 +120,9 @@ class StorageEvidence(TypedDict):
     """Why nothing is written."""
 
     reason: str
-    """What the database or the file system said"""
+    """Message of the database or the file system"""
     retry_after: float
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)
@@ -158,7 +158,7 @@ class HostLostEvidence(TypedDict):
     """Which machine was lost."""
 
     host: str
-    """Its address and the first digits of its id"""
+    """Address of the machine and the first digits of its id"""
     attempts: NotRequired[int]
     """How often the job was started"""
     during: NotRequired[str]

@@ -26,9 +26,9 @@ class SearchEvidence(TypedDict):
     """What a search without a path did; members that its planner does not tell are absent."""
 
     planner: NotRequired[str]
-    """OMPL's name; of several, all"""
+    """Name of the planner in OMPL; of several, all names"""
     reason: NotRequired[str]
-    """What left nothing to search for: `start`, `goals` or `setup`"""
+    """Reason why nothing was left to search for: `start`, `goals` or `setup`"""
     locked: NotRequired[list[str]]
     """Locked joints that no goal has at their start positions"""
     padding: NotRequired[float]
@@ -40,7 +40,7 @@ class SearchEvidence(TypedDict):
     num_states_checked: NotRequired[int]
     """Number of configurations checked for collision"""
     status: NotRequired[str]
-    """OMPL's word for how its last attempt ended"""
+    """Status of its last attempt, as OMPL names it"""
     num_vertices: NotRequired[int | None]
     """Number of configurations that the planner kept; null where it does not tell"""
     num_edges: NotRequired[int | None]
@@ -57,9 +57,10 @@ class SearchEvidence(TypedDict):
     approximate: NotRequired[Approximation | None]
     """The nearest that the search came to a goal, if the request wants it"""
     graph: NotRequired[dict[str, object]]
-    """What the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`"""
+    """Graph that the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`
+    """
     roadmap: NotRequired[dict[str, object]]
-    """What a roadmap did, if the request has one: as in a search's report"""
+    """Use of a roadmap, if the request has one: as in a search's report"""
 
 
 @with_config(OPEN)
@@ -73,25 +74,27 @@ class DeadlineEvidence(TypedDict):
     waited: NotRequired[float]
     """Time that the question waited for a worker before [s]"""
     funnel: NotRequired[FunnelEvidence]
-    """In the stage `goals`, how many samples passed each test until then"""
+    """In the stage `goals`, number of samples that passed each test until then"""
     max_trials: NotRequired[int]
-    """In the stage `goals`, how many samples were to be tried"""
+    """In the stage `goals`, number of samples to be tried"""
     cut_short: NotRequired[bool]
     """In the stage `goals`, that the funnel is not complete"""
     planner: NotRequired[str]
-    """In the stage `search`, OMPL's name; of several, all"""
+    """In the stage `search`, name of the planner in OMPL; of several, all names"""
     attempts: NotRequired[int]
-    """In the stage `search`, how many were made"""
+    """In the stage `search`, number of attempts"""
     num_goals: NotRequired[int]
-    """In the stage `search`, goal configurations"""
+    """In the stage `search`, number of goal configurations"""
     num_states_checked: NotRequired[int]
-    """In the stage `search`, configurations checked for collision"""
+    """In the stage `search`, number of configurations checked for collision"""
     goal_distance: NotRequired[float | None]
-    """In the stage `search`, from the nearest to a goal, as a length in joint space [rad or m]"""
+    """In the stage `search`, distance from the nearest configuration to a goal, as a length in
+    joint space [rad or m]
+    """
     approximate: NotRequired[Approximation | None]
     """In the stage `search`, the nearest to a goal, if the request wants it"""
     graph: NotRequired[dict[str, object]]
-    """In the stage `search`, what the planner explored, if the request wants it"""
+    """In the stage `search`, graph that the planner explored, if the request wants it"""
 
 
 @with_config(OPEN)
@@ -169,7 +172,7 @@ class Encounter(TypedDict):
     distance: float
     """Distance of both bodies then, negative where they overlap [m]"""
     times: dict[str, float]
-    """When they meet, by the time of each group's own motion [s]"""
+    """Time of the encounter on each group's own motion [s]"""
     waiting: NotRequired[str]
     """Group that does not avoid the encounter, however long it waits"""
 
@@ -183,9 +186,11 @@ class ScheduleEvidence(TypedDict):
     pair: list[str]
     """The two bodies that meet first"""
     time: float
-    """When, by the time of the motion that is then under way [s]"""
+    """Time of the encounter on the motion that is then under way [s]"""
     encounters: list[Encounter]
-    """Of two motions what either meets that waits; of more, what each two must avoid"""
+    """For two motions, the encounters of whichever waits; for more, the encounters that each two
+    must avoid
+    """
 
 
 @with_config(OPEN)
@@ -193,13 +198,13 @@ class GraspEvidence(TypedDict):
     """Why fingers do not hold an object."""
 
     object: str
-    """Its name"""
+    """Name of the object"""
     width: float
-    """How far the fingers are apart where they have closed [m]"""
+    """Distance of the fingers where they have closed [m]"""
     distances: list[float | None]
-    """Between the object and each finger then [m]; null beyond 5 cm"""
+    """Distance between the object and each finger then [m]; null beyond 5 cm"""
     bound: float
-    """What they may be [m]"""
+    """Largest distances that are allowed [m]"""
 
 
 @with_config(OPEN)
@@ -307,6 +312,6 @@ class DriverLostEvidence(TypedDict):
     driver: str
     """Name of the driver"""
     reason: str
-    """What happened"""
+    """Reason of the loss"""
     rests: bool
     """Whether the robot is known to rest where it was last measured"""

@@ -26,9 +26,9 @@ class PlainPose(TypedDict):
     """A pose in world."""
 
     position: list[float]
-    """x, y, z [m]"""
+    """Position x, y, z [m]"""
     quaternion: list[float]
-    """w, x, y, z"""
+    """Rotation w, x, y, z"""
 
 
 @with_config(OPEN)
@@ -150,8 +150,8 @@ class FunnelEvidence(TypedDict):
     rejected_by: list[RejectedPair]
     """Collisions by pair, the most frequent first"""
     blocked_by: NotRequired[list[BlockedMoves]]
-    """What stopped approaches and retreats, the most frequent first"""
+    """Reasons that stopped approaches and retreats, the most frequent first"""
     rejected: NotRequired[list[RejectedSamples]]
-    """Why the others are not among the distinct ones; the counts add up to those tried"""
+    """Reasons why the others are not among the distinct ones; the counts add up to those tried"""
     summary: NotRequired[str]
     """The same as a sentence"""

@@ -29,10 +29,10 @@ class HostEvidence(TypedDict):
 
 @with_config(OPEN)
 class OriginEvidence(TypedDict):
-    """Whose page asked."""
+    """Origin of the page that asked."""
 
     origin: str
-    """As the request has it"""
+    """Origin in the request"""
 
 
 @with_config(OPEN)
@@ -40,7 +40,7 @@ class TimeoutEvidence(TypedDict):
     """How long a body may take."""
 
     allowed: float
-    """Seconds"""
+    """Time that is allowed [s]"""
 
 
 @with_config(OPEN)
@@ -48,15 +48,15 @@ class UnknownResourceEvidence(TypedDict):
     """What does not exist; empty where the address leads nowhere."""
 
     kind: NotRequired[str]
-    """What was looked for"""
+    """Kind of what was looked for"""
     id: NotRequired[str]
-    """As it was given"""
+    """Id that was given"""
     name: NotRequired[str]
     """Name of the model that was asked for"""
     known: NotRequired[list[str]]
-    """Names of models that there are"""
+    """Names of models that exist"""
     nearest: NotRequired[list[str]]
-    """Of these, those that were perhaps meant, the nearest first"""
+    """Known names that were perhaps meant, the nearest first"""
 
 
 @with_config(OPEN)
@@ -74,9 +74,9 @@ class ReadinessEvidence(TypedDict):
     """Why the server is not ready."""
 
     faults: NotRequired[dict[str, str]]
-    """By kind of work, why none of its workers is"""
+    """Reason why no worker is ready, by kind of work"""
     retry_after: NotRequired[float]
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)
@@ -88,7 +88,7 @@ class NoTrajectoryEvidence(TypedDict):
     state: NotRequired[str]
     """State of the plan"""
     failure: NotRequired[dict[str, Any] | None]
-    """Why it has no motion, if it ended without one"""
+    """Reason why it has no motion, if it ended without one"""
 
 
 @with_config(OPEN)
@@ -96,9 +96,9 @@ class NoRegionsEvidence(TypedDict):
     """Which regions were looked for."""
 
     scene: NotRequired[str]
-    """The scene"""
+    """Id of the scene"""
     digest: str
-    """Of its content"""
+    """Digest of the scene's content"""
     group: str
     """Group that the regions are for"""
     margin: float
@@ -148,7 +148,7 @@ class RevisionEvidence(TypedDict):
     revision: int
     """Revision that the request names"""
     latest: int
-    """That there is"""
+    """Latest revision"""
 
 
 @with_config(OPEN)
@@ -188,7 +188,7 @@ class MediaTypeEvidence(TypedDict):
     got: NotRequired[str]
     """The content type that came"""
     known: NotRequired[list[str]]
-    """Those that are read"""
+    """Content types that are read"""
 
 
 @with_config(OPEN)
@@ -206,9 +206,9 @@ class RateEvidence(TypedDict):
     """How many requests a caller may make."""
 
     limit: str
-    """As the server's settings have it, such as `600/minute`"""
+    """Limit in the server's settings, such as `600/minute`"""
     retry_after: float
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)
