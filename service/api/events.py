@@ -15,7 +15,7 @@ type EventId = Annotated[str, Field(description="Id of the event, for `Last-Even
 class EventData(ResponseModel):
     """Data that every event has."""
 
-    at: datetime = Field(description="When it happened (UTC)")
+    at: datetime = Field(description="Time at which it happened (UTC)")
     plan: str | None = Field(
         default=None,
         description="Id of the plan, in the stream of a batch; absent in other streams",
@@ -74,7 +74,7 @@ class StartedEvent(ResponseModel):
 
     id: EventId
     event: Literal["started"] = Field(description="Kind of the event")
-    data: Json[EventData] = Field(description="When")
+    data: Json[EventData] = Field(description="Time of the event")
 
 
 class RequeuedEvent(ResponseModel):

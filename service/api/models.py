@@ -60,7 +60,7 @@ type LineLeg = Annotated[
 ]
 type LineStopReason = Annotated[
     Literal["limit", "singularity", "collision", "unreachable"],
-    Field(description="Why a straight line stops"),
+    Field(description="Reason why a straight line stops"),
 ]
 type SampleRejection = Annotated[
     Literal[

@@ -200,7 +200,7 @@ class StatusEvent(ResponseModel):
 
     id: EventId
     event: Literal["status"] = Field(description="Kind of the event")
-    data: Json[StatusData] = Field(description="How far it is")
+    data: Json[StatusData] = Field(description="Progress of the execution")
 
 
 class ControlsEvent(ResponseModel):

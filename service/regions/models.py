@@ -33,7 +33,7 @@ StopReason = Annotated[
     str,
     OneOf(
         "RegionsStopReason",
-        "Why there are no more regions.",
+        "Reason why there are no more regions.",
         ("coverage", "num_regions", "deadline", "exhausted"),
     ),
 ]
@@ -180,13 +180,13 @@ class RegionsBrief(ResponseModel):
     progress: float = Field(description="Share of the work that is done, 0 to 1", ge=0, le=1)
     created_at: datetime = Field(description="Time of the request (UTC)")
     started_at: datetime | None = Field(description="Time at which a worker began (UTC)")
-    finished_at: datetime | None = Field(description="When it ended (UTC)")
+    finished_at: datetime | None = Field(description="Time at which it ended (UTC)")
     cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
     attempts: int = Field(description=ATTEMPTS)
     scene: str = Field(description="Id of the scene")
     revision: int = Field(description="Revision of the scene")
     request: RegionsRequest = Field(description="The request, defaults filled in")
-    failure: Failure | None = Field(description="Why there is no result")
+    failure: Failure | None = Field(description="Reason why there is no result")
     versions: Versions = Field(
         description="Versions of everything that the numbers depend on, in the server that ran "
         "it last; "

@@ -78,9 +78,7 @@ class RetimeRequest(MotionRequest):
         "space [rad or m]"
     )
     retime: Retime = Field(default_factory=Retime, description="Options of the timing")
-    certify: Certify = Field(
-        default_factory=Certify, description="What to compute besides the proof"
-    )
+    certify: Certify = Field(default_factory=Certify, description="Computations besides the proof")
     polynomial: Boolean = Field(
         default=False, description="Whether to add the exact piecewise polynomial"
     )

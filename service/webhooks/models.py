@@ -41,7 +41,9 @@ class WebhookRequest(RequestModel):
         }
     )
 
-    url: _Url = Field(description="Where messages are posted; answer them with a status of 2xx")
+    url: _Url = Field(
+        description="Address to which messages are posted; answer them with a status of 2xx"
+    )
     events: Annotated[list[WebhookEvent], Field(min_length=1, max_length=len(WebhookEvent))] = (
         Field(default=_ENDS, description="Events that are told; by default the ends of all jobs")
     )
@@ -51,7 +53,7 @@ class Webhook(ResponseModel):
     """An address that is told what happens to jobs."""
 
     id: str = Field(description="Id of the webhook")
-    url: str = Field(description="Where messages are posted")
+    url: str = Field(description="Address to which messages are posted")
     events: list[WebhookEvent] = Field(description="Events that are told")
     created_at: datetime = Field(description="Time of the registration (UTC)")
     failing_since: datetime | None = Field(

@@ -12,7 +12,7 @@ from wayproof_client.shown_plan import ShownPlan
 
 
 class AddressEvidence(Answer):
-    """Where a webhook may not lead."""
+    """Address that a webhook may not lead to."""
 
     host: str
     """Host in the URL."""
@@ -54,7 +54,7 @@ type AnyLimit = (
     ]
     | str
 )
-"""What keeps a motion from being quicker."""
+"""Limit that keeps a motion from being quicker."""
 
 type AnyStage = (
     Literal[
@@ -145,14 +145,14 @@ class Approximation(Answer):
 
 
 class AssetEvidence(Answer):
-    """Which file does not exist."""
+    """File that does not exist."""
 
     uri: str
     """Name of the file in the scene or in the model."""
     known: list[str] | None = None
     """Names that exist."""
     path: str | None = None
-    """Its place in the scene."""
+    """Place of the name in the scene."""
 
 
 class AssetNotFoundFailure(Answer):
@@ -225,9 +225,9 @@ class Batch(Answer):
     counts: BatchCounts
     """Plans by state."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     finished_at: datetime | None
-    """When the last plan ended (UTC); null while one waits or runs."""
+    """Time at which the last plan ended (UTC); null while one waits or runs."""
     id: str
     """Id of the batch."""
     plans: list[str]
@@ -236,7 +236,7 @@ class Batch(Answer):
 
 
 class BatchCounts(Answer):
-    """How many plans of a batch are in each state."""
+    """Number of plans of a batch in each state."""
 
     canceled: int = 0
     """Plans whose end was requested."""
@@ -265,9 +265,9 @@ class BatchSummary(Answer):
     counts: BatchCounts
     """Plans by state."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     finished_at: datetime | None
-    """When the last plan ended (UTC); null while one waits or runs."""
+    """Time at which the last plan ended (UTC); null while one waits or runs."""
     id: str
     """Id of the batch."""
 
@@ -285,7 +285,7 @@ class BestPathData(Answer):
     """A path that is better than those before it."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     detail: str
     """Text for a person."""
     length: float
@@ -325,7 +325,7 @@ class BindingInterval(Answer):
 
 
 class BlockedMoves(Answer):
-    """How many approaches or retreats stopped for one reason."""
+    """Number of approaches or retreats that stopped for one reason."""
 
     count: int
     """Number of configurations."""
@@ -377,7 +377,7 @@ class Box(Answer):
 
 
 class Branch(Answer):
-    """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
+    """Sides to which a six-joint arm bends; one changes only at its singularity, where it is 0."""
 
     elbow: Literal[-1, 0, 1] | str
     """Side to which the elbow bends."""
@@ -388,7 +388,7 @@ class Branch(Answer):
 
 
 class BusyEvidence(Answer):
-    """What moves a robot, or waits for it."""
+    """Execution that moves a robot, or waits for it."""
 
     execution: str
     """Id of the execution."""
@@ -397,12 +397,12 @@ class BusyEvidence(Answer):
 
 
 class CancelEvidence(Answer):
-    """Where a cancel came."""
+    """Place of a cancel."""
 
     during: str | None = None
     """Work during which the cancel came."""
     reason: str | None = None
-    """Why the server ended it; absent if a client did."""
+    """Reason why the server ended it; absent if a client did."""
     time: float | None = None
     """Time along the motion of an execution [s]."""
 
@@ -626,12 +626,12 @@ class ConfigurationGoal(Answer):
 
 
 class ConfigurationRelaxation(Answer):
-    """What all would have to change for the least infeasible of the goal's configurations."""
+    """All changes that the least infeasible of the goal's configurations needs."""
 
     constraints: list[ConstraintViolation]
     """Path constraints that are violated."""
     goal_index: int
-    """Which of the goal's configurations, from 0."""
+    """Index of the goal's configuration, from 0."""
     limits: list[ViolatedLimit]
     """Limits that are violated."""
     margin: float | None
@@ -667,7 +667,7 @@ class ConstraintViolation(Answer):
     bound: float | None
     """Bound of the constraint, in `unit`."""
     constraint: str
-    """Its place in the request and its kind."""
+    """Place of the constraint in the request and its kind."""
     unit: str
     """Unit of value and bound; `1` for a number without one."""
     value: float | None
@@ -690,7 +690,7 @@ class Contact(Answer):
 
 
 class ContactEvidence(Answer):
-    """What touched what."""
+    """Bodies that touched."""
 
     pair: list[str]
     """Full names of both bodies."""
@@ -725,7 +725,7 @@ class ControlsData(Answer):
     """Controls of an execution from now on; those that are left out stay as they were."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     is_paused: bool | None = None
     """Whether it rests on its path."""
     plan: str | None = None
@@ -753,7 +753,7 @@ class ConvexDocument(Answer):
 
 
 class CountEvidence(Answer):
-    """How many values a list should have."""
+    """Number of values that a list should have."""
 
     expected: int
     """Number of values that are expected."""
@@ -762,11 +762,11 @@ class CountEvidence(Answer):
     names: list[str]
     """Names of the coordinates that the values are for."""
     field: str | None = None
-    """Its place in the request."""
+    """Place of the list in the request."""
 
 
 class CountedViolation(Answer):
-    """How many goal configurations violate one path constraint."""
+    """Number of goal configurations that violate one path constraint."""
 
     constraint: str
     """Its place in the request and its kind."""
@@ -777,7 +777,7 @@ class CountedViolation(Answer):
 
 
 class DatabaseTakenEvidence(Answer):
-    """Which server has the database."""
+    """Server that has the database."""
 
     epoch: int
     """Epoch of this server."""
@@ -824,12 +824,12 @@ class DatabaseUnavailableProblem(Answer):
 
 
 class DeadlineEvidence(Answer):
-    """What had been done when the time was over; of a search, as in `SearchEvidence`."""
+    """Work that was done when the time was over; of a search, as in `SearchEvidence`."""
 
     allowed: float | None = None
     """Time that was allowed [s]."""
     approximate: Approximation | None = None
-    """In the stage `search`, the nearest to a goal, if the request wants it."""
+    """In the stage `search`, the nearest configuration to a goal, if the request wants it."""
     attempts: int | None = None
     """In the stage `search`, number of attempts."""
     cut_short: bool | None = None
@@ -901,7 +901,7 @@ class Deviation(Answer):
 
 
 class DigestEvidence(Answer):
-    """Which scene is not kept."""
+    """Scene that is not kept."""
 
     digest: str
     """Digest of the content of the scene."""
@@ -958,9 +958,9 @@ class DocumentFault(Answer):
     message: str
     """What is wrong there, for a person."""
     path: str
-    """Its place, as names and numbers with dots."""
+    """Place of the fault, as names and numbers with dots."""
     pointer: str
-    """The same as a JSON pointer (RFC 6901); empty for the root and for parameters."""
+    """Place of the fault as a JSON pointer (RFC 6901); empty for the root and for parameters."""
     line: int | None = None
     """Line in the text, from 1; null where it is not known."""
     nearest: list[str] | None = None
@@ -979,7 +979,7 @@ class DocumentSource(Answer):
 
 
 class DriverLostEvidence(Answer):
-    """Which driver was lost, and what is known of its robot."""
+    """Driver that was lost, and what is known of its robot."""
 
     driver: str
     """Name of the driver."""
@@ -1039,7 +1039,7 @@ class EditedScene(Answer):
     bodies: list[str]
     """Everything that can collide."""
     created_at: datetime
-    """When this revision was made (UTC)."""
+    """Time at which this revision was made (UTC)."""
     digest: str
     """sha256 of the content, the bytes of all files included."""
     document: SceneDocument
@@ -1086,7 +1086,7 @@ class Encounter(Answer):
 
 
 class EntityTagEvidence(Answer):
-    """Which revision the scene is at."""
+    """Revision that the scene is at."""
 
     asked: str
     """Tag in `If-Match`."""
@@ -1100,7 +1100,7 @@ class EventData(Answer):
     """Data that every event has."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     plan: str | None = None
     """Id of the plan, in the stream of a batch; absent in other streams."""
 
@@ -1386,7 +1386,7 @@ of older versions are passed on as they are."""
 
 
 class FaultsEvidence(Answer):
-    """Where a body or its parameters have faults."""
+    """Faults of a body or of its parameters."""
 
     faults: list[DocumentFault]
     """Faults, at most 20 of them."""
@@ -1409,7 +1409,7 @@ class FinishedData(Answer):
     """End of a job."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     state: Literal["succeeded", "failed", "canceled"] | str
     """Final state of the job."""
     failure: Failure | None = None
@@ -1475,7 +1475,7 @@ class FrameDocument(Answer):
 
 
 class FunnelEvidence(Answer):
-    """How many samples of inverse kinematics pass each test."""
+    """Number of samples of inverse kinematics that pass each test."""
 
     collision_free: int
     """Number of those that are free of collisions."""
@@ -1498,7 +1498,7 @@ class FunnelEvidence(Answer):
     rejected: list[RejectedSamples] | None = None
     """Reasons why the others are not among the distinct ones; the counts add up to those tried."""
     summary: str | None = None
-    """The same as a sentence."""
+    """Summary of the funnel as a sentence."""
     violating: int | None = None
     """Goal configurations dropped for path constraints, whole turns included."""
 
@@ -1531,11 +1531,11 @@ class GoalConstraintEvidence(Answer):
     """Path constraints that all goal configurations violate."""
 
     violations: list[CountedViolation]
-    """By constraint, the most frequent first."""
+    """Violations by constraint, the most frequent first."""
     nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
     """The nearest feasible pose or configuration, null if none was found."""
     relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
-    """Which constraint would have to give way, and how far."""
+    """Constraint that would have to give way, and how far."""
 
 
 class GoalEvidence(Answer):
@@ -1595,7 +1595,7 @@ class GoalLimitsEvidence(Answer):
     nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
     """The nearest feasible configuration, null if none was found."""
     relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
-    """What would have to change."""
+    """Changes that would be sufficient."""
 
 
 class GoalOutOfLimitsFailure(Answer):
@@ -1924,12 +1924,12 @@ class HostEvidence(Answer):
 
 
 class HostLostEvidence(Answer):
-    """Which machine was lost."""
+    """Machine that was lost."""
 
     host: str
     """Address of the machine and the first digits of its id."""
     attempts: int | None = None
-    """How often the job was started."""
+    """Number of times that the job was started."""
     during: str | None = None
     """The stage that it told last."""
 
@@ -2101,7 +2101,7 @@ class IkResponse(Answer):
     evidence has the `nearest` feasible pose, the `relaxation` that is sufficient, what blocks
     the approaches and what is violated; at a deadline, the funnel so far."""
     funnel: IkFunnel | None
-    """How many samples survived what."""
+    """Number of samples that passed each test."""
 
 
 class IkSolution(Answer):
@@ -2165,7 +2165,7 @@ class IllegalTransitionProblem(Answer):
 
 
 class InUseEvidence(Answer):
-    """What is not deleted, and because of what."""
+    """Resource that is not deleted, and what uses it."""
 
     id: str
     """Id of the resource."""
@@ -2283,7 +2283,7 @@ type JobEvent = Annotated[
 
 
 class JobIdEvidence(Answer):
-    """Which job does not exist."""
+    """Job that does not exist."""
 
     id: str
     """Id that was given."""
@@ -2451,7 +2451,7 @@ class LineBlockedProblem(Answer):
 
 
 class LineEvidence(Answer):
-    """Where a straight line stops."""
+    """Place at which a straight line stops."""
 
     fraction: float
     """Share of the line that is free [0 to 1]."""
@@ -2525,7 +2525,7 @@ class LineStop(Answer):
 
 
 class LineStopEvidence(Answer):
-    """Where and why a straight line stops."""
+    """Place and reason of a straight line's stop."""
 
     fraction: float
     """Share of the line that is free [0 to 1]."""
@@ -2544,7 +2544,7 @@ class LineStopEvidence(Answer):
 
 
 type LineStopReason = Literal["limit", "singularity", "collision", "unreachable"] | str
-"""Why a straight line stops."""
+"""Reason why a straight line stops."""
 
 
 class LiveState(Answer):
@@ -2580,7 +2580,7 @@ class MarginDocument(Answer):
 
 
 class MediaTypeEvidence(Answer):
-    """What is read instead."""
+    """Content types that are read instead."""
 
     got: str | None = None
     """The content type that came."""
@@ -2589,14 +2589,14 @@ class MediaTypeEvidence(Answer):
 
 
 class MemoryEvidence(Answer):
-    """How much memory the worker used."""
+    """Memory that the worker used."""
 
     bound: int
     """Memory that the worker may use [bytes]."""
     used: int
     """Largest memory that was seen [bytes]."""
     attempts: int | None = None
-    """How often the job was started."""
+    """Number of times that the job was started."""
     during: str | None = None
     """The stage that it told last."""
 
@@ -2693,7 +2693,7 @@ class Model(Answer):
 
 
 class ModelEvidence(Answer):
-    """What is wrong with a robot, or with one of its files."""
+    """Fault of a robot, or of one of its files."""
 
     reason: str
     """What is wrong."""
@@ -2762,7 +2762,7 @@ class MotionData(Answer):
     """A motion that is followed from now on."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     motions: list[FollowedMotion]
     """All motions so far, this one last."""
     number: int
@@ -2902,7 +2902,7 @@ class NewWebhook(Answer):
     secret: str
     """Secret that signs messages, `whsec_` and base64: it is shown once."""
     url: str
-    """Where messages are posted."""
+    """Address to which messages are posted."""
 
 
 class NoEvidence(Answer):
@@ -2946,7 +2946,7 @@ class NoPathFoundProblem(Answer):
 
 
 class NoRegionsEvidence(Answer):
-    """Which regions were looked for."""
+    """Regions that were looked for."""
 
     digest: str
     """Digest of the scene's content."""
@@ -2980,7 +2980,7 @@ class NoRegionsProblem(Answer):
 
 
 class NoTrajectoryEvidence(Answer):
-    """What there is instead of a motion."""
+    """State of a plan that has no motion."""
 
     failure: dict[str, Any] | None = None
     """Reason why it has no motion, if it ended without one."""
@@ -3106,7 +3106,7 @@ class ObjectDocument(Answer):
     name: str
     """Name of its body and of its frame."""
     shape: ShapeDocument
-    """Its geometry [m]."""
+    """Geometry of the object [m]."""
     attached: AttachmentDocument | None = None
     """Its attachment to a robot; none if it is fixed to the world."""
     center_of_mass: list[float] | None = None
@@ -3126,7 +3126,7 @@ class ObjectiveValues(Answer):
     """Costs of one motion by each objective."""
 
     duration: float
-    """[s]."""
+    """Duration of the motion [s]."""
     energy: float | None
     """Integral over time of squared torques and forces [N^2 m^2 s]; null for groups with a
     floating joint."""
@@ -3274,13 +3274,13 @@ class PartialPose(Answer):
     error: float
     """Error of the position [m] or of the rotation [rad]."""
     pose_index: int
-    """Of the goal's pose, from 0."""
+    """Index of the goal's pose, from 0."""
     positions: list[float]
     """The group's positions [rad or m]."""
 
 
 class PathBlockedEvidence(Answer):
-    """What of a motion does not hold in the scene as it was edited."""
+    """Part of a motion that does not hold in the scene as it was edited."""
 
     check: str
     """Name of the failed check of the certificate."""
@@ -3361,13 +3361,13 @@ class Plan(ShownPlan):
     """Time of the first request to end it (UTC), whatever came of it; null if there was none,
     or if the version did not record it."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     digest: str | None
     """sha256 over the delivered numbers."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the plan."""
     progress: float
@@ -3488,13 +3488,13 @@ class PlanSummary(Answer):
     """Time of the first request to end it (UTC), whatever came of it; null if there was none,
     or if the version did not record it."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     digest: str | None
     """sha256 over the delivered numbers."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the plan."""
     progress: float
@@ -3576,7 +3576,7 @@ class Polynomial(Answer):
     breaks: list[float]
     """Instants between pieces, n + 1 of them [s]."""
     coefficients: list[list[list[float]]]
-    """n pieces, powers from 0 up, a column per velocity coordinate."""
+    """n pieces, powers k from 0 up, a column per velocity coordinate [rad/s^k or m/s^k]."""
     joint_names: list[str]
     """A name per position coordinate."""
     joint_types: list[str]
@@ -3763,10 +3763,10 @@ class ProblemError(Answer):
 
 
 class ProblemFieldEvidence(Answer):
-    """Which field of a request is wrong; other members say what is in its way."""
+    """Field of a request that is wrong; other members say what is in its way."""
 
     field: str
-    """Its place in the request, as names and numbers with dots."""
+    """Place of the field in the request, as names and numbers with dots."""
 
 
 class ProblemInvalidFailure(Answer):
@@ -3809,7 +3809,7 @@ class ProgressData(Answer):
     """Progress of a job."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     detail: str
     """Text for a person, or empty."""
     progress: float
@@ -3832,7 +3832,7 @@ class ProgressEvent(Answer):
 
 
 class QueueFullEvidence(Answer):
-    """How full a queue is."""
+    """Number of jobs in a queue that is full."""
 
     bound: int
     """Number of jobs that may wait."""
@@ -3864,7 +3864,7 @@ class QueueFullProblem(Answer):
 
 
 class QueueTimeoutEvidence(Answer):
-    """How long a question waited for a worker."""
+    """Time that a question waited for a worker."""
 
     queue: str
     """Name of the queue."""
@@ -3907,7 +3907,7 @@ class QueuedEvent(Answer):
 
 
 class RateEvidence(Answer):
-    """How many requests a caller may make."""
+    """Number of requests that a caller may make."""
 
     limit: str
     """Limit in the server's settings, such as `600/minute`."""
@@ -4077,9 +4077,9 @@ class RegionsBrief(Answer):
     created_at: datetime
     """Time of the request (UTC)."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the regions."""
     progress: float
@@ -4121,9 +4121,9 @@ class RegionsJob(Answer):
     created_at: datetime
     """Time of the request (UTC)."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the regions."""
     progress: float
@@ -4249,7 +4249,7 @@ class RegionsResult(Answer):
 
 
 type RegionsStopReason = Literal["coverage", "num_regions", "deadline", "exhausted"] | str
-"""Why there are no more regions."""
+"""Reason why there are no more regions."""
 
 
 class RegionsSummary(Answer):
@@ -4282,7 +4282,7 @@ class RegionsSummary(Answer):
 
 
 class RejectedPair(Answer):
-    """How many configurations were rejected with one pair as the deepest collision."""
+    """Number of configurations that were rejected with one pair as the deepest collision."""
 
     bodies: tuple[str, str]
     """Full names of both bodies."""
@@ -4365,9 +4365,9 @@ class RemovedBody(Answer):
     """A body without which the goal is feasible."""
 
     body: str
-    """Its full name."""
+    """Full name of the body."""
     pose_index: int
-    """Of the goal's pose that is reached then, from 0."""
+    """Index of the goal's pose that is reached then, from 0."""
     positions: list[float]
     """The group's positions then [rad or m]."""
 
@@ -4425,7 +4425,7 @@ class RequeuedData(Answer):
     """Why a job runs again."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     reason: str
     """Text for a person."""
     plan: str | None = None
@@ -4463,14 +4463,14 @@ class ResourceInUseProblem(Answer):
 
 
 class RestartEvidence(Answer):
-    """How often the job was started."""
+    """Number of times that the job was started."""
 
     attempts: int
     """Number of times that it was started."""
     during: str | None = None
     """The stage that it told last."""
     reason: str | None = None
-    """Why the server ended it, if it did."""
+    """Reason why the server ended it, if it did."""
 
 
 class Retime(Answer):
@@ -4784,7 +4784,7 @@ class RobotState(Answer):
 
 
 class RobotStateEvidence(Answer):
-    """Which robots have to be looked at."""
+    """Robots that have to be looked at."""
 
     robots: list[str]
     """Names of the robots."""
@@ -4854,7 +4854,7 @@ class RoundDocument(Answer):
     length: float
     """Length of the cylindrical part [m]."""
     radius: float
-    """[m]."""
+    """Radius [m]."""
 
 
 type SampleRejection = (
@@ -4896,7 +4896,7 @@ class Scene(Answer):
     bodies: list[str]
     """Everything that can collide."""
     created_at: datetime
-    """When this revision was made (UTC)."""
+    """Time at which this revision was made (UTC)."""
     digest: str
     """sha256 of the content, the bytes of all files included."""
     document: SceneDocument
@@ -4926,7 +4926,7 @@ class SceneBrief(Answer):
     """A scene without its content."""
 
     created_at: datetime
-    """When this revision was made (UTC)."""
+    """Time at which this revision was made (UTC)."""
     digest: str
     """sha256 of the content, the bytes of all files included."""
     id: str
@@ -4960,7 +4960,7 @@ class SceneDocument(Answer):
 
 
 class SceneEditEvidence(Answer):
-    """Which operation cannot be applied, and what is in its way."""
+    """Operation that cannot be applied, and what is in its way."""
 
     allowed: list[list[str]] | None = None
     """Pairs that are allowed to collide."""
@@ -5019,18 +5019,18 @@ class SceneEditImpossibleProblem(Answer):
 
 
 class SceneFaultEvidence(Answer):
-    """Where a scene document has a fault."""
+    """Place of a fault in a scene document."""
 
     bound: int | None = None
     """Largest number that is allowed."""
     faults: list[DocumentFault] | None = None
     """All of them, where there may be several."""
     line: int | None = None
-    """In the text, from 1; null where it is not known."""
+    """Line in the text, from 1; null where it is not known."""
     path: str | None = None
-    """Its place, as names and numbers with dots; empty for the root."""
+    """Place of the fault, as names and numbers with dots; empty for the root."""
     pointer: str | None = None
-    """The same as a JSON pointer."""
+    """Place of the fault as a JSON pointer."""
 
 
 class SceneInvalidFailure(Answer):
@@ -5158,7 +5158,7 @@ class ScheduleNotFoundProblem(Answer):
 
 
 class ScopeEvidence(Answer):
-    """What a key is not good for."""
+    """Scope that a key lacks."""
 
     needed: str
     """The scope that the operation needs."""
@@ -5243,7 +5243,7 @@ class Search(Answer):
 
 
 class SearchEvidence(Answer):
-    """What a search without a path did; members that its planner does not tell are absent."""
+    """Facts of a search without a path; members that its planner does not tell are absent."""
 
     approximate: Approximation | None = None
     """The nearest that the search came to a goal, if the request wants it."""
@@ -5417,7 +5417,7 @@ class ShapeDocument(Answer):
 
 
 class SizeEvidence(Answer):
-    """How large a body may be."""
+    """Largest size that a body may have."""
 
     bound: int | None = None
     """Largest number of bytes that is read."""
@@ -5495,7 +5495,7 @@ class StageData(Answer):
     """Stage that begins."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     detail: str
     """Text for a person, or empty."""
     progress: float
@@ -5585,7 +5585,7 @@ class StartLimitsEvidence(Answer):
 
 
 class StartMismatchEvidence(Answer):
-    """Where a plan starts, and where the robot is."""
+    """Start of a plan, and positions of the robot."""
 
     distance: float
     """The largest difference of a coordinate [rad or m]."""
@@ -5747,7 +5747,7 @@ class StartedEvent(Answer):
     """A worker took the job."""
 
     data: Json[EventData]
-    """When."""
+    """Time of the event."""
     event: Literal["started"]
     """Kind of the event."""
     id: str
@@ -5783,7 +5783,7 @@ class StatusData(Answer):
     """Progress of an execution, and the time of it."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     contacts: list[Contact]
     """Touches so far that the scene does not allow."""
     max_tracking_error: float
@@ -5827,7 +5827,7 @@ class StatusEvent(Answer):
     """The execution moves, or changes its state; at most twenty times a second."""
 
     data: Json[StatusData]
-    """How far it is."""
+    """Progress of the execution."""
     event: Literal["status"]
     """Kind of the event."""
     id: str
@@ -5892,7 +5892,7 @@ class StorageEvidence(Answer):
 
 
 class TimeoutEvidence(Answer):
-    """How long a body may take."""
+    """Time that a body may take."""
 
     allowed: float
     """Time that is allowed [s]."""
@@ -5950,14 +5950,14 @@ class ToolRelaxation(Answer):
 
 
 class TorqueEvidence(Answer):
-    """Which joint's torque was at its limit, and for how long."""
+    """Joint whose torque was at its limit, and for how long."""
 
     bound: float
     """Limit of that torque or force [N m or N]."""
     joint: str
     """Full name of the joint."""
     seconds: float
-    """How long some joint was at its limit [s]."""
+    """Time for which some joint was at its limit [s]."""
     time: float
     """Time along the motion [s]."""
     torque: float
@@ -5982,7 +5982,7 @@ class TorqueLimitReachedFailure(Answer):
 
 
 class TrackingEvidence(Answer):
-    """How far the robot is off."""
+    """Tracking error of the robot."""
 
     bound: float | None
     """Largest tracking error that is allowed [rad or m]."""
@@ -6034,7 +6034,7 @@ class Trajectory(Answer):
 
 
 class TransitionEvidence(Answer):
-    """What a state does not allow."""
+    """Event that a state does not allow."""
 
     event: str
     """Event that was requested."""
@@ -6141,7 +6141,7 @@ class UnknownNameProblem(Answer):
 
 
 class UnknownResourceEvidence(Answer):
-    """What does not exist; empty where the address leads nowhere."""
+    """Resource that does not exist; empty where the address leads nowhere."""
 
     id: str | None = None
     """Id that was given."""
@@ -6328,7 +6328,7 @@ class Webhook(Answer):
     reason: str
     """Reason of the last failure since a success, or empty."""
     url: str
-    """Where messages are posted."""
+    """Address to which messages are posted."""
 
 
 type WebhookEvent = (
@@ -6360,7 +6360,7 @@ class WorkerCrashedEvidence(Answer):
     """How the worker's process died."""
 
     attempts: int
-    """How often the job was started."""
+    """Number of times that the job was started."""
     exit_code: int | None
     """Exit code; negative where a signal ended the worker, null if unknown."""
     during: str | None = None
@@ -6408,12 +6408,12 @@ class WorkerCrashedProblem(Answer):
 
 
 class WorkerSilentEvidence(Answer):
-    """How long the worker's process said nothing."""
+    """Time for which the worker's process said nothing."""
 
     silence: float
     """Seconds."""
     attempts: int | None = None
-    """How often the job was started."""
+    """Number of times that the job was started."""
     during: str | None = None
     """The stage that it told last."""
 

@@ -543,7 +543,7 @@ class ObjectDocument(TypedDict):
     pose: NotRequired[PoseDocument]
     """X_WO; of an attached object X_FO, in its frame."""
     shape: ShapeDocument
-    """Its geometry [m]."""
+    """Geometry of the object [m]."""
 
 
 class Orientation(TypedDict):
@@ -896,7 +896,7 @@ class RetimeRequest(TypedDict):
     allowed_time: NotRequired[float]
     """Time after which to give up [s]."""
     certify: NotRequired[Certify]
-    """What to compute besides the proof."""
+    """Computations besides the proof."""
     group: str | Sequence[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
@@ -952,7 +952,7 @@ class RoundDocument(TypedDict):
     length: float
     """Length of the cylindrical part [m]."""
     radius: float
-    """[m]."""
+    """Radius [m]."""
 
 
 type SampleInterpolation = Literal["quintic", "cubic", "cubic_spline", "linear"]
@@ -1088,7 +1088,7 @@ class SetPositionsOperation(TypedDict):
     positions: str | Sequence[float] | Mapping[str, float | Sequence[float]]
     """Name of a configuration, values of the default group, or values by joint [rad or m]."""
     robot: str
-    """Its name in the scene."""
+    """Name of the robot in the scene."""
 
 
 class ShapeDocument(TypedDict):
@@ -1331,4 +1331,4 @@ class WebhookRequest(TypedDict):
     events: NotRequired[Sequence[WebhookEvent]]
     """Events that are told; by default the ends of all jobs."""
     url: str
-    """Where messages are posted; answer them with a status of 2xx."""
+    """Address to which messages are posted; answer them with a status of 2xx."""

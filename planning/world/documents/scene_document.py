@@ -127,7 +127,7 @@ class ObjectDocument(StrictModel):
     """An obstacle, or an object to handle."""
 
     name: Name = Field(description="Name of its body and of its frame")
-    shape: ShapeDocument = Field(description="Its geometry [m]")
+    shape: ShapeDocument = Field(description="Geometry of the object [m]")
     pose: PoseDocument = Field(
         default_factory=PoseDocument, description="X_WO; of an attached object X_FO, in its frame"
     )

@@ -31,7 +31,7 @@ def _per_axis(scale: Any) -> Any:
 class RoundDocument(StrictModel):
     """Radius and length of a cylinder or capsule [m]; the axis is z."""
 
-    radius: Positive = Field(description="[m]")
+    radius: Positive = Field(description="Radius [m]")
     length: Positive = Field(description="Length of the cylindrical part [m]")
 
 

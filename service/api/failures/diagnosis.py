@@ -17,7 +17,7 @@ from service.api.models import LineStopReason
 
 @with_config(OPEN)
 class LineStopEvidence(TypedDict):
-    """Where and why a straight line stops."""
+    """Place and reason of a straight line's stop."""
 
     reason: LineStopReason
     """Reason why the line stops"""
@@ -112,7 +112,7 @@ class PartialPose(TypedDict):
     error: float
     """Error of the position [m] or of the rotation [rad]"""
     pose_index: int
-    """Of the goal's pose, from 0"""
+    """Index of the goal's pose, from 0"""
     positions: list[float]
     """The group's positions [rad or m]"""
 
@@ -122,9 +122,9 @@ class RemovedBody(TypedDict):
     """A body without which the goal is feasible."""
 
     body: str
-    """Its full name"""
+    """Full name of the body"""
     pose_index: int
-    """Of the goal's pose that is reached then, from 0"""
+    """Index of the goal's pose that is reached then, from 0"""
     positions: list[float]
     """The group's positions then [rad or m]"""
 
@@ -180,10 +180,10 @@ class ToolRelaxation(TypedDict):
 
 @with_config(OPEN)
 class ConfigurationRelaxation(TypedDict):
-    """What all would have to change for the least infeasible of the goal's configurations."""
+    """All changes that the least infeasible of the goal's configurations needs."""
 
     goal_index: int
-    """Which of the goal's configurations, from 0"""
+    """Index of the goal's configuration, from 0"""
     positions: list[float]
     """The group's positions [rad or m]"""
     limits: list[ViolatedLimit]

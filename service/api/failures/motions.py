@@ -23,7 +23,7 @@ class Approximation(TypedDict):
 
 @with_config(OPEN)
 class SearchEvidence(TypedDict):
-    """What a search without a path did; members that its planner does not tell are absent."""
+    """Facts of a search without a path; members that its planner does not tell are absent."""
 
     planner: NotRequired[str]
     """Name of the planner in OMPL; of several, all names"""
@@ -65,7 +65,7 @@ class SearchEvidence(TypedDict):
 
 @with_config(OPEN)
 class DeadlineEvidence(TypedDict):
-    """What had been done when the time was over; of a search, as in `SearchEvidence`."""
+    """Work that was done when the time was over; of a search, as in `SearchEvidence`."""
 
     allowed: NotRequired[float]
     """Time that was allowed [s]"""
@@ -92,21 +92,21 @@ class DeadlineEvidence(TypedDict):
     joint space [rad or m]
     """
     approximate: NotRequired[Approximation | None]
-    """In the stage `search`, the nearest to a goal, if the request wants it"""
+    """In the stage `search`, the nearest configuration to a goal, if the request wants it"""
     graph: NotRequired[dict[str, object]]
     """In the stage `search`, graph that the planner explored, if the request wants it"""
 
 
 @with_config(OPEN)
 class CancelEvidence(TypedDict):
-    """Where a cancel came."""
+    """Place of a cancel."""
 
     during: NotRequired[str]
     """Work during which the cancel came"""
     time: NotRequired[float]
     """Time along the motion of an execution [s]"""
     reason: NotRequired[str]
-    """Why the server ended it; absent if a client did"""
+    """Reason why the server ended it; absent if a client did"""
 
 
 @with_config(OPEN)
@@ -233,7 +233,7 @@ class CertificateEvidence(TypedDict):
 
 @with_config(OPEN)
 class TransitionEvidence(TypedDict):
-    """What a state does not allow."""
+    """Event that a state does not allow."""
 
     state: str
     """State at present"""
@@ -245,7 +245,7 @@ class TransitionEvidence(TypedDict):
 
 @with_config(OPEN)
 class TrackingEvidence(TypedDict):
-    """How far the robot is off."""
+    """Tracking error of the robot."""
 
     error: float | None
     """Tracking error [rad or m]; null where a simulation diverged"""
@@ -257,7 +257,7 @@ class TrackingEvidence(TypedDict):
 
 @with_config(OPEN)
 class ContactEvidence(TypedDict):
-    """What touched what."""
+    """Bodies that touched."""
 
     pair: list[str]
     """Full names of both bodies"""
@@ -273,7 +273,7 @@ class ContactEvidence(TypedDict):
 
 @with_config(OPEN)
 class TorqueEvidence(TypedDict):
-    """Which joint's torque was at its limit, and for how long."""
+    """Joint whose torque was at its limit, and for how long."""
 
     joint: str
     """Full name of the joint"""
@@ -282,14 +282,14 @@ class TorqueEvidence(TypedDict):
     bound: float
     """Limit of that torque or force [N m or N]"""
     seconds: float
-    """How long some joint was at its limit [s]"""
+    """Time for which some joint was at its limit [s]"""
     time: float
     """Time along the motion [s]"""
 
 
 @with_config(OPEN)
 class PathBlockedEvidence(TypedDict):
-    """What of a motion does not hold in the scene as it was edited."""
+    """Part of a motion that does not hold in the scene as it was edited."""
 
     check: str
     """Name of the failed check of the certificate"""
@@ -307,7 +307,7 @@ class PathBlockedEvidence(TypedDict):
 
 @with_config(OPEN)
 class DriverLostEvidence(TypedDict):
-    """Which driver was lost, and what is known of its robot."""
+    """Driver that was lost, and what is known of its robot."""
 
     driver: str
     """Name of the driver"""

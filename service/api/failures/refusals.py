@@ -37,7 +37,7 @@ class OriginEvidence(TypedDict):
 
 @with_config(OPEN)
 class TimeoutEvidence(TypedDict):
-    """How long a body may take."""
+    """Time that a body may take."""
 
     allowed: float
     """Time that is allowed [s]"""
@@ -45,7 +45,7 @@ class TimeoutEvidence(TypedDict):
 
 @with_config(OPEN)
 class UnknownResourceEvidence(TypedDict):
-    """What does not exist; empty where the address leads nowhere."""
+    """Resource that does not exist; empty where the address leads nowhere."""
 
     kind: NotRequired[str]
     """Kind of what was looked for"""
@@ -61,7 +61,7 @@ class UnknownResourceEvidence(TypedDict):
 
 @with_config(OPEN)
 class AddressEvidence(TypedDict):
-    """Where a webhook may not lead."""
+    """Address that a webhook may not lead to."""
 
     host: str
     """Host in the URL"""
@@ -81,7 +81,7 @@ class ReadinessEvidence(TypedDict):
 
 @with_config(OPEN)
 class NoTrajectoryEvidence(TypedDict):
-    """What there is instead of a motion."""
+    """State of a plan that has no motion."""
 
     id: NotRequired[str]
     """Id of the plan"""
@@ -93,7 +93,7 @@ class NoTrajectoryEvidence(TypedDict):
 
 @with_config(OPEN)
 class NoRegionsEvidence(TypedDict):
-    """Which regions were looked for."""
+    """Regions that were looked for."""
 
     scene: NotRequired[str]
     """Id of the scene"""
@@ -109,7 +109,7 @@ class NoRegionsEvidence(TypedDict):
 
 @with_config(OPEN)
 class StartMismatchEvidence(TypedDict):
-    """Where a plan starts, and where the robot is."""
+    """Start of a plan, and positions of the robot."""
 
     start: list[float]
     """Start of the plan [rad or m]"""
@@ -125,7 +125,7 @@ class StartMismatchEvidence(TypedDict):
 
 @with_config(OPEN)
 class RobotStateEvidence(TypedDict):
-    """Which robots have to be looked at."""
+    """Robots that have to be looked at."""
 
     robots: list[str]
     """Names of the robots"""
@@ -133,7 +133,7 @@ class RobotStateEvidence(TypedDict):
 
 @with_config(OPEN)
 class BusyEvidence(TypedDict):
-    """What moves a robot, or waits for it."""
+    """Execution that moves a robot, or waits for it."""
 
     execution: str
     """Id of the execution"""
@@ -153,7 +153,7 @@ class RevisionEvidence(TypedDict):
 
 @with_config(OPEN)
 class EntityTagEvidence(TypedDict):
-    """Which revision the scene is at."""
+    """Revision that the scene is at."""
 
     revision: int
     """Latest revision"""
@@ -165,7 +165,7 @@ class EntityTagEvidence(TypedDict):
 
 @with_config(OPEN)
 class DigestEvidence(TypedDict):
-    """Which scene is not kept."""
+    """Scene that is not kept."""
 
     digest: str
     """Digest of the content of the scene"""
@@ -173,7 +173,7 @@ class DigestEvidence(TypedDict):
 
 @with_config(OPEN)
 class SizeEvidence(TypedDict):
-    """How large a body may be."""
+    """Largest size that a body may have."""
 
     bound: NotRequired[int]
     """Largest number of bytes that is read"""
@@ -183,7 +183,7 @@ class SizeEvidence(TypedDict):
 
 @with_config(OPEN)
 class MediaTypeEvidence(TypedDict):
-    """What is read instead."""
+    """Content types that are read instead."""
 
     got: NotRequired[str]
     """The content type that came"""
@@ -193,7 +193,7 @@ class MediaTypeEvidence(TypedDict):
 
 @with_config(OPEN)
 class ScopeEvidence(TypedDict):
-    """What a key is not good for."""
+    """Scope that a key lacks."""
 
     needed: str
     """The scope that the operation needs"""
@@ -203,7 +203,7 @@ class ScopeEvidence(TypedDict):
 
 @with_config(OPEN)
 class RateEvidence(TypedDict):
-    """How many requests a caller may make."""
+    """Number of requests that a caller may make."""
 
     limit: str
     """Limit in the server's settings, such as `600/minute`"""

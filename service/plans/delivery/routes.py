@@ -104,8 +104,8 @@ _SVG = {"schema": {"type": "string", "description": "A drawing"}}
 _CSV = {"schema": {"type": "string", "description": "A header, then a row per instant"}}
 _TOLD = {
     INTERPOLATION: {
-        "description": "Of all but JSON: what is proven of the samples, as `linear=proven, "
-        "cubic=unproven, quintic=proven`",
+        "description": "Verdict on the samples, as `linear=proven, cubic=unproven, "
+        "quintic=proven`; in all formats but JSON",
         "schema": {"type": "string"},
     }
 }

@@ -48,9 +48,9 @@ class PlanSummary(ResponseModel):
         description="The best path of the search so far, while the plan runs; null before one is "
         "found, and once the plan has ended",
     )
-    created_at: datetime = Field(description="When it was requested (UTC)")
+    created_at: datetime = Field(description="Time of the request (UTC)")
     started_at: datetime | None = Field(description="Time at which a worker took it (UTC)")
-    finished_at: datetime | None = Field(description="When it ended (UTC)")
+    finished_at: datetime | None = Field(description="Time at which it ended (UTC)")
     cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
     attempts: int = Field(description=ATTEMPTS)
     request: PlanRequest = Field(
@@ -58,7 +58,7 @@ class PlanSummary(ResponseModel):
         "the newest `search.regions` where they were left open. Posted again, "
         "it gives the same plan"
     )
-    failure: Failure | None = Field(description="Why there is no result")
+    failure: Failure | None = Field(description="Reason why there is no result")
     seed: int = Field(description="Seed of all randomness")
     digest: str | None = Field(description="sha256 over the delivered numbers")
     versions: Versions = Field(

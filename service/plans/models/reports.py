@@ -24,7 +24,7 @@ class GoalsReport(ResponseModel):
 class ObjectiveValues(ResponseModel):
     """Costs of one motion by each objective."""
 
-    duration: float = Field(description="[s]")
+    duration: float = Field(description="Duration of the motion [s]")
     smoothness: float | None = Field(
         description="Integral over time of squared accelerations [rad^2/s^3], or of jerks if the "
         "objective says so [rad^2/s^5]; null where accelerations jump, so that jerks are infinite"
@@ -84,7 +84,8 @@ LIMITS = (
 )
 Limit = Annotated[str, OneOf("Limit", "Limits on a motion.", LIMITS)]
 AnyLimit = Annotated[
-    str, OneOf("AnyLimit", "What keeps a motion from being quicker.", (*LIMITS, "duration", ""))
+    str,
+    OneOf("AnyLimit", "Limit that keeps a motion from being quicker.", (*LIMITS, "duration", "")),
 ]
 
 

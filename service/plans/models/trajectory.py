@@ -27,7 +27,8 @@ class Polynomial(ResponseModel):
         description="Configuration at which each piece is anchored, n rows [rad or m]"
     )
     coefficients: list[list[list[float]]] = Field(
-        description="n pieces, powers from 0 up, a column per velocity coordinate"
+        description="n pieces, powers k from 0 up, a column per velocity coordinate "
+        "[rad/s^k or m/s^k]"
     )
     joint_names: list[str] = Field(description="A name per position coordinate")
     joint_types: list[str] = Field(

@@ -98,7 +98,7 @@ class IkRequest(RequestModel):
 
 
 class Branch(ResponseModel):
-    """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
+    """Sides to which a six-joint arm bends; one changes only at its singularity, where it is 0."""
 
     model_config = ConfigDict(from_attributes=True)
 
@@ -156,7 +156,7 @@ class IkResponse(ResponseModel):
     configurations: list[IkSolution] = Field(
         description="Distinct goal configurations that are free and within limits"
     )
-    funnel: IkFunnel | None = Field(description="How many samples survived what")
+    funnel: IkFunnel | None = Field(description="Number of samples that passed each test")
     failure: Failure | None = Field(
         description="Reason why there is none, null if there is one: `goal_unreachable`, "
         "`goal_in_collision`, `goal_too_near`, `approach_blocked`, "

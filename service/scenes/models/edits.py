@@ -120,7 +120,7 @@ class SetPositionsOperation(RequestModel):
     model_config = ConfigDict(title="SetPositionsOperation")
 
     op: Literal["set_positions"] = Field(description="Kind of the operation")
-    robot: Name = Field(description="Its name in the scene")
+    robot: Name = Field(description="Name of the robot in the scene")
     positions: Name | Positions | dict[Name, Coordinate | Positions] = Field(
         description=(
             "Name of a configuration, values of the default group, or values by joint [rad or m]"

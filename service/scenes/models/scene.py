@@ -24,7 +24,7 @@ class SceneBrief(ResponseModel):
     revision: int = Field(description="Revision of its content, from 1")
     digest: str = Field(description="sha256 of the content, the bytes of all files included")
     name: str = Field(description="Name for people")
-    created_at: datetime = Field(description="When this revision was made (UTC)")
+    created_at: datetime = Field(description="Time at which this revision was made (UTC)")
 
 
 class Files(ResponseModel):
