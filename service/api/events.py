@@ -9,13 +9,13 @@ from service.api.document.open_enums import Stage
 from service.api.failures.failure import Failure
 from service.api.models import ResponseModel, Timings
 
-type EventId = Annotated[str, Field(description="For `Last-Event-ID`")]
+type EventId = Annotated[str, Field(description="Id of the event, for `Last-Event-ID`")]
 
 
 class EventData(ResponseModel):
-    """What every event says."""
+    """Data that every event has."""
 
-    at: datetime = Field(description="When it happened (UTC)")
+    at: datetime = Field(description="Time at which it happened (UTC)")
     plan: str | None = Field(
         default=None,
         description="Id of the plan, in the stream of a batch; absent in other streams",
@@ -29,7 +29,7 @@ class RequeuedData(EventData):
 
 
 class ProgressData(EventData):
-    """How far a job is."""
+    """Progress of a job."""
 
     stage: Stage = Field(description="The stage that it is in")
     progress: float = Field(description="Share of the whole job, 0 to 1")
@@ -37,7 +37,7 @@ class ProgressData(EventData):
 
 
 class StageData(ProgressData):
-    """Which stage begins."""
+    """Stage that begins."""
 
     timings: Timings = Field(description="Seconds of the stages before it")
 
@@ -49,71 +49,74 @@ class BestPathData(EventData):
     length: float = Field(description="Weighted length of the path")
     seconds: float | None = Field(
         default=None,
-        description="Since the worker began with the plan [s]; null where an older version told it",
+        description="Time since the worker began with the plan [s]; null where an older "
+        "version told it",
     )
 
 
 class FinishedData(EventData):
-    """How a job ended."""
+    """End of a job."""
 
     state: Literal["succeeded", "failed", "canceled"] = Field(description="Final state of the job")
-    failure: Failure | None = Field(default=None, description="Why there is no result")
+    failure: Failure | None = Field(default=None, description="Reason why there is no result")
 
 
 class QueuedEvent(ResponseModel):
     """The job was accepted."""
 
     id: EventId
-    event: Literal["queued"] = Field(description="What happened")
-    data: Json[EventData] = Field(description="When")
+    event: Literal["queued"] = Field(description="Kind of the event")
+    data: Json[EventData] = Field(description="Time of the event")
 
 
 class StartedEvent(ResponseModel):
     """A worker took the job."""
 
     id: EventId
-    event: Literal["started"] = Field(description="What happened")
-    data: Json[EventData] = Field(description="When")
+    event: Literal["started"] = Field(description="Kind of the event")
+    data: Json[EventData] = Field(description="Time of the event")
 
 
 class RequeuedEvent(ResponseModel):
     """The job waits again: its worker or the server ended."""
 
     id: EventId
-    event: Literal["requeued"] = Field(description="What happened")
-    data: Json[RequeuedData] = Field(description="When and why")
+    event: Literal["requeued"] = Field(description="Kind of the event")
+    data: Json[RequeuedData] = Field(description="Time and reason of the event")
 
 
 class StageEvent(ResponseModel):
     """The job enters a stage."""
 
     id: EventId
-    event: Literal["stage"] = Field(description="What happened")
-    data: Json[StageData] = Field(description="Which stage, and how long those before it took")
+    event: Literal["stage"] = Field(description="Kind of the event")
+    data: Json[StageData] = Field(
+        description="Stage that begins, and the time that those before it took"
+    )
 
 
 class ProgressEvent(ResponseModel):
     """The job is further, at most twenty times a second."""
 
     id: EventId
-    event: Literal["progress"] = Field(description="What happened")
-    data: Json[ProgressData] = Field(description="How far it is")
+    event: Literal["progress"] = Field(description="Kind of the event")
+    data: Json[ProgressData] = Field(description="Progress of the job")
 
 
 class BestSoFarEvent(ResponseModel):
     """The search found a better path."""
 
     id: EventId
-    event: Literal["best-so-far"] = Field(description="What happened")
-    data: Json[BestPathData] = Field(description="How long the path is")
+    event: Literal["best-so-far"] = Field(description="Kind of the event")
+    data: Json[BestPathData] = Field(description="The better path")
 
 
 class FinishedEvent(ResponseModel):
     """The job ended; no event follows."""
 
     id: EventId
-    event: Literal["finished"] = Field(description="What happened")
-    data: Json[FinishedData] = Field(description="How it ended")
+    event: Literal["finished"] = Field(description="Kind of the event")
+    data: Json[FinishedData] = Field(description="End of the job")
 
 
 type JobEvent = Annotated[
@@ -124,5 +127,5 @@ type JobEvent = Annotated[
     | ProgressEvent
     | BestSoFarEvent
     | FinishedEvent,
-    Field(discriminator="event", description="What happened to a plan or to regions"),
+    Field(discriminator="event", description="Event of a plan or of regions"),
 ]

@@ -60,13 +60,13 @@ type LineLeg = Annotated[
 ]
 type LineStopReason = Annotated[
     Literal["limit", "singularity", "collision", "unreachable"],
-    Field(description="Why a straight line stops"),
+    Field(description="Reason why a straight line stops"),
 ]
 type SampleRejection = Annotated[
     Literal[
         "not_converged", "outside_limits", "collision", "path_constraint", "approach", "duplicate"
     ],
-    Field(description="Which test an IK sample fails"),
+    Field(description="Test that an IK sample fails"),
 ]
 # "no" and 0 are refused: some clients mean false by them, and JSON has a word for it.
 type Boolean = Annotated[bool, Strict()]
@@ -128,23 +128,24 @@ PositionName = Annotated[Name, Mark("position")]
 GroupPositions = Annotated[Positions, Mark(COORDINATES)]
 
 PRIORITY = (
-    "What goes first of what waits. Clients take turns within a priority, and what has waited for "
-    "30 s goes with the next priority: `low` is delayed by others, never for good"
+    "Priority among the jobs that wait; clients take turns within it. A job that has "
+    "waited for 30 s goes with the next priority: `low` is delayed by others, never for "
+    "good"
 )
 UNRECORDED = (
-    "What has happened and the database does not hold yet, because it is full, locked or away: "
-    "`cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked for "
-    "is done all the same"
+    "Facts that the database does not hold yet, because it is full, locked or away: "
+    "`cancel`, `controls`, `events`, `end`. They are written as soon as possible; "
+    "requests are carried out all the same"
 )
 
 
 ATTEMPTS = (
-    "How often a worker has begun with it, this time included: more than once where a worker or "
-    "the server ended under it"
+    "Number of times that a worker has begun with it, this one included; more than 1 "
+    "where a worker or the server ended under it"
 )
 CANCEL_REQUESTED_AT = (
-    "When its end was first requested (UTC), whatever became of that; null if it was not, or by "
-    "a version that did not keep it"
+    "Time of the first request to end it (UTC), whatever came of it; null if there was "
+    "none, or if the version did not record it"
 )
 
 

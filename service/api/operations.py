@@ -25,9 +25,11 @@ from service.versions import versions
 
 
 class Health(ResponseModel):
-    """That the server is there."""
+    """Sign that the server is there."""
 
-    status: Literal["ok"] = Field(description="Always `ok`: no answer is the other answer")
+    status: Literal["ok"] = Field(
+        description="Always `ok`; a server that is not there does not answer"
+    )
     version: str = Field(description="Version of Wayproof")
     kernel: str = Field(
         description="Instruction set of the native collision kernel; `none` where it was not "
@@ -40,7 +42,7 @@ class Readiness(ResponseModel):
 
     status: Literal["ready"] = Field(description="Always `ready`; else the answer is 503")
     role: Literal["leader", "follower"] = Field(
-        description="What it is among the servers of its database: the leader runs the jobs of "
+        description="Role among the servers of its database: the leader runs the jobs of "
         "all; one server alone is the leader"
     )
     queued: dict[str, int] = Field(description="Jobs that wait, by queue")

@@ -11,7 +11,7 @@ from pydantic import AfterValidator
 # What a cursor holds: the place in the list after which a page begins.
 _HELD = re.compile(rb"after=([0-9]{1,18})")
 
-type Limit = Annotated[int, Query(ge=1, le=200, description="How many on a page")]
+type Limit = Annotated[int, Query(ge=1, le=200, description="Number of items on a page")]
 type OfScene = Annotated[str | None, Query(max_length=128, description="Only those in this scene")]
 
 

@@ -66,7 +66,7 @@ def accepted(
         what: It is, as words.
         refusals: Statuses of problem documents.
     """
-    location = {"description": f"Of {what}", "schema": {"type": "string"}}
+    location = {"description": f"Address of {what}", "schema": {"type": "string"}}
     return {
         200: {"model": model, "description": "Ended within the time that was waited"},
         202: {

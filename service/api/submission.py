@@ -23,7 +23,8 @@ type Wait = Annotated[
         ge=0,
         le=3600,
         allow_inf_nan=False,
-        description="Answer 200 with the finished job if it ends within so long [s]",
+        description="Longest time to wait for the job [s]; the answer is 200 with the "
+        "finished job if it ends by then",
     ),
 ]
 type Prefer = Annotated[

@@ -31,14 +31,14 @@ class Planner(ResponseModel):
 
     model_config = ConfigDict(title="Planner", from_attributes=True)
 
-    name: str = Field(description="OMPL's name, or `GCS`")
+    name: str = Field(description="Name of the planner in OMPL, or `GCS`")
     needs_regions: bool = Field(
         description="Whether it plans inside regions, see POST /v1/scenes/{id}/regions"
     )
-    parameters: list[Parameter] = Field(description="What can be set")
+    parameters: list[Parameter] = Field(description="Parameters that can be set")
 
 
 class PlannerList(ResponseModel):
     """All planners."""
 
-    items: list[Planner] = Field(description="Sorted by name")
+    items: list[Planner] = Field(description="Planners, sorted by name")

@@ -58,16 +58,16 @@ class Contact(ResponseModel):
 
 
 class Jitter(ResponseModel):
-    """How much later than they were due the ticks of the controller came."""
+    """Delays of the ticks of the controller."""
 
-    ticks: int = Field(description="How many there were")
+    ticks: int = Field(description="Number of ticks")
     median: float = Field(description="Median delay, at most 5 % too large [s]")
     p99: float = Field(description="99th percentile, at most 5 % too large [s]")
     max: float = Field(description="Largest delay [s]")
 
 
 class ExecutionStatus(ResponseModel):
-    """How far an execution is; also the data of its events."""
+    """Progress of an execution; also the data of its events."""
 
     state: ExecutionState = Field(description="State of the execution")
     progress: float = Field(
@@ -96,12 +96,13 @@ class ExecutionStatus(ResponseModel):
     max_tracking_error: float = Field(description="Largest tracking error so far [rad or m]")
     lateness: float | None = Field(
         default=None,
-        description="The longest so far that the controller was late to look at the clock [s]: "
-        "what else runs on the machine makes the motion fall behind; null if not recorded",
+        description="Longest delay so far with which the controller looked at the clock "
+        "[s]; load on the machine makes the motion fall behind; null if not "
+        "recorded",
     )
     jitter: Jitter | None = Field(
         default=None,
-        description="How late the ticks were so far; null if not recorded",
+        description="Delays of the controller's ticks so far; null if not recorded",
     )
     contacts: list[Contact] = Field(description="Touches so far that the scene does not allow")
     motion: int = Field(
@@ -111,12 +112,13 @@ class ExecutionStatus(ResponseModel):
     )
     ahead: float | None = Field(
         default=None,
-        description="Place that it does not pass, time along the motion [s]: it rests before it "
+        description="Time along the motion that it does not pass [s]: it rests before it "
         "until an edit of the scene clears the way; null for none",
     )
     behind: float | None = Field(
         default=None,
-        description="Place that it does not pass on the way back [s]; null for none",
+        description="Time along the motion that it does not pass on the way back [s]; "
+        "null for none",
     )
 
     @classmethod
@@ -147,11 +149,11 @@ class ExecutionStatus(ResponseModel):
 
 
 class StatusData(ExecutionStatus, EventData):
-    """How far an execution is, and when it was there."""
+    """Progress of an execution, and the time of it."""
 
 
 class ControlsData(EventData):
-    """What is asked of an execution from now on; what is left out stays as it was."""
+    """Controls of an execution from now on; those that are left out stay as they were."""
 
     is_paused: bool | None = Field(default=None, description="Whether it rests on its path")
     speed: float | None = Field(
@@ -162,7 +164,9 @@ class ControlsData(EventData):
 class FollowedMotion(ResponseModel):
     """A motion that an execution went on with, since an edit was in the way of the one before."""
 
-    number: int = Field(description="1 for the first one after that which was asked for")
+    number: int = Field(
+        description="Number of the motion; 1 is the first one after the requested motion"
+    )
     plan: str = Field(description="Id of the plan that it follows")
     revision: int = Field(description="Revision of the scene in which it is proven")
     is_spliced: bool = Field(
@@ -177,9 +181,9 @@ class MotionData(EventData):
     """A motion that is followed from now on."""
 
     number: int = Field(description="Number of the motion")
-    motions: list[FollowedMotion] = Field(description="All so far, this one last")
+    motions: list[FollowedMotion] = Field(description="All motions so far, this one last")
     trajectory: Polynomial = Field(
-        description="All of it; what is spliced has what was passed of the motion before it"
+        description="The whole motion; a spliced one has what was passed of the motion before it"
     )
 
 
@@ -187,24 +191,24 @@ class MotionEvent(ResponseModel):
     """The execution goes on with another motion."""
 
     id: EventId
-    event: Literal["motion"] = Field(description="What happened")
-    data: Json[MotionData] = Field(description="Which motion it is")
+    event: Literal["motion"] = Field(description="Kind of the event")
+    data: Json[MotionData] = Field(description="The motion that is followed from now on")
 
 
 class StatusEvent(ResponseModel):
     """The execution moves, or changes its state; at most twenty times a second."""
 
     id: EventId
-    event: Literal["status"] = Field(description="What happened")
-    data: Json[StatusData] = Field(description="How far it is")
+    event: Literal["status"] = Field(description="Kind of the event")
+    data: Json[StatusData] = Field(description="Progress of the execution")
 
 
 class ControlsEvent(ResponseModel):
     """The execution was paused or resumed, or its speed set."""
 
     id: EventId
-    event: Literal["controls"] = Field(description="What happened")
-    data: Json[ControlsData] = Field(description="What is asked of it")
+    event: Literal["controls"] = Field(description="Kind of the event")
+    data: Json[ControlsData] = Field(description="The new controls")
 
 
 type ExecutionEvent = Annotated[
@@ -215,15 +219,17 @@ type ExecutionEvent = Annotated[
     | StatusEvent
     | MotionEvent
     | FinishedEvent,
-    Field(discriminator="event", description="What happened to an execution"),
+    Field(discriminator="event", description="Event of an execution"),
 ]
 
 
 class SamplingReserve(ResponseModel):
-    """What is left of the proven clearance by a controller that samples and smooths the motion."""
+    """Clearance that a controller leaves which samples and smooths the motion."""
 
     deviation: float = Field(description="Largest distance of a joint from the path [rad]")
-    approach: float = Field(description="How much nearer two bodies may be for it, at most [m]")
+    approach: float = Field(
+        description="Largest loss of distance between two bodies because of the controller [m]"
+    )
     clearance: float | None = Field(
         description="Proven lower bound on all distances along the path [m]; null without any pair"
     )
@@ -232,9 +238,9 @@ class SamplingReserve(ResponseModel):
 class Replanned(ResponseModel):
     """A plan that is carried out instead of the motion that was asked for."""
 
-    plan: str = Field(description="Its id")
-    code: str = Field(description="Why: the code that the execution would have been refused with")
-    detail: str = Field(description="The same, for a person")
+    plan: str = Field(description="Id of the plan")
+    code: str = Field(description="Code that the execution would have been refused with")
+    detail: str = Field(description="Reason of that refusal, for a person")
 
 
 class Execution(ResponseModel):
@@ -242,9 +248,9 @@ class Execution(ResponseModel):
 
     id: str = Field(description="Id of the execution")
     state: ExecutionState = Field(description="succeeded, canceled and aborted are final")
-    created_at: datetime = Field(description="When it was asked for (UTC)")
-    started_at: datetime | None = Field(description="When it began to move (UTC)")
-    finished_at: datetime | None = Field(description="When it ended (UTC)")
+    created_at: datetime = Field(description="Time of the request (UTC)")
+    started_at: datetime | None = Field(description="Time at which it began to move (UTC)")
+    finished_at: datetime | None = Field(description="Time at which it ended (UTC)")
     cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
     attempts: int = Field(description=ATTEMPTS)
     request: ExecutionTerms = Field(
@@ -253,7 +259,7 @@ class Execution(ResponseModel):
     scene: str = Field(description="Id of the scene it moves in")
     group: str = Field(description="Group that moves; of several plans the one that spans theirs")
     delays: list[float] | None = Field(
-        default=None, description="When each of `plans` begins [s]; null for one motion"
+        default=None, description="Time at which each of `plans` begins [s]; null for one motion"
     )
     is_waiting: bool = Field(
         default=False, description="Whether it waits for its robots, and is proven once it begins"
@@ -261,14 +267,14 @@ class Execution(ResponseModel):
     status: ExecutionStatus | None = Field(description="The latest status; null before it began")
     replanned: Replanned | None = Field(
         default=None,
-        description="The plan that is carried out instead, as `on_not_certified` says; null if the "
-        "motion that was asked for held",
+        description="Plan that is carried out instead, as `on_not_certified` says; null "
+        "if the requested motion held",
     )
     motions: list[FollowedMotion] = Field(
         default=[],
-        description="Motions that it went on with instead of the one asked for, in order",
+        description="Motions that it went on with instead of the requested one, in order",
     )
-    failure: Failure | None = Field(description="Why it was aborted or canceled")
+    failure: Failure | None = Field(description="Reason why it was aborted or canceled")
     timings: Timings = Field(
         default={},
         description="Seconds of the stages `load` and `execute`, once it has ended; of a failure "

@@ -26,7 +26,7 @@ router = APIRouter(
 _MOST_MOTIONS = 32
 
 type LastMotions = Annotated[
-    int, Query(ge=1, le=_MOST_MOTIONS, description="How many motions, counted from the last one")
+    int, Query(ge=1, le=_MOST_MOTIONS, description="Number of motions, counted from the last one")
 ]
 
 

@@ -12,8 +12,9 @@ from service.trajectories.models import CertifyMotionRequest
 type DriverName = Annotated[
     Literal["simulated", "kinematic"],
     Field(
-        description="What moves: `simulated`, Drake's simulation under a joint controller; "
-        "`kinematic`, a robot without mass that is always where it should be, and feels nothing"
+        description="Driver of a motion: `simulated` is Drake's simulation under a joint "
+        "controller; `kinematic` is a robot without mass that is always where "
+        "it should be, and feels nothing"
     ),
 ]
 
@@ -37,7 +38,7 @@ def rests_when_lost(driver: str | UrRtdeDriver) -> bool:
 
 
 class ExecutionTerms(RequestModel):
-    """How a motion is carried out, and of which plan or plans it is."""
+    """Terms on which a motion is carried out, and the plan or plans that it is from."""
 
     plan: Identifier | None = Field(
         default=None,
@@ -54,15 +55,17 @@ class ExecutionTerms(RequestModel):
         Annotated[list[NonNegative], Field(min_length=1, max_length=16)] | None, ADDED
     ] = Field(
         default=None,
-        description="When each of `plans` begins [s]; null for the smallest delays that are "
-        "proven, as `POST /trajectories/schedule` finds them",
+        description="Time at which each of `plans` begins [s]; null for the smallest "
+        "delays that are proven, as `POST /trajectories/schedule` finds them",
     )
     gripper: Annotated[GripperRequest | None, ADDED] = Field(
         default=None,
         description="Open or close a gripper, from where its fingers are, and take hold of an "
         "object or let it go",
     )
-    driver: DriverName | UrRtdeDriver = Field(default="simulated", description="What moves")
+    driver: DriverName | UrRtdeDriver = Field(
+        default="simulated", description="Driver of the motion"
+    )
     speed: Annotated[Real, Field(gt=0, le=100)] = Field(
         default=1.0,
         description="Seconds of the motion per second; above 1 the simulation's clock runs faster "
@@ -70,24 +73,26 @@ class ExecutionTerms(RequestModel):
     )
     on_conflict: Annotated[Literal["stop", "slow", "replan", "ignore"], ADDED] = Field(
         default="stop",
-        description="What is done while it moves if an edit of the scene is in its way: `stop` "
-        "comes to rest on the path and ends (`path_blocked`); `slow` rests before the conflict, "
-        "and goes on by itself once a later edit has cleared the way; `replan` does so "
-        "too, and goes on with a new plan to the same configuration, without a rest where that is "
-        "proven: until its end no other robot of the scene may move; `ignore` only tells",
+        description="Action while it moves if an edit of the scene is in its way: `stop` "
+        "comes to rest on the path and ends (`path_blocked`); `slow` rests "
+        "before the conflict and goes on once a later edit has cleared the "
+        "way; `replan` does so too, and goes on with a new plan to the same "
+        "configuration, without a rest where that is proven; `ignore` only "
+        "tells. With `replan`, no other robot of the scene may move until it "
+        "ends",
     )
     on_not_certified: Annotated[Literal["refuse", "replan"], ADDED] = Field(
         default="refuse",
-        description="What is done if the plan's motion does not begin where the robot is, or is "
-        "not proven in the latest revision: `refuse` answers 409; `replan` waits for a new plan "
-        "from where the robot is to the same configuration (`replanned`), and answers 409 if there "
-        "is none",
+        description="Action if the plan's motion does not begin where the robot is, or is "
+        "not proven in the latest revision: `refuse` answers 409; `replan` "
+        "waits for a new plan from where the robot is to the same "
+        "configuration (`replanned`), and answers 409 if there is none",
     )
     when_busy: Annotated[Literal["refuse", "wait"], ADDED] = Field(
         default="refuse",
-        description="What is done if another execution moves one of its robots, or waits for one: "
-        "`refuse` (409); `wait` begins once they are free, in the order of requests, and is proven "
-        "then, from where they are then",
+        description="Action if another execution moves one of its robots, or waits for "
+        "one: `refuse` answers 409; `wait` begins once they are free, in the "
+        "order of requests, and is proven then, from where they are",
     )
     title: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
         default=None, description="Title of the motion in replays of the scene"
@@ -173,6 +178,7 @@ class SpeedRequest(RequestModel):
     model_config = ConfigDict(json_schema_extra={"examples": [{"speed": 0.5}, {"speed": -0.2}]})
 
     speed: Annotated[Real, Field(ge=-100, le=100)] = Field(
-        description="Seconds of the motion per second: 0 rests on the path, negative goes back "
-        "along it; beyond 1 and -1 only what has a clock of its own can do"
+        description="Seconds of the motion per second: 0 rests on the path, negative goes "
+        "back along it; only drivers with a clock of their own go beyond 1 "
+        "and -1"
     )

@@ -127,8 +127,8 @@ async def stream_execution_events(
 async def cancel_execution(job: OpenExecution, jobs: JobsDep) -> Execution:
     """Bring the robot to rest on its path and end; asking again changes nothing.
 
-    The robot is told first, and no database is waited for: `unrecorded` says what it does not hold
-    yet. So for a pause, and for a change of speed.
+    As for a pause and a change of speed, the robot is told first, and no database is waited for:
+    `unrecorded` says what it does not hold yet.
     """
     return await execution_resource(jobs, await jobs.cancel(job))
 

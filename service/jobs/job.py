@@ -19,7 +19,7 @@ type PendingEvent = tuple[str, Encoded]
 
 
 class Priority(StrEnum):
-    """What goes first of what waits."""
+    """Priority among the jobs that wait."""
 
     LOW = "low"
     NORMAL = "normal"

@@ -6,7 +6,7 @@ from planning.errors import IllegalTransition
 
 
 class JobState(StrEnum):
-    """Where a job is; the last three are final and written once."""
+    """State of a job; the last three are final and written once."""
 
     QUEUED = "queued"
     RUNNING = "running"

@@ -20,47 +20,48 @@ type JointPositions = Annotated[
 class DocumentSource(ResponseModel):
     """The scene's document has the robot there."""
 
-    type: Literal["document"] = Field(description="What says where the robot is")
-    revision: int = Field(description="Whose document it is: the latest")
+    type: Literal["document"] = Field(description="Kind of source")
+    revision: int = Field(description="Revision of the document: the latest")
 
 
 class EditSource(ResponseModel):
     """The robot was put there by hand, by `set_positions`."""
 
-    type: Literal["edit"] = Field(description="What says where the robot is")
+    type: Literal["edit"] = Field(description="Kind of source")
     revision: int = Field(description="Revision that the edit made")
 
 
 class ExecutionSource(ResponseModel):
     """An execution has measured the robot there."""
 
-    type: Literal["execution"] = Field(description="What says where the robot is")
+    type: Literal["execution"] = Field(description="Kind of source")
     id: str = Field(description="Id of the execution")
 
 
 type StateSource = Annotated[
     DocumentSource | EditSource | ExecutionSource,
-    Field(discriminator="type", description="What says where the robot is"),
+    Field(discriminator="type", description="Source of a robot's positions"),
 ]
 
 
 class RobotState(ResponseModel):
-    """Where a robot is."""
+    """Present state of a robot."""
 
-    robot: str = Field(description="Its name in the scene")
+    robot: str = Field(description="Name of the robot in the scene")
     status: domain.RobotStatus = Field(
-        description="`at_rest`; `moving`, by an execution; or `unknown`: an execution has ended "
-        "without its driver, and nothing in the scene moves until `set_positions` says where it is"
+        description="Status: `at_rest`; `moving`, by an execution; or `unknown`: an "
+        "execution has ended without its driver, and nothing in the scene "
+        "moves until `set_positions` says where the robot is"
     )
     positions: JointPositions = Field(
         description="Positions of the joints of its groups [rad or m]; `set_positions` takes "
         "them as they are"
     )
     velocities: JointPositions | None = Field(
-        description="Measured [rad/s or m/s]; null where its driver does not tell"
+        description="Measured velocities [rad/s or m/s]; null where its driver does not tell"
     )
-    source: StateSource = Field(description="What says where it is")
-    updated_at: datetime = Field(description="When that was said last (UTC)")
+    source: StateSource = Field(description="Source of its positions")
+    updated_at: datetime = Field(description="Time at which its source said so last (UTC)")
     execution: str | None = Field(description="Execution that moves it, or waits to; null for none")
 
     @classmethod
@@ -80,27 +81,27 @@ class RobotState(ResponseModel):
 class HeldObject(ResponseModel):
     """An object that a robot holds."""
 
-    object: str = Field(description="Its name")
+    object: str = Field(description="Name of the object")
     frame: str = Field(description="Frame of a robot that it is attached to")
 
 
 class GripperState(ResponseModel):
-    """How wide a gripper is open, and what it holds."""
+    """Width of a gripper, and the objects that it holds."""
 
-    group: str = Field(description="Its full name")
-    robot: str = Field(description="Whose gripper it is")
-    width: float = Field(description="How far apart its fingers are [m], as `positions` has them")
-    max_width: float = Field(description="How far apart they can be [m]")
+    group: str = Field(description="Full name of the gripper")
+    robot: str = Field(description="Robot that the gripper belongs to")
+    width: float = Field(description="Distance of the fingers [m], as `positions` has them")
+    max_width: float = Field(description="Largest distance that the fingers can have [m]")
     holds: list[str] = Field(description="Objects that are attached to a frame of the gripper")
 
 
 class LiveState(ResponseModel):
-    """Where the robots of a scene are now, and what they hold."""
+    """Present positions of the robots of a scene, and the objects that they hold."""
 
     scene: str = Field(description="Id of the scene")
-    revision: int = Field(description="The latest; executions do not change it")
-    robots: list[RobotState] = Field(description="Those that have joints")
-    attached: list[HeldObject] = Field(description="What robots hold")
+    revision: int = Field(description="Latest revision; executions do not change it")
+    robots: list[RobotState] = Field(description="Robots that have joints")
+    attached: list[HeldObject] = Field(description="Objects that robots hold")
     grippers: list[GripperState] = Field(
         default=[], description="Groups that are grippers, and how wide they are open"
     )
@@ -110,7 +111,7 @@ class StateEvent(ResponseModel):
     """The live state as it is now; what was between two events is not told."""
 
     id: EventId
-    event: Literal["state"] = Field(description="What happened")
+    event: Literal["state"] = Field(description="Kind of the event")
     data: Json[LiveState] = Field(description="The live state, whole")
 
 

@@ -22,11 +22,18 @@ router = APIRouter(route_class=StrictRoute, prefix="/v1/scenes/{scene}/state", t
 _DESCRIPTION = "Server-sent events, each as the schema has it; the stream ends with the scene"
 
 type Rate = Annotated[
-    float, Query(gt=0, le=MAX_RATE, description="States that are sent each second, at most")
+    float,
+    Query(
+        gt=0, le=MAX_RATE, description="Largest number of states that are sent each second [1/s]"
+    ),
 ]
 type Most = Annotated[
     int | None,
-    Query(ge=1, le=1_000_000, description="The stream ends after so many; by default it goes on"),
+    Query(
+        ge=1,
+        le=1_000_000,
+        description="Number of states after which the stream ends; by default it goes on",
+    ),
 ]
 
 
@@ -64,7 +71,7 @@ async def stream_scene_state(
 ) -> AsyncIterator[ServerSentEvent]:
     """Stream the live state: now, unless it was seen, and whenever it changes.
 
-    Each event is the whole state. Who reads slowly gets the newest one, and none twice.
+    Each event is the whole state. A slow reader gets the newest one, and none twice.
     `WebSocket /v1/scenes/{scene}/state/ws` sends the same, each event as a text of JSON.
     """
     # An id that is not ours is from another stream: then the state is sent.

@@ -16,8 +16,8 @@ type Include = Annotated[
     str | None,
     Query(
         max_length=200,
-        description="Large parts of `result` that the answer carries, with commas between them; "
-        "empty for none of them. What is small is always there. By default all are",
+        description="Large parts of `result` in the answer, with commas between them; by "
+        "default all, empty for none. Small parts are always there",
         json_schema_extra={"pattern": f"^(({_PART})(,({_PART}))*)?$"},
         examples=["trajectory,certificate"],
     ),

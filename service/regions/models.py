@@ -33,7 +33,7 @@ StopReason = Annotated[
     str,
     OneOf(
         "RegionsStopReason",
-        "Why there are no more regions.",
+        "Reason why there are no more regions.",
         ("coverage", "num_regions", "deadline", "exhausted"),
     ),
 ]
@@ -58,8 +58,9 @@ class RegionsRequest(RequestModel):
     )
     along: Literal["paths", "nothing"] = Field(
         default="paths",
-        description="What comes first: regions along paths from the scene's state to the group's "
-        "named configurations and the scene's frames; or nothing but the cover",
+        description="Regions that come first: those along paths from the scene's state to "
+        "the group's named configurations and the scene's frames (`paths`), "
+        "or none but the cover (`nothing`)",
     )
     num_free: Annotated[int, Strict(), Field(ge=100, le=1_000_000), WHOLE] = Field(
         default=5000,
@@ -83,7 +84,7 @@ class RegionsRequest(RequestModel):
         default=0.001, description="Distance beyond the margin, for proofs to be quick [m]"
     )
     allowed_time: Annotated[Real, Field(gt=0, le=86_400)] = Field(
-        default=600.0, description="After this time what has grown is the result [s]"
+        default=600.0, description="Time after which the regions that have grown are the result [s]"
     )
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Seed of all randomness: the same seed gives the same regions"
@@ -108,7 +109,7 @@ class Region(ResponseModel):
     """A region: those configurations q with normals q <= offsets."""
 
     normals: list[list[float]] = Field(description="Unit normals of its faces, a row each")
-    offsets: list[float] = Field(description="One for each face [rad or m]")
+    offsets: list[float] = Field(description="Offset of each face [rad or m]")
     center: list[float] = Field(description="A configuration well inside [rad or m]")
     num_free: int = Field(
         description="Number of consecutive random configurations that were free: with 95 % "
@@ -117,7 +118,7 @@ class Region(ResponseModel):
 
 
 class Portal(ResponseModel):
-    """Where two regions overlap."""
+    """Overlap of two regions."""
 
     regions: tuple[int, int] = Field(description="Indices of the two in the list of regions")
     point: list[float] = Field(description="Center of the largest ball in both [rad or m]")
@@ -139,7 +140,8 @@ class RegionsSummary(ResponseModel):
     )
     coverage_error: float = Field(description="Standard error of `coverage`")
     stopped_by: StopReason = Field(
-        description="Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`"
+        description="Reason why there are no more: `coverage`, `num_regions`, `deadline` "
+        "or `exhausted`"
     )
     lower: list[float] = Field(description="Lowest configuration of the domain [rad or m]")
     upper: list[float] = Field(description="Highest configuration of the domain [rad or m]")
@@ -149,7 +151,7 @@ class RegionsResult(RegionsSummary):
     """Regions that were grown, with their faces."""
 
     regions: list[Region] = Field(description="Regions in the order in which they were grown")
-    portals: list[Portal] = Field(description="Where they overlap")
+    portals: list[Portal] = Field(description="Overlaps of the regions")
 
     @classmethod
     def from_domain(cls, regions: domain.Regions) -> Self:
@@ -174,17 +176,17 @@ class RegionsBrief(ResponseModel):
     state: JobState = Field(
         description="State of the growth; succeeded, failed and canceled are final"
     )
-    stage: AnyStage = Field(description="`load` or `regions`, or empty")
-    progress: float = Field(description="0 to 1", ge=0, le=1)
-    created_at: datetime = Field(description="When they were asked for (UTC)")
-    started_at: datetime | None = Field(description="When a worker began (UTC)")
-    finished_at: datetime | None = Field(description="When it ended (UTC)")
+    stage: AnyStage = Field(description="Stage that it is in, `load` or `regions`, or empty")
+    progress: float = Field(description="Share of the work that is done, 0 to 1", ge=0, le=1)
+    created_at: datetime = Field(description="Time of the request (UTC)")
+    started_at: datetime | None = Field(description="Time at which a worker began (UTC)")
+    finished_at: datetime | None = Field(description="Time at which it ended (UTC)")
     cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
     attempts: int = Field(description=ATTEMPTS)
     scene: str = Field(description="Id of the scene")
     revision: int = Field(description="Revision of the scene")
     request: RegionsRequest = Field(description="The request, defaults filled in")
-    failure: Failure | None = Field(description="Why there is no result")
+    failure: Failure | None = Field(description="Reason why there is no result")
     versions: Versions = Field(
         description="Versions of everything that the numbers depend on, in the server that ran "
         "it last; "

@@ -21,11 +21,11 @@ type Powers = Annotated[list[Positions], Field(min_length=1, max_length=16)]
 # What samples may be taken for; named, so that a generated client has one type of each.
 type SampleInterpolation = Annotated[
     Literal["quintic", "cubic", "cubic_spline", "linear"],
-    Field(description="What is between two samples"),
+    Field(description="Interpolation between two samples"),
 ]
 type MotionInterpolation = Annotated[
     Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"],
-    Field(description="What a motion is between its instants"),
+    Field(description="Interpolation of a motion between its instants"),
 ]
 
 
@@ -33,7 +33,9 @@ class PolynomialInput(RequestModel):
     """The exact motion, as `Trajectory.polynomial` has it."""
 
     breaks: Instants = Field(description="Instants between pieces, from 0, n + 1 of them [s]")
-    bases: Pieces = Field(description="Where each piece is anchored, n rows [rad or m]")
+    bases: Pieces = Field(
+        description="Configuration at which each piece is anchored, n rows [rad or m]"
+    )
     coefficients: Annotated[list[Powers], Field(min_length=1, max_length=20_000)] = Field(
         description="n pieces, powers from 0 up, a column per velocity coordinate"
     )
@@ -86,10 +88,12 @@ class TrajectoryInput(RequestModel):
     times: Instants = Field(description="Instants of the samples, from 0 [s]")
     positions: Rows = Field(description="One row per instant [rad or m]")
     velocities: Rows | None = Field(
-        default=None, description="One row per instant [rad/s or m/s]; null if not known"
+        default=None,
+        description="Velocities, one row per instant [rad/s or m/s]; null if not known",
     )
     accelerations: Rows | None = Field(
-        default=None, description="One row per instant [rad/s^2 or m/s^2]; null if not known"
+        default=None,
+        description="Accelerations, one row per instant [rad/s^2 or m/s^2]; null if not known",
     )
     joint_names: list[Name] | None = Field(
         default=None,

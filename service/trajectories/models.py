@@ -64,7 +64,7 @@ class MotionRequest(RequestModel):
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
-        default=5.0, description="Give up after this long [s]"
+        default=5.0, description="Time after which to give up [s]"
     )
 
 
@@ -77,18 +77,18 @@ class RetimeRequest(MotionRequest):
         description="The group's positions from start to goal, joined by straight lines in joint "
         "space [rad or m]"
     )
-    retime: Retime = Field(default_factory=Retime, description="How to time it")
-    certify: Certify = Field(
-        default_factory=Certify, description="What to compute besides the proof"
+    retime: Retime = Field(default_factory=Retime, description="Options of the timing")
+    certify: Certify = Field(default_factory=Certify, description="Computations besides the proof")
+    polynomial: Boolean = Field(
+        default=False, description="Whether to add the exact piecewise polynomial"
     )
-    polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
 
 
 class RetimeStages(ResponseModel):
     """Reports of the two stages."""
 
-    retime: RetimeReport = Field(description="How the path was timed")
-    certify: CertifyReport = Field(description="How the motion was proven")
+    retime: RetimeReport = Field(description="Report of the timing")
+    certify: CertifyReport = Field(description="Report of the proof")
 
 
 class RetimeResponse(ResponseModel):
@@ -105,7 +105,7 @@ class RetimeResponse(ResponseModel):
         "`retime`, `certify`, `explain`, `samples`",
     )
     failure: Failure | None = Field(
-        description="Why there is none: `not_certified` with the failed checks, "
+        description="Reason why there is none: `not_certified` with the failed checks, "
         "`retiming_failed`, `deadline_exceeded`; null if there is one"
     )
 
@@ -116,32 +116,33 @@ class CertifyMotionRequest(MotionRequest, ScaledLimits):
     model_config = ConfigDict(json_schema_extra={"examples": [_MOTION]})
 
     trajectory: TrajectoryInput = Field(
-        description="The motion. Between samples it is taken to be the polynomial of degree 5 that "
-        "meets positions, velocities and accelerations; of degree 3 without accelerations; "
-        "without velocities the cubic spline with continuous acceleration that rests at both ends; "
-        "or what its `interpolation` says. Straight lines have corners, and are only held to what "
-        "corners can keep. Positions are numbers, not angles on a circle: from 3 to -3 is a way of "
-        "6 rad"
+        description="The motion; its `interpolation` says what is between the samples, "
+        "and straight lines are only held to what corners can keep. Positions "
+        "are numbers, not angles on a circle: from 3 to -3 is a way of 6 rad"
     )
     start: GroupPositions | None = Field(
-        default=None, description="Where it shall begin [rad or m]; null for where it does"
+        default=None,
+        description="Positions at which the motion shall begin [rad or m]; "
+        "null for those at which it begins",
     )
     goal: GroupPositions | None = Field(
-        default=None, description="Where it shall end [rad or m]; null for where it does"
+        default=None,
+        description="Positions at which the motion shall end [rad or m]; "
+        "null for those at which it ends",
     )
     limit_jerk: Boolean = Field(
-        default=False, description="Hold it against the limits on jerk as well"
+        default=False, description="Whether to check the limits on jerk as well"
     )
-    certify: Certify = Field(
-        default_factory=Certify, description="What to compute besides the proof"
-    )
+    certify: Certify = Field(default_factory=Certify, description="Computations besides the proof")
 
 
 class CertifyMotionResponse(ResponseModel):
     """The verdict on the motion, between its samples too."""
 
     certificate: Certificate = Field(description="Checks that passed and checks that failed")
-    interpolation: MotionInterpolation = Field(description="What the samples were taken for")
+    interpolation: MotionInterpolation = Field(
+        description="Motion that was taken to be between the samples"
+    )
     unchecked: list[str] = Field(
         default=[],
         description="Checks that straight lines are not held to, as their velocity jumps",
@@ -156,7 +157,9 @@ class _FromRunningMotion(MotionRequest, Sampling, ScaledLimits):
     trajectory: TrajectoryInput = Field(
         description="The running motion, read as `POST /trajectories/certify` reads one"
     )
-    time: NonNegative = Field(description="When it is left, within its duration [s]")
+    time: NonNegative = Field(
+        description="Time along the running motion at which it is left, within its duration [s]"
+    )
     polynomial: Boolean = Field(default=False, description="Add the exact piecewise polynomial")
 
 
@@ -169,13 +172,14 @@ class StopMotionRequest(_FromRunningMotion):
 
     along_path: Boolean = Field(
         default=False,
-        description="Stay on the path of the running motion, which is slowed down; else every "
-        "joint brakes by itself",
+        description="Whether to stay on the path of the running motion, which is slowed "
+        "down; else every joint brakes by itself",
     )
     limit_jerk: Boolean = Field(
         default=True,
-        description="Keep the limits on jerk, which the running motion must keep too; can only be "
-        "false along the path, where accelerations then may jump, at the first instant too",
+        description="Whether to keep the limits on jerk, which the running motion must "
+        "keep too. It can only be false along the path, where accelerations "
+        "then may jump, at the first instant too",
     )
 
     @model_validator(mode="after")
@@ -204,11 +208,11 @@ class StopMotionResponse(ResponseModel):
     certificate: Certificate | None = Field(description="The proof; null if there is none")
     stage: CertifyReport | None = Field(description="Report of the proof; null if there is none")
     interpolation: MotionInterpolation = Field(
-        description="What the samples of the running motion were taken for"
+        description="Motion that was taken to be between the samples of the running motion"
     )
     failure: Failure | None = Field(
-        description="Why there is none: `retiming_failed`, `not_certified` with the failed checks, "
-        "`deadline_exceeded`; null if there is one"
+        description="Reason why there is none: `retiming_failed`, `not_certified` with "
+        "the failed checks, `deadline_exceeded`; null if there is one"
     )
 
 
@@ -216,5 +220,5 @@ class SpliceMotionResponse(StopMotionResponse):
     """A certified motion from the instant on to the end of the other one, or why there is none."""
 
     onto_interpolation: MotionInterpolation = Field(
-        description="What the samples of the other motion were taken for"
+        description="Motion that was taken to be between the samples of the other motion"
     )

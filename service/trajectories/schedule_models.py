@@ -26,7 +26,7 @@ _EXAMPLE: dict[str, Any] = {
 
 
 class ScheduleMotionsRequest(RequestModel):
-    """When to begin the motions of several plans, so that all of them together are proven."""
+    """Find when to begin the motions of several plans, so that all of them together are proven."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_EXAMPLE]})
 
@@ -42,13 +42,14 @@ class ScheduleMotionsRequest(RequestModel):
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
     limit_jerk: Boolean = Field(
-        default=False, description="Hold the whole against the limits on jerk as well"
+        default=False, description="Whether to check the whole against the limits on jerk as well"
     )
     polynomial: Boolean = Field(
-        default=False, description="Add all motions as one, as an exact piecewise polynomial"
+        default=False,
+        description="Whether to add all motions as one, as an exact piecewise polynomial",
     )
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
-        default=10.0, description="Give up after this long [s]"
+        default=10.0, description="Time after which to give up [s]"
     )
 
 
@@ -59,25 +60,25 @@ class Wait(ResponseModel):
     for_group: str = Field(
         description="Group of the motion that it waits for: begun earlier, it would meet this one"
     )
-    delay: float = Field(description="How long it waits, from the beginning of the schedule [s]")
+    delay: float = Field(description="Time that it waits, from the beginning of the schedule [s]")
     pair: list[str] = Field(description="The two bodies that would be nearer than their margin")
     time: float = Field(
-        description="When they would, if it began a little earlier, by the schedule's time [s]"
+        description="Time on the schedule at which they would, if it began a little earlier [s]"
     )
 
 
 class MotionSchedule(ResponseModel):
-    """When each motion begins, and the proof of all together."""
+    """Time at which each motion begins, and the proof of all together."""
 
     group: str = Field(description="Group that spans all the plans' groups")
     groups: list[str] = Field(description="Group of each plan, in their order")
     delays: list[float] = Field(
-        description="When each begins, in the order of the plans: the first is as small as it can "
-        "be, then the second, and so on [s]"
+        description="Time at which each motion begins, in the order of the plans [s]: the "
+        "first is as small as it can be, then the second, and so on"
     )
     waits: list[Wait] = Field(description="Each motion that waits, in the order of the plans")
     duration: float = Field(
-        description="From the beginning of the first motion to the end of the last [s]"
+        description="Time from the beginning of the first motion to the end of the last [s]"
     )
     certificate: Certificate = Field(description="The proof of all motions as one")
     stage: CertifyReport = Field(description="Report of the proof")
@@ -106,6 +107,7 @@ class ScheduleMotionsResponse(ResponseModel):
 
     schedule: MotionSchedule | None = Field(description="The schedule; null if there is none")
     failure: Failure | None = Field(
-        description="Why there is none: `schedule_not_found` with the pair that meets, "
-        "`not_certified` with the failed checks, `deadline_exceeded`; null if there is one"
+        description="Reason why there is none: `schedule_not_found` with the pair that "
+        "meets, `not_certified` with the failed checks, `deadline_exceeded`; "
+        "null if there is one"
     )

@@ -7,7 +7,7 @@ KINDS = {"pln": "plan", "reg": "regions", "exe": "execution"}
 
 
 class WebhookEvent(StrEnum):
-    """What a webhook can be told."""
+    """Event that a webhook can be told."""
 
     PLAN_STARTED = "plan.started"
     PLAN_REQUEUED = "plan.requeued"

@@ -41,9 +41,11 @@ class WebhookRequest(RequestModel):
         }
     )
 
-    url: _Url = Field(description="Where messages are posted; answer them with a status of 2xx")
+    url: _Url = Field(
+        description="Address to which messages are posted; answer them with a status of 2xx"
+    )
     events: Annotated[list[WebhookEvent], Field(min_length=1, max_length=len(WebhookEvent))] = (
-        Field(default=_ENDS, description="What is told; by default the ends of all jobs")
+        Field(default=_ENDS, description="Events that are told; by default the ends of all jobs")
     )
 
 
@@ -51,15 +53,16 @@ class Webhook(ResponseModel):
     """An address that is told what happens to jobs."""
 
     id: str = Field(description="Id of the webhook")
-    url: str = Field(description="Where messages are posted")
-    events: list[WebhookEvent] = Field(description="What is told")
-    created_at: datetime = Field(description="When it was registered (UTC)")
+    url: str = Field(description="Address to which messages are posted")
+    events: list[WebhookEvent] = Field(description="Events that are told")
+    created_at: datetime = Field(description="Time of the registration (UTC)")
     failing_since: datetime | None = Field(
-        description="Since when it has taken nothing that was sent (UTC); null if it takes them"
+        description="Time since which it has taken nothing that was sent (UTC); null if "
+        "it takes them"
     )
     disabled_at: datetime | None = Field(
-        description="Since when nothing is sent, because it failed for days or said 410 (UTC); "
-        "null if it is enabled"
+        description="Time since which nothing is sent, because it failed for days or said "
+        "410 (UTC); null if it is enabled"
     )
     reason: str = Field(description="Reason of the last failure since a success, or empty")
 

@@ -12,7 +12,7 @@ from wayproof_client.shown_plan import ShownPlan
 
 
 class AddressEvidence(Answer):
-    """Where a webhook may not lead."""
+    """Address that a webhook may not lead to."""
 
     host: str
     """Host in the URL."""
@@ -54,7 +54,7 @@ type AnyLimit = (
     ]
     | str
 )
-"""What keeps a motion from being quicker."""
+"""Limit that keeps a motion from being quicker."""
 
 type AnyStage = (
     Literal[
@@ -117,18 +117,18 @@ class ApproachBlockedProblem(Answer):
 
 
 class ApproachFailures(Answer):
-    """How often one thing stopped the approach or retreat of a configuration."""
+    """Configurations whose approach or retreat one cause stopped."""
 
     count: int
-    """Configurations."""
+    """Number of configurations."""
     leg: LineLeg
-    """Which of both."""
+    """Line that was stopped, the approach or the retreat."""
     max_fraction: float
-    """The most of the line that was free, seen from the goal [1]."""
+    """Largest share of the line that was free, from the goal outwards, 0 to 1 [1]."""
     reason: LineStopReason
-    """Why it stopped."""
+    """Reason why they stopped."""
     where: str
-    """The pair of bodies or the joint, or empty."""
+    """Pair of bodies or joint that stopped them, or empty."""
 
 
 class Approximation(Answer):
@@ -145,14 +145,14 @@ class Approximation(Answer):
 
 
 class AssetEvidence(Answer):
-    """Which file does not exist."""
+    """File that does not exist."""
 
     uri: str
     """Name of the file in the scene or in the model."""
     known: list[str] | None = None
     """Names that exist."""
     path: str | None = None
-    """Its place in the scene."""
+    """Place of the name in the scene."""
 
 
 class AssetNotFoundFailure(Answer):
@@ -202,19 +202,19 @@ class AttachmentDocument(Answer):
 
 
 class AttemptReport(Answer):
-    """What one attempt at a solution came to."""
+    """Outcome of one attempt at a solution."""
 
     cost: float
     """Cost by the objective, in its unit."""
     length: float
-    """And after it [rad or m]."""
+    """Length of its solution, after shortcutting [rad or m]."""
     num_states_checked: int
     """Configurations checked for collision."""
     outcome: str
     """`solved`, `collides` (on a closer look), `setup` (setting the planner up took longer than
     it may), or how it ended."""
     planner: str
-    """OMPL's name."""
+    """Name of the planner in OMPL."""
     raw_length: float
     """Length of its solution, before shortcutting [rad or m]."""
 
@@ -225,9 +225,9 @@ class Batch(Answer):
     counts: BatchCounts
     """Plans by state."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     finished_at: datetime | None
-    """When the last plan ended (UTC); null while one waits or runs."""
+    """Time at which the last plan ended (UTC); null while one waits or runs."""
     id: str
     """Id of the batch."""
     plans: list[str]
@@ -236,7 +236,7 @@ class Batch(Answer):
 
 
 class BatchCounts(Answer):
-    """How many plans of a batch are in each state."""
+    """Number of plans of a batch in each state."""
 
     canceled: int = 0
     """Plans whose end was requested."""
@@ -265,9 +265,9 @@ class BatchSummary(Answer):
     counts: BatchCounts
     """Plans by state."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     finished_at: datetime | None
-    """When the last plan ended (UTC); null while one waits or runs."""
+    """Time at which the last plan ended (UTC); null while one waits or runs."""
     id: str
     """Id of the batch."""
 
@@ -276,16 +276,16 @@ class BestPath(Answer):
     """The best path that a search has found so far."""
 
     length: float
-    """Its weighted length."""
+    """Weighted length of the path."""
     seconds: float | None = None
-    """When it was found, since the worker began with the plan [s]."""
+    """Time at which it was found, since the worker began with the plan [s]."""
 
 
 class BestPathData(Answer):
     """A path that is better than those before it."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     detail: str
     """Text for a person."""
     length: float
@@ -293,39 +293,39 @@ class BestPathData(Answer):
     plan: str | None = None
     """Id of the plan, in the stream of a batch; absent in other streams."""
     seconds: float | None = None
-    """Since the worker began with the plan [s]; null where an older version told it."""
+    """Time since the worker began with the plan [s]; null where an older version told it."""
 
 
 class BestSoFarEvent(Answer):
     """The search found a better path."""
 
     data: Json[BestPathData]
-    """How long the path is."""
+    """The better path."""
     event: Literal["best-so-far"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class BindingInterval(Answer):
-    """What keeps the motion from being quicker for a while."""
+    """Interval of the motion, with the limit that keeps it from being quicker."""
 
     begin: float
-    """[s]."""
+    """First instant [s]."""
     end: float
-    """[s]."""
+    """Last instant [s]."""
     limit: AnyLimit
-    """velocity, acceleration, jerk, torque, tool_speed, tool_acceleration, speed_zone or
-    acceleration_bounds: the one that is used the most; duration where the motion takes longer
-    than it must because the request says so; empty while nothing moves."""
+    """Limit that is used the most: velocity, acceleration, jerk, torque, tool_speed,
+    tool_acceleration, speed_zone or acceleration_bounds. It is `duration` where the request
+    asks for a longer motion than it must be, and empty while nothing moves."""
     share: float
-    """How much of it is used at most, 0 to 1; 1 where it is met [1]."""
+    """Largest share of the limit that is used, 0 to 1; 1 where it is met [1]."""
     where: str
     """The joint, block, frame or zone whose limit it is, or empty."""
 
 
 class BlockedMoves(Answer):
-    """How many approaches or retreats stopped for one reason."""
+    """Number of approaches or retreats that stopped for one reason."""
 
     count: int
     """Number of configurations."""
@@ -359,12 +359,12 @@ class BodyTooLargeProblem(Answer):
 
 
 class Bounds(Answer):
-    """What the coordinates of a quantity are kept within; a block is limited by its norm."""
+    """Bounds on the coordinates of a quantity; a block is limited by its norm."""
 
     lower: list[float | None]
-    """Per coordinate; null: none."""
+    """Bound per coordinate; null for none."""
     upper: list[float | None]
-    """Per coordinate; null: none."""
+    """Bound per coordinate; null for none."""
 
 
 class Box(Answer):
@@ -377,18 +377,18 @@ class Box(Answer):
 
 
 class Branch(Answer):
-    """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
+    """Sides to which a six-joint arm bends; one changes only at its singularity, where it is 0."""
 
     elbow: Literal[-1, 0, 1] | str
     """Side to which the elbow bends."""
     shoulder: Literal[-1, 0, 1] | str
-    """On which side of the first axis the wrist is."""
+    """Side of the first axis on which the wrist is."""
     wrist: Literal[-1, 0, 1] | str
     """Side to which the wrist bends."""
 
 
 class BusyEvidence(Answer):
-    """What moves a robot, or waits for it."""
+    """Execution that moves a robot, or waits for it."""
 
     execution: str
     """Id of the execution."""
@@ -397,12 +397,12 @@ class BusyEvidence(Answer):
 
 
 class CancelEvidence(Answer):
-    """Where a cancel came."""
+    """Place of a cancel."""
 
     during: str | None = None
     """Work during which the cancel came."""
     reason: str | None = None
-    """Why the server ended it; absent if a client did."""
+    """Reason why the server ended it; absent if a client did."""
     time: float | None = None
     """Time along the motion of an execution [s]."""
 
@@ -458,15 +458,15 @@ class Certificate(Answer):
     checks: list[Check]
     """All checks, passed or not."""
     min_clearance: float | None
-    """If clearance is proven, a lower bound on the distance of all pairs at all instants [m];
-    if not, the same as `observed_clearance`; null if there is no pair."""
+    """Proven lower bound on the distance of all pairs at all instants [m]; `observed_clearance`
+    if clearance is not proven; null if there is no pair."""
     pair: tuple[str, str]
     """The two bodies of `observed_clearance`, or empty names."""
     proven: bool
-    """Every check passed on the whole interval."""
+    """Whether every check passed on the whole interval."""
     time: float
-    """When it was observed [s]; if clearance is not proven neither the first instant that is
-    too near nor for certain the worst."""
+    """Time at which it was observed [s]. If clearance is not proven, it is neither the first
+    instant that is too near nor for certain the worst."""
     first_unproven: Pair | None = None
     """The pair that stopped the proof of clearance there, at most 0.1 ms later; null if none
     did."""
@@ -474,8 +474,8 @@ class Certificate(Answer):
     """Smallest signed distance at any instant that was measured [m]; the true smallest one lies
     between `min_clearance`, if that is proven, and this."""
     points: list[list[float]] = Field(default=[], validate_default=True)
-    """The nearest point of each of `pair` then, in world [m], of shapes that overlap the
-    deepest; empty without a pair."""
+    """Nearest point of each body of `pair` at that time, in world [m]; the deepest points where
+    they overlap, empty without a pair."""
     proven_until: float = 0.0
     """Clearance is proven from the beginning until then [s]: the duration, if the check
     `clearance` passed."""
@@ -508,17 +508,17 @@ class CertificateEvidence(Answer):
 
 
 class Certify(Answer):
-    """What to find out about the motion once it is proven; the report on `certify` has it."""
+    """Computations on the motion once it is proven; the report on `certify` has their results."""
 
     max_stopping_time: float | None = None
-    """No stop may take longer [s], and `stop_anywhere` is meant; null for no bound."""
+    """Longest time that a stop may take [s]; it implies `stop_anywhere`; null for no bound."""
     robustness: bool = False
-    """Bound how far off obstacles and joints may be: `robustness` in the report; takes some 0.2
-    s."""
+    """Whether to bound how far off obstacles and joints may be: `robustness` in the report;
+    takes about 0.2 s."""
     stop_anywhere: bool = False
-    """Bound the longest stop along the path, from any instant: a check `stop`, and `stop` in
-    the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with `effort` or
-    accelerations in `tool_limits`."""
+    """Whether to bound the longest stop along the path, from any instant: a check `stop`, and
+    `stop` in the report. It takes about 0.1 s, 0.5 s with jerk limits, and as much again with
+    `effort` or accelerations in `tool_limits`."""
 
 
 class CertifyMotionResponse(Answer):
@@ -529,7 +529,7 @@ class CertifyMotionResponse(Answer):
     duration: float
     """Duration of the motion [s]."""
     interpolation: MotionInterpolation
-    """What the samples were taken for."""
+    """Motion that was taken to be between the samples."""
     stage: CertifyReport
     """Report of the proof."""
     unchecked: list[str] = Field(default=[], validate_default=True)
@@ -537,7 +537,7 @@ class CertifyMotionResponse(Answer):
 
 
 class CertifyReport(Answer):
-    """What the certify stage did."""
+    """Report of the certify stage."""
 
     candidates: int
     """Candidate motions that were looked at."""
@@ -546,32 +546,33 @@ class CertifyReport(Answer):
     intervals: int
     """Intervals on which clearance was bounded."""
     refused: list[str]
-    """What was wrong with those before the delivered one."""
+    """Faults of the candidates before the delivered one."""
     robustness: Robustness | None = None
-    """How wrong world and robot may be; null if not requested, or no time was left."""
+    """Bounds on how far off obstacles and joints may be; null if not requested, or no time was
+    left."""
     stop: StopReport | None = None
-    """How it can be stopped; null if not requested, or no time was left."""
+    """Bounds on stops along the path; null if not requested, or no time was left."""
 
 
 class Check(Answer):
     """One property that was checked on the whole interval."""
 
     bound: float | None
-    """What it was held against, in `unit`; null for none."""
+    """Bound that it was held against, in `unit`; null for none."""
     name: str
-    """position, velocity, acceleration, jerk, clearance, start, ..."""
+    """Name of the check: position, velocity, acceleration, jerk, clearance, start, ..."""
     passed: bool
     """Whether the property holds."""
     resolution: float | None
-    """How far the true worst value may lie beyond `value`; null if it is not bounded, as where
-    a search for it ended at once."""
+    """Bound on how far the true worst value may lie beyond `value`, in `unit`; null if there is
+    none, for example where a search for it ended at once."""
     time: float
-    """When that is [s]; not the first instant at which a check fails."""
+    """Time of the worst value [s]; not the first instant at which a check fails."""
     unit: str
     """Unit of value, bound and resolution; `1` for peak over limit."""
     value: float | None
-    """The worst value found, in `unit`; of a check that failed the worst seen until then, there
-    may be worse; null for none."""
+    """Worst value that was found, in `unit`; null for none. A check that failed may have worse
+    values."""
     where: str
     """The joint or pair that is worst, or empty."""
 
@@ -587,19 +588,19 @@ class ClearanceObjective(Answer):
     """Clearance that is preferred, beyond the margin that is required."""
 
     distance: float
-    """Between bodies, but for those of one robot [m]."""
+    """Preferred distance between bodies, except between those of one robot [m]."""
     weight: float
-    """By how much longer the motion may take for a metre less of what its clearance lacks of
-    the distance, on average along the motion [s/m]."""
+    """Extra duration that one metre less of shortfall is worth [s/m]; the shortfall is what the
+    clearance lacks of `distance`, on average along the motion."""
 
 
 class CollidingPair(Answer):
-    """How often two bodies were the deepest collision of a rejected configuration."""
+    """Two bodies that were the deepest collision of rejected configurations."""
 
     bodies: tuple[str, str]
-    """Full names."""
+    """Full names of the bodies."""
     count: int
-    """Rejected configurations."""
+    """Number of rejected configurations."""
     max_depth: float
     """Largest depth among them [m]."""
     min_depth: float
@@ -612,7 +613,7 @@ class ConfigurationDocument(Answer):
     group: str
     """`robot`, `robot::group`, or a group of `groups`."""
     positions: list[float]
-    """In the group's order [rad or m]."""
+    """Positions in the group's order [rad or m]."""
 
 
 class ConfigurationGoal(Answer):
@@ -621,16 +622,16 @@ class ConfigurationGoal(Answer):
     name: str
     """Name of the configuration, for example `home`."""
     type: Literal["configuration"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class ConfigurationRelaxation(Answer):
-    """What all would have to change for the least infeasible of the goal's configurations."""
+    """All changes that the least infeasible of the goal's configurations needs."""
 
     constraints: list[ConstraintViolation]
     """Path constraints that are violated."""
     goal_index: int
-    """Which of the goal's configurations, from 0."""
+    """Index of the goal's configuration, from 0."""
     limits: list[ViolatedLimit]
     """Limits that are violated."""
     margin: float | None
@@ -657,7 +658,7 @@ type Constraint = Annotated[
     | OtherConstraint,
     Field(union_mode="left_to_right"),
 ]
-"""What a motion shall keep on its whole way."""
+"""Constraint on a whole motion."""
 
 
 class ConstraintViolation(Answer):
@@ -666,7 +667,7 @@ class ConstraintViolation(Answer):
     bound: float | None
     """Bound of the constraint, in `unit`."""
     constraint: str
-    """Its place in the request and its kind."""
+    """Place of the constraint in the request and its kind."""
     unit: str
     """Unit of value and bound; `1` for a number without one."""
     value: float | None
@@ -689,7 +690,7 @@ class Contact(Answer):
 
 
 class ContactEvidence(Answer):
-    """What touched what."""
+    """Bodies that touched."""
 
     pair: list[str]
     """Full names of both bodies."""
@@ -721,10 +722,10 @@ class ContactFailure(Answer):
 
 
 class ControlsData(Answer):
-    """What is asked of an execution from now on; what is left out stays as it was."""
+    """Controls of an execution from now on; those that are left out stay as they were."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     is_paused: bool | None = None
     """Whether it rests on its path."""
     plan: str | None = None
@@ -737,22 +738,22 @@ class ControlsEvent(Answer):
     """The execution was paused or resumed, or its speed set."""
 
     data: Json[ControlsData]
-    """What is asked of it."""
+    """The new controls."""
     event: Literal["controls"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class ConvexDocument(Answer):
     """The convex hull of points."""
 
     points: list[list[float]]
-    """[m]; not all in one plane."""
+    """Points [m]; not all in one plane."""
 
 
 class CountEvidence(Answer):
-    """How many values a list should have."""
+    """Number of values that a list should have."""
 
     expected: int
     """Number of values that are expected."""
@@ -761,11 +762,11 @@ class CountEvidence(Answer):
     names: list[str]
     """Names of the coordinates that the values are for."""
     field: str | None = None
-    """Its place in the request."""
+    """Place of the list in the request."""
 
 
 class CountedViolation(Answer):
-    """How many goal configurations violate one path constraint."""
+    """Number of goal configurations that violate one path constraint."""
 
     constraint: str
     """Its place in the request and its kind."""
@@ -776,7 +777,7 @@ class CountedViolation(Answer):
 
 
 class DatabaseTakenEvidence(Answer):
-    """Which server has the database."""
+    """Server that has the database."""
 
     epoch: int
     """Epoch of this server."""
@@ -823,32 +824,33 @@ class DatabaseUnavailableProblem(Answer):
 
 
 class DeadlineEvidence(Answer):
-    """What had been done when the time was over; of a search, as in `SearchEvidence`."""
+    """Work that was done when the time was over; of a search, as in `SearchEvidence`."""
 
     allowed: float | None = None
     """Time that was allowed [s]."""
     approximate: Approximation | None = None
-    """In the stage `search`, the nearest to a goal, if the request wants it."""
+    """In the stage `search`, the nearest configuration to a goal, if the request wants it."""
     attempts: int | None = None
-    """In the stage `search`, how many were made."""
+    """In the stage `search`, number of attempts."""
     cut_short: bool | None = None
     """In the stage `goals`, that the funnel is not complete."""
     during: str | None = None
     """Work during which the time ran out."""
     funnel: FunnelEvidence | None = None
-    """In the stage `goals`, how many samples passed each test until then."""
+    """In the stage `goals`, number of samples that passed each test until then."""
     goal_distance: float | None = None
-    """In the stage `search`, from the nearest to a goal, as a length in joint space [rad or m]."""
+    """In the stage `search`, distance from the nearest configuration to a goal, as a length in
+    joint space [rad or m]."""
     graph: dict[str, Any] | None = None
-    """In the stage `search`, what the planner explored, if the request wants it."""
+    """In the stage `search`, graph that the planner explored, if the request wants it."""
     max_trials: int | None = None
-    """In the stage `goals`, how many samples were to be tried."""
+    """In the stage `goals`, number of samples to be tried."""
     num_goals: int | None = None
-    """In the stage `search`, goal configurations."""
+    """In the stage `search`, number of goal configurations."""
     num_states_checked: int | None = None
-    """In the stage `search`, configurations checked for collision."""
+    """In the stage `search`, number of configurations checked for collision."""
     planner: str | None = None
-    """In the stage `search`, OMPL's name; of several, all."""
+    """In the stage `search`, name of the planner in OMPL; of several, all names."""
     waited: float | None = None
     """Time that the question waited for a worker before [s]."""
 
@@ -890,16 +892,16 @@ class DeadlineExceededProblem(Answer):
 
 
 class Deviation(Answer):
-    """How far a tool may be from its line, between waypoints and samples too."""
+    """Deviation of a tool from its line that is allowed, between waypoints and samples too."""
 
     position: float = 0.001
-    """Distance of its origin from the line [m]."""
+    """Distance of the tool's origin from the line [m]."""
     rotation: float = 0.008726646259971648
-    """Angle between its rotation and that of the line [rad]."""
+    """Angle between the tool's rotation and that of the line [rad]."""
 
 
 class DigestEvidence(Answer):
-    """Which scene is not kept."""
+    """Scene that is not kept."""
 
     digest: str
     """Digest of the content of the scene."""
@@ -939,15 +941,15 @@ class DistanceBand(Answer):
     """The smallest distance between two sets of bodies stays within bounds."""
 
     type: Literal["distance_band"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
     bodies: list[str] | None = None
-    """Full names; null for all bodies that the group moves."""
+    """Full names of the first set of bodies; null for all bodies that the group moves."""
     max: float | None = None
-    """At least two of them are no farther apart [m]; null for any."""
+    """Largest value of the smallest distance [m]; null for no bound."""
     min: float = 0.0
-    """No two of them are nearer than this [m]."""
+    """Least distance that any two of them keep [m]."""
     to: list[str] | None = None
-    """Full names of the others; null for all not in `bodies`."""
+    """Full names of the second set of bodies; null for all not in `bodies`."""
 
 
 class DocumentFault(Answer):
@@ -956,11 +958,11 @@ class DocumentFault(Answer):
     message: str
     """What is wrong there, for a person."""
     path: str
-    """Its place, as names and numbers with dots."""
+    """Place of the fault, as names and numbers with dots."""
     pointer: str
-    """The same as a JSON pointer (RFC 6901); empty for the root and for parameters."""
+    """Place of the fault as a JSON pointer (RFC 6901); empty for the root and for parameters."""
     line: int | None = None
-    """In the text, from 1; null where it is not known."""
+    """Line in the text, from 1; null where it is not known."""
     nearest: list[str] | None = None
     """Names that were perhaps meant, the nearest first."""
     type: str | None = None
@@ -971,18 +973,18 @@ class DocumentSource(Answer):
     """The scene's document has the robot there."""
 
     revision: int
-    """Whose document it is: the latest."""
+    """Revision of the document: the latest."""
     type: Literal["document"]
-    """What says where the robot is."""
+    """Kind of source."""
 
 
 class DriverLostEvidence(Answer):
-    """Which driver was lost, and what is known of its robot."""
+    """Driver that was lost, and what is known of its robot."""
 
     driver: str
     """Name of the driver."""
     reason: str
-    """What happened."""
+    """Reason of the loss."""
     rests: bool
     """Whether the robot is known to rest where it was last measured."""
 
@@ -1005,19 +1007,19 @@ class DriverLostFailure(Answer):
 
 
 type DriverName = Literal["simulated", "kinematic"] | str
-"""What moves: `simulated`, Drake's simulation under a joint controller; `kinematic`, a robot
-without mass that is always where it should be, and feels nothing."""
+"""Driver of a motion: `simulated` is Drake's simulation under a joint controller; `kinematic`
+is a robot without mass that is always where it should be, and feels nothing."""
 
 
 class DurationExplanation(Answer):
     """Why the motion takes as long as it does."""
 
     intervals: list[BindingInterval]
-    """What binds when; together they cover the motion."""
+    """Intervals with the limit that binds in each; together they cover the motion."""
     relaxed: float
     """The factor by which limits were relaxed, one at a time."""
     savings: list[Saving]
-    """What that saved, the most first; measured for limits that are met."""
+    """Time that this saved, the most first; measured for limits that are met."""
 
 
 class EditSource(Answer):
@@ -1026,18 +1028,18 @@ class EditSource(Answer):
     revision: int
     """Revision that the edit made."""
     type: Literal["edit"]
-    """What says where the robot is."""
+    """Kind of source."""
 
 
 class EditedScene(Answer):
     """A scene after an edit, and what that means for the motions that are carried out in it."""
 
     assumed: list[str]
-    """Joints whose rate limits nobody states, so that ours are assumed."""
+    """Joints whose rate limits are assumed, because no source states them."""
     bodies: list[str]
     """Everything that can collide."""
     created_at: datetime
-    """When this revision was made (UTC)."""
+    """Time at which this revision was made (UTC)."""
     digest: str
     """sha256 of the content, the bytes of all files included."""
     document: SceneDocument
@@ -1048,19 +1050,19 @@ class EditedScene(Answer):
     frames: list[str]
     """Frames that poses may be given in."""
     groups: list[Group]
-    """What can be planned for."""
+    """Groups that can be planned for."""
     id: str
     """Id of the scene."""
     name: str
-    """For people."""
+    """Name for people."""
     num_pairs: int
     """Pairs of bodies that are kept apart."""
     revision: int
     """Revision of its content, from 1."""
     warnings: list[str]
-    """What was found odd, for example concave meshes."""
+    """Oddities of the scene, for example concave meshes."""
     files: dict[str, Files] = Field(default={}, validate_default=True)
-    """What its robots and meshes were made from, by name: they are kept, and no change of a
+    """Files that its robots and meshes were made from, by name. They are kept: no change of a
     file on the disk changes this scene."""
     unchecked: list[UncheckedPair] = Field(default=[], validate_default=True)
     """Pairs of bodies that no collision check looks at, and why."""
@@ -1078,13 +1080,13 @@ class Encounter(Answer):
     pair: list[str]
     """The two bodies."""
     times: dict[str, float]
-    """When they meet, by the time of each group's own motion [s]."""
+    """Time of the encounter on each group's own motion [s]."""
     waiting: str | None = None
     """Group that does not avoid the encounter, however long it waits."""
 
 
 class EntityTagEvidence(Answer):
-    """Which revision the scene is at."""
+    """Revision that the scene is at."""
 
     asked: str
     """Tag in `If-Match`."""
@@ -1095,10 +1097,10 @@ class EntityTagEvidence(Answer):
 
 
 class EventData(Answer):
-    """What every event says."""
+    """Data that every event has."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     plan: str | None = None
     """Id of the plan, in the stream of a batch; absent in other streams."""
 
@@ -1107,17 +1109,17 @@ class Execution(Answer):
     """An execution of a motion; poll it until its state is final."""
 
     attempts: int
-    """How often a worker has begun with it, this time included: more than once where a worker
-    or the server ended under it."""
+    """Number of times that a worker has begun with it, this one included; more than 1 where a
+    worker or the server ended under it."""
     cancel_requested_at: datetime | None
-    """When its end was first requested (UTC), whatever became of that; null if it was not, or
-    by a version that did not keep it."""
+    """Time of the first request to end it (UTC), whatever came of it; null if there was none,
+    or if the version did not record it."""
     created_at: datetime
-    """When it was asked for (UTC)."""
+    """Time of the request (UTC)."""
     failure: Failure | None
-    """Why it was aborted or canceled."""
+    """Reason why it was aborted or canceled."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     group: str
     """Group that moves; of several plans the one that spans theirs."""
     id: str
@@ -1127,24 +1129,24 @@ class Execution(Answer):
     scene: str
     """Id of the scene it moves in."""
     started_at: datetime | None
-    """When it began to move (UTC)."""
+    """Time at which it began to move (UTC)."""
     state: ExecutionState
     """succeeded, canceled and aborted are final."""
     status: ExecutionStatus | None
     """The latest status; null before it began."""
     unrecorded: list[str]
-    """What has happened and the database does not hold yet, because it is full, locked or away:
-    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
-    for is done all the same."""
+    """Facts that the database does not hold yet, because it is full, locked or away: `cancel`,
+    `controls`, `events`, `end`. They are written as soon as possible; requests are carried out
+    all the same."""
     delays: list[float] | None = None
-    """When each of `plans` begins [s]; null for one motion."""
+    """Time at which each of `plans` begins [s]; null for one motion."""
     is_waiting: bool = False
     """Whether it waits for its robots, and is proven once it begins."""
     motions: list[FollowedMotion] = Field(default=[], validate_default=True)
-    """Motions that it went on with instead of the one asked for, in order."""
+    """Motions that it went on with instead of the requested one, in order."""
     replanned: Replanned | None = None
-    """The plan that is carried out instead, as `on_not_certified` says; null if the motion that
-    was asked for held."""
+    """Plan that is carried out instead, as `on_not_certified` says; null if the requested
+    motion held."""
     sampling: SamplingReserve | None = None
     """Effect of a controller that samples the motion, once it has ended; null for others."""
     timings: Timings = Field(default={}, validate_default=True)
@@ -1174,7 +1176,7 @@ type ExecutionEvent = Annotated[
     | OtherExecutionEvent,
     Field(union_mode="left_to_right"),
 ]
-"""What happened to an execution."""
+"""Event of an execution."""
 
 
 class ExecutionPage(Answer):
@@ -1192,7 +1194,7 @@ class ExecutionSource(Answer):
     id: str
     """Id of the execution."""
     type: Literal["execution"]
-    """What says where the robot is."""
+    """Kind of source."""
 
 
 type ExecutionState = (
@@ -1213,7 +1215,7 @@ One that is aborting has failed, and its robot comes to rest."""
 
 
 class ExecutionStatus(Answer):
-    """How far an execution is; also the data of its events."""
+    """Progress of an execution; also the data of its events."""
 
     contacts: list[Contact]
     """Touches so far that the scene does not allow."""
@@ -1231,15 +1233,15 @@ class ExecutionStatus(Answer):
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
     ahead: float | None = None
-    """Place that it does not pass, time along the motion [s]: it rests before it until an edit
-    of the scene clears the way; null for none."""
+    """Time along the motion that it does not pass [s]: it rests before it until an edit of the
+    scene clears the way; null for none."""
     behind: float | None = None
-    """Place that it does not pass on the way back [s]; null for none."""
+    """Time along the motion that it does not pass on the way back [s]; null for none."""
     jitter: Jitter | None = None
-    """How late the ticks were so far; null if not recorded."""
+    """Delays of the controller's ticks so far; null if not recorded."""
     lateness: float | None = None
-    """The longest so far that the controller was late to look at the clock [s]: what else runs
-    on the machine makes the motion fall behind; null if not recorded."""
+    """Longest delay so far with which the controller looked at the clock [s]; load on the
+    machine makes the motion fall behind; null if not recorded."""
     motion: int = 0
     """Number of the motion that `time` and `progress` are about: 0 is the one that was asked
     for, the others are in `motions`."""
@@ -1253,26 +1255,26 @@ class ExecutionStatus(Answer):
 
 
 class ExecutionTerms(Answer):
-    """How a motion is carried out, and of which plan or plans it is."""
+    """Terms on which a motion is carried out, and the plan or plans that it is from."""
 
     delays: list[float] | None = None
-    """When each of `plans` begins [s]; null for the smallest delays that are proven, as `POST
-    /trajectories/schedule` finds them."""
+    """Time at which each of `plans` begins [s]; null for the smallest delays that are proven,
+    as `POST /trajectories/schedule` finds them."""
     driver: DriverName | UrRtdeDriver = "simulated"
-    """What moves."""
+    """Driver of the motion."""
     gripper: GripperRequest | None = None
     """Open or close a gripper, from where its fingers are, and take hold of an object or let it
     go."""
     on_conflict: Literal["stop", "slow", "replan", "ignore"] | str = "stop"
-    """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
-    on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
-    itself once a later edit has cleared the way; `replan` does so too, and goes on with a new
-    plan to the same configuration, without a rest where that is proven: until its end no other
-    robot of the scene may move; `ignore` only tells."""
+    """Action while it moves if an edit of the scene is in its way: `stop` comes to rest on the
+    path and ends (`path_blocked`); `slow` rests before the conflict and goes on once a later
+    edit has cleared the way; `replan` does so too, and goes on with a new plan to the same
+    configuration, without a rest where that is proven; `ignore` only tells. With `replan`, no
+    other robot of the scene may move until it ends."""
     on_not_certified: Literal["refuse", "replan"] | str = "refuse"
-    """What is done if the plan's motion does not begin where the robot is, or is not proven in
-    the latest revision: `refuse` answers 409; `replan` waits for a new plan from where the
-    robot is to the same configuration (`replanned`), and answers 409 if there is none."""
+    """Action if the plan's motion does not begin where the robot is, or is not proven in the
+    latest revision: `refuse` answers 409; `replan` waits for a new plan from where the robot is
+    to the same configuration (`replanned`), and answers 409 if there is none."""
     plan: str | None = None
     """Id of a plan that succeeded; null for several, and for a motion of one's own."""
     plans: list[str] | None = None
@@ -1284,24 +1286,24 @@ class ExecutionTerms(Answer):
     title: str | None = None
     """Title of the motion in replays of the scene."""
     when_busy: Literal["refuse", "wait"] | str = "refuse"
-    """What is done if another execution moves one of its robots, or waits for one: `refuse`
-    (409); `wait` begins once they are free, in the order of requests, and is proven then, from
-    where they are then."""
+    """Action if another execution moves one of its robots, or waits for one: `refuse` answers
+    409; `wait` begins once they are free, in the order of requests, and is proven then, from
+    where they are."""
 
 
 class ExecutionVerdict(Answer):
-    """What an edit of the scene means for an execution that waits or moves."""
+    """Effect of an edit of the scene on an execution that waits or moves."""
 
     id: str
     """Id of the execution."""
     verdict: Literal["unaffected", "conflict"] | str
     """Whether what is left of its motion is proven in this revision."""
     action: Literal["stop", "slow", "replan", "ignore"] | str | None = None
-    """What is done, as the execution's `on_conflict` says."""
+    """Action that is taken, as the execution's `on_conflict` says."""
     check: str | None = None
     """Check of the certificate that fails, mostly `clearance`; `undecided` if there was no
-    verdict in time, `request` if what the motion shall keep names what is gone, `beside` if it
-    may meet another execution."""
+    verdict in time, `request` if the motion's terms name what is gone, `beside` if it may meet
+    another execution."""
     fraction: float | None = None
     """Share of the path's length that is done there, 0 to 1."""
     other: str | None = None
@@ -1309,9 +1311,9 @@ class ExecutionVerdict(Answer):
     pair: tuple[str, str] | None = None
     """Full names of the bodies that come too near, if it is about two."""
     seconds: float | None = None
-    """From where the robot was, at the pace of the motion [s]."""
+    """Time to that place from where the robot was, at the pace of the motion [s]."""
     time: float | None = None
-    """Where, along the motion [s]."""
+    """Time along the motion of the conflict [s]."""
 
 
 class FailedCheck(Answer):
@@ -1379,15 +1381,15 @@ type Failure = Annotated[
     | OtherFailure,
     Field(union_mode="left_to_right"),
 ]
-"""Why a job has no result: its `code` says what its `evidence` has. Codes and evidence of older
-versions are passed on as they are."""
+"""Reason why a job has no result: its `code` says what its `evidence` has. Codes and evidence
+of older versions are passed on as they are."""
 
 
 class FaultsEvidence(Answer):
-    """Where a body or its parameters have faults."""
+    """Faults of a body or of its parameters."""
 
     faults: list[DocumentFault]
-    """At most 20 of them."""
+    """Faults, at most 20 of them."""
 
 
 class Files(Answer):
@@ -1398,20 +1400,20 @@ class Files(Answer):
     main: str
     """The robot's description, or the mesh; one of the paths."""
     named: str
-    """What the document calls them: `model`, or the mesh's `uri`."""
+    """Name in the document: `model`, or the mesh's `uri`."""
     sha256: dict[str, str]
     """sha256 of the bytes of every file, by path relative to the folder of all."""
 
 
 class FinishedData(Answer):
-    """How a job ended."""
+    """End of a job."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     state: Literal["succeeded", "failed", "canceled"] | str
     """Final state of the job."""
     failure: Failure | None = None
-    """Why there is no result."""
+    """Reason why there is no result."""
     plan: str | None = None
     """Id of the plan, in the stream of a batch; absent in other streams."""
 
@@ -1420,11 +1422,11 @@ class FinishedEvent(Answer):
     """The job ended; no event follows."""
 
     data: Json[FinishedData]
-    """How it ended."""
+    """End of the job."""
     event: Literal["finished"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class FkResponse(Answer):
@@ -1445,7 +1447,7 @@ class FollowedMotion(Answer):
     left_at: float
     """Place on the motion before it where that was left [s]."""
     number: int
-    """1 for the first one after that which was asked for."""
+    """Number of the motion; 1 is the first one after the requested motion."""
     plan: str
     """Id of the plan that it follows."""
     revision: int
@@ -1453,27 +1455,27 @@ class FollowedMotion(Answer):
 
 
 class FoundDeviation(Answer):
-    """How far a tool is from its line at most, between waypoints too."""
+    """Largest deviation of a tool from its line that was found, between waypoints too."""
 
     position: float
-    """Distance of its origin from the line [m]."""
+    """Distance of the tool's origin from the line [m]."""
     rotation: float
-    """Angle between its rotation and that of the line [rad]."""
+    """Angle between the tool's rotation and that of the line [rad]."""
 
 
 class FrameDocument(Answer):
     """A named pose: a target, a tool point."""
 
     name: str
-    """Its name."""
+    """Name of the frame."""
     parent: str = "world"
-    """An object, a frame, `robot::link` or `world`."""
+    """Parent of the frame: an object, a frame, `robot::link` or `world`."""
     pose: PoseDocument | None = None
-    """X_PF."""
+    """X_PF, pose of the frame in its parent."""
 
 
 class FunnelEvidence(Answer):
-    """How many samples of inverse kinematics pass each test."""
+    """Number of samples of inverse kinematics that pass each test."""
 
     collision_free: int
     """Number of those that are free of collisions."""
@@ -1490,19 +1492,19 @@ class FunnelEvidence(Answer):
     approach_ok: int | None = None
     """Number of the free ones that keep path constraints and have free approach and retreat."""
     blocked_by: list[BlockedMoves] | None = None
-    """What stopped approaches and retreats, the most frequent first."""
+    """Reasons that stopped approaches and retreats, the most frequent first."""
     breaking: int | None = None
     """Number of the free ones that violate a path constraint."""
     rejected: list[RejectedSamples] | None = None
-    """Why the others are not among the distinct ones; the counts add up to those tried."""
+    """Reasons why the others are not among the distinct ones; the counts add up to those tried."""
     summary: str | None = None
-    """The same as a sentence."""
+    """Summary of the funnel as a sentence."""
     violating: int | None = None
     """Goal configurations dropped for path constraints, whole turns included."""
 
 
 class Geometry(Answer):
-    """What the bodies of a scene look like; of a revision it never changes."""
+    """Shapes of the bodies of a scene, as they look; those of a revision never change."""
 
     bodies: list[VisibleBody]
     """Bodies, sorted by name."""
@@ -1522,31 +1524,31 @@ type Goal = Annotated[
     | OtherGoal,
     Field(union_mode="left_to_right"),
 ]
-"""What a motion shall reach."""
+"""Goal of a motion."""
 
 
 class GoalConstraintEvidence(Answer):
     """Path constraints that all goal configurations violate."""
 
     violations: list[CountedViolation]
-    """By constraint, the most frequent first."""
+    """Violations by constraint, the most frequent first."""
     nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
     """The nearest feasible pose or configuration, null if none was found."""
     relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
-    """Which constraint would have to give way, and how far."""
+    """Constraint that would have to give way, and how far."""
 
 
 class GoalEvidence(Answer):
     """Why no goal configuration is feasible, and what would have to change."""
 
     funnel: FunnelEvidence
-    """How many samples passed each test."""
+    """Number of samples that passed each test."""
     nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
     """The nearest feasible pose or configuration, null if none was found."""
     pairs: list[ViolatingPair] | None = None
-    """Of given configurations, the pairs of the least infeasible one."""
+    """Pairs of the least infeasible of the given configurations."""
     relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
-    """What would have to change."""
+    """Changes that would be sufficient."""
 
 
 class GoalInCollisionFailure(Answer):
@@ -1593,7 +1595,7 @@ class GoalLimitsEvidence(Answer):
     nearest: NearestPoseEvidence | NearestConfigurationEvidence | None = None
     """The nearest feasible configuration, null if none was found."""
     relaxation: ConfigurationRelaxation | ToolRelaxation | None = None
-    """What would have to change."""
+    """Changes that would be sufficient."""
 
 
 class GoalOutOfLimitsFailure(Answer):
@@ -1741,42 +1743,43 @@ class GoalViolatesConstraintProblem(Answer):
 
 
 class GoalsReport(Answer):
-    """What the goals stage found."""
+    """Report of the goals stage."""
 
     funnel: IkFunnel
-    """How many samples survived what."""
+    """Number of samples that passed each test."""
     num_configurations: int
-    """Goal configurations that were offered to search."""
+    """Number of goal configurations that were offered to search."""
 
 
 class Grasp(Answer):
     """Close on an object, and hold it from then on."""
 
     object: str
-    """Its name; it must be `movable`, and between the fingers."""
+    """Name of the object; it must be `movable`, and between the fingers."""
     frame: str | None = None
-    """That it follows from then on; null for the first tool frame of the gripper."""
+    """Frame that the object follows from then on; null for the first tool frame of the gripper."""
     gap: float = 0.0002
-    """Distance that the nearest finger keeps from it [m]: the grasp is a weld, not a contact,
-    and a simulated robot that touches something is stopped."""
+    """Distance that the nearest finger keeps from the object [m]. The grasp is a weld, not a
+    contact, and a simulated robot that touches something is stopped."""
     reach: float = 0.002
-    """Largest distance of any finger from it [m], else it is not held (`grasp_missed`)."""
+    """Largest distance of any finger from the object [m]; beyond it the object is not held
+    (`grasp_missed`)."""
     touch: list[str] | None = None
-    """Bodies that it may touch then; null for those of `attach`: the fingers, and what moves
-    rigidly with the frame."""
+    """Bodies that the object may touch then; null for those of `attach`: the fingers, and
+    bodies that move rigidly with the frame."""
 
 
 class GraspEvidence(Answer):
     """Why fingers do not hold an object."""
 
     bound: float
-    """What they may be [m]."""
+    """Largest distances that are allowed [m]."""
     distances: list[float | None]
-    """Between the object and each finger then [m]; null beyond 5 cm."""
+    """Distance between the object and each finger then [m]; null beyond 5 cm."""
     object: str
-    """Its name."""
+    """Name of the object."""
     width: float
-    """How far the fingers are apart where they have closed [m]."""
+    """Distance of the fingers where they have closed [m]."""
 
 
 class GraspMissedFailure(Answer):
@@ -1816,16 +1819,16 @@ class GraspMissedProblem(Answer):
 
 
 class Gripper(Answer):
-    """How wide a group opens that is a parallel gripper: `travel` times (position - `lower`)."""
+    """Width of a group that is a parallel gripper: `travel` times (position - `lower`)."""
 
     joint: str
     """Full name of the joint that moves its fingers."""
     lower: float
     """Position of that joint where the fingers meet [m]."""
     max_width: float
-    """How far apart they are at most [m]."""
+    """Largest distance of the fingers [m]."""
     travel: float
-    """By how much they part with each metre of the joint."""
+    """Distance that the fingers part with each metre of the joint [m/m]."""
 
 
 class GripperRequest(Answer):
@@ -1844,25 +1847,25 @@ class GripperRequest(Answer):
     """Close on an object; once the fingers rest it is attached as `attach` does it, where it
     was measured to be."""
     release: str | None = None
-    """An object that is let go of: detached once the fingers have opened to `width`."""
+    """Name of the object to let go of: it is detached once the fingers have opened to `width`."""
     width: float | None = None
-    """How far apart the fingers shall be [m], from 0 to `gripper.max_width` of the group; null
-    to close on the object of `grasp`."""
+    """Distance that the fingers shall have [m], from 0 to `gripper.max_width` of the group;
+    null to close on the object of `grasp`."""
 
 
 class GripperState(Answer):
-    """How wide a gripper is open, and what it holds."""
+    """Width of a gripper, and the objects that it holds."""
 
     group: str
-    """Its full name."""
+    """Full name of the gripper."""
     holds: list[str]
     """Objects that are attached to a frame of the gripper."""
     max_width: float
-    """How far apart they can be [m]."""
+    """Largest distance that the fingers can have [m]."""
     robot: str
-    """Whose gripper it is."""
+    """Robot that the gripper belongs to."""
     width: float
-    """How far apart its fingers are [m], as `positions` has them."""
+    """Distance of the fingers [m], as `positions` has them."""
 
 
 class Group(Answer):
@@ -1875,7 +1878,7 @@ class Group(Answer):
     joints: list[Joint]
     """Joints in the group's order."""
     limits: Limits
-    """What its joints may do."""
+    """Limits of its joints."""
     name: str
     """`robot`, `robot::group`, or its own in the scene."""
     position_names: list[str]
@@ -1887,19 +1890,19 @@ class Group(Answer):
     velocity_names: list[str]
     """A name per velocity coordinate, in order."""
     gripper: Gripper | None = None
-    """How wide it opens, of a gripper; left out of other groups."""
+    """Width of a group that is a gripper; left out of other groups."""
     members: list[str] = Field(default=[], validate_default=True)
     """Groups of robots that it spans, in order; left out of one of these."""
 
 
 class Health(Answer):
-    """That the server is there."""
+    """Sign that the server is there."""
 
     kernel: str
     """Instruction set of the native collision kernel; `none` where it was not built, and Drake
     answers everything, more slowly."""
     status: Literal["ok"]
-    """Always `ok`: no answer is the other answer."""
+    """Always `ok`; a server that is not there does not answer."""
     version: str
     """Version of Wayproof."""
 
@@ -1910,7 +1913,7 @@ class HeldObject(Answer):
     frame: str
     """Frame of a robot that it is attached to."""
     object: str
-    """Its name."""
+    """Name of the object."""
 
 
 class HostEvidence(Answer):
@@ -1921,12 +1924,12 @@ class HostEvidence(Answer):
 
 
 class HostLostEvidence(Answer):
-    """Which machine was lost."""
+    """Machine that was lost."""
 
     host: str
-    """Its address and the first digits of its id."""
+    """Address of the machine and the first digits of its id."""
     attempts: int | None = None
-    """How often the job was started."""
+    """Number of times that the job was started."""
     during: str | None = None
     """The stage that it told last."""
 
@@ -2027,7 +2030,7 @@ class IdempotencyConflictProblem(Answer):
 
 
 class IdempotencyEvidence(Answer):
-    """What the first request with the key made."""
+    """Resource that the first request with the key made."""
 
     key: str
     """The key."""
@@ -2040,10 +2043,10 @@ class IdempotencyEvidence(Answer):
 
 
 class Ik(Answer):
-    """How hard to look for goal configurations, and which of them are near."""
+    """Options of the search for goal configurations."""
 
     allowed_time: float | None = None
-    """For finding them, or saying why there is none [s]; null for as long as there is."""
+    """Time for finding them, or for saying why there is none [s]; null for as long as there is."""
     joint_weights: dict[str, float] = Field(default={}, validate_default=True)
     """Factor on each joint's part of the distance from the start, by full name
     (`robot::joint`); 1 for joints that are not named [1]."""
@@ -2051,64 +2054,66 @@ class Ik(Answer):
     """Number of configurations at most, the nearest to the start of all that are found; as many
     are looked for, but 100 at least, and until 40 in a row are known already."""
     max_trials: int = 300
-    """Stop after this many seeds of the solver, over all poses."""
+    """Largest number of seeds of the solver, over all poses."""
     pose_metric: PoseMetric | None = None
-    """Which pose is the nearest to one that no configuration reaches."""
+    """Metric of the nearest pose to one that no configuration reaches."""
 
 
 class IkFunnel(Answer):
-    """The same, with the reason of every rejected sample."""
+    """Number of samples that pass each test, with the reason of every rejected sample."""
 
     collision_free: int
-    """Touch nothing."""
+    """Number of those that touch nothing."""
     converged: int
-    """Reached the target within tolerance."""
+    """Number of those that reached the target within tolerance."""
     distinct: int
-    """Differ from all others."""
+    """Number of those that differ from all others."""
     rejected_by: list[CollidingPair]
-    """Which pairs the colliding ones hit, of the first few that were measured."""
+    """Pairs that the colliding ones hit, of the first few that were measured."""
     tried: int
-    """Seeds given to the solver."""
+    """Number of seeds given to the solver."""
     within_limits: int
-    """Kept the joint limits."""
+    """Number of those that kept the joint limits."""
     approach_ok: int = 0
-    """Have a free, continuous approach and retreat; all without a request for them."""
+    """Number of those with a free, continuous approach and retreat; all without a request for
+    them."""
     blocked_by: list[ApproachFailures] = Field(default=[], validate_default=True)
-    """What stopped approaches and retreats, most frequent first."""
+    """Reasons that stopped approaches and retreats, most frequent first."""
     breaking: int = 0
-    """Collision-free samples that violate a path constraint."""
+    """Number of collision-free samples that violate a path constraint."""
     rejected: list[Rejection] = Field(default=[], validate_default=True)
-    """Why the others are no solutions."""
+    """Reasons why the others are no solutions."""
     summary: str = ""
     """The same as a sentence."""
     violating: int = 0
-    """Goal configurations, whole turns included, that were dropped because they or their lines
-    violate a path constraint."""
+    """Number of goal configurations, whole turns included, that were dropped because they or
+    their lines violate a path constraint."""
 
 
 class IkResponse(Answer):
     """All distinct goal configurations, nearest to the start first, or why there are none."""
 
     configurations: list[IkSolution]
-    """Free, within limits, distinct."""
+    """Distinct goal configurations that are free and within limits."""
     failure: Failure | None
-    """Why there is none, `goal_unreachable`, `goal_in_collision`, `goal_too_near`,
-    `approach_blocked` or `goal_violates_constraint`; the evidence has the `nearest` feasible
-    pose and the `relaxation` that would do, what blocks the approaches, and what is violated;
-    or `deadline_exceeded`, with the funnel so far; null if there is one."""
+    """Reason why there is none, null if there is one: `goal_unreachable`, `goal_in_collision`,
+    `goal_too_near`, `approach_blocked`, `goal_violates_constraint` or `deadline_exceeded`. The
+    evidence has the `nearest` feasible pose, the `relaxation` that is sufficient, what blocks
+    the approaches and what is violated; at a deadline, the funnel so far."""
     funnel: IkFunnel | None
-    """How many samples survived what."""
+    """Number of samples that passed each test."""
 
 
 class IkSolution(Answer):
     """A goal configuration, and how good it is."""
 
     branch: Branch | None
-    """Of six-joint arms with a spherical wrist or one like Universal Robots'; else null."""
+    """Branch of a six-joint arm with a spherical wrist or one like Universal Robots'; null for
+    others."""
     clearance: float | None
     """Smallest signed distance of any two bodies [m]; null if nothing can collide."""
     distance: float
-    """From the start, by `ik.joint_weights`; the answers are sorted by it [rad or m]."""
+    """Distance from the start, by `ik.joint_weights` [rad or m]; the answers are sorted by it."""
     limit_margin: float | None
     """Smallest distance to a position limit as a share of its range, 0 to 0.5; null if nothing
     is limited."""
@@ -2116,9 +2121,9 @@ class IkSolution(Answer):
     """Yoshikawa's sqrt(det(J J^T)) of the tool; it mixes metres and radians, so it compares
     configurations of one arm."""
     pair: tuple[str, str] | None
-    """The full names of these two."""
+    """Full names of the two bodies of `clearance`."""
     pose_index: int
-    """Which of the goal's poses it reaches, from 0."""
+    """Index of the goal's pose that it reaches, from 0."""
     positions: list[float]
     """The group's positions [rad or m]."""
 
@@ -2160,7 +2165,7 @@ class IllegalTransitionProblem(Answer):
 
 
 class InUseEvidence(Answer):
-    """What is not deleted, and because of what."""
+    """Resource that is not deleted, and what uses it."""
 
     id: str
     """Id of the resource."""
@@ -2216,31 +2221,31 @@ class InternalErrorProblem(Answer):
 
 
 class Interpolation(Answer):
-    """Whether the samples keep what the motion was proven to keep, read in one way."""
+    """Verdict whether the samples, read in one way, keep what the motion was proven to keep."""
 
     deviation: float | None
-    """How far any coordinate is from the exact motion at most [rad or m]; null if that is not
+    """Largest distance of any coordinate from the exact motion [rad or m]; null if that is not
     known."""
     failed: list[Check]
-    """The checks that did not pass."""
+    """Checks that did not pass."""
     kind: Literal["linear", "cubic", "quintic"] | str
-    """Between samples a receiver goes straight (`linear`: positions alone), by the polynomial
-    of degree 3 (`cubic`: positions and velocities) or of degree 5 (`quintic`: accelerations
-    too)."""
+    """Interpolation between samples: straight lines (`linear`: positions alone), polynomials of
+    degree 3 (`cubic`: positions and velocities) or of degree 5 (`quintic`: accelerations too)."""
     proven: bool
-    """Every check passed on the whole interval, those in `unchecked` excepted."""
+    """Whether every check passed on the whole interval, those in `unchecked` excepted."""
     reason: str
-    """Why it is not proven where no check says so, or empty."""
+    """Reason why it is not proven where no check says so, or empty."""
     unchecked: list[str]
     """Checks of the certificate that straight lines are not held to: at every sample their
     velocity jumps."""
     up_to_period: float | None
-    """The longest `sample_period` with which it is known to be proven [s], the duration if that
-    is however long; of samples that are evenly apart only that of theirs; null if none is known."""
+    """Longest `sample_period` with which it is known to be proven [s]; the duration if any
+    period is, null if none is known. For samples that are evenly apart, only their own period
+    is considered."""
 
 
 class Jitter(Answer):
-    """How much later than they were due the ticks of the controller came."""
+    """Delays of the ticks of the controller."""
 
     max: float
     """Largest delay [s]."""
@@ -2249,7 +2254,7 @@ class Jitter(Answer):
     p99: float
     """99th percentile, at most 5 % too large [s]."""
     ticks: int
-    """How many there were."""
+    """Number of ticks."""
 
 
 class OtherJobEvent(Answer):
@@ -2274,18 +2279,18 @@ type JobEvent = Annotated[
     | OtherJobEvent,
     Field(union_mode="left_to_right"),
 ]
-"""What happened to a plan or to regions."""
+"""Event of a plan or of regions."""
 
 
 class JobIdEvidence(Answer):
-    """Which job does not exist."""
+    """Job that does not exist."""
 
     id: str
     """Id that was given."""
 
 
 type JobState = Literal["queued", "running", "succeeded", "failed", "canceled"] | str
-"""Where a job is; the last three are final and written once."""
+"""State of a job; the last three are final and written once."""
 
 
 class Joint(Answer):
@@ -2294,10 +2299,10 @@ class Joint(Answer):
     name: str
     """Full name, `robot::joint`."""
     type: JointType
-    """Whole turns are nothing only to continuous joints, and a joint that another one follows
-    by less is revolute."""
+    """Type of the joint. Whole turns are nothing only to continuous joints; a joint that
+    another one follows by less is revolute."""
     steering: Steering | None = None
-    """How a planar joint is steered; null if it moves any way."""
+    """Steering of a planar joint; null if it moves any way."""
 
 
 class JointGoal(Answer):
@@ -2306,7 +2311,7 @@ class JointGoal(Answer):
     positions: list[float] | list[list[float]]
     """The group's positions, one list or several [rad or m]."""
     type: Literal["joint"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class JointLimits(Answer):
@@ -2316,7 +2321,7 @@ class JointLimits(Answer):
     """Smallest and largest position by the name of a joint, or of a coordinate of one that has
     several [rad or m]."""
     type: Literal["joint_limits"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 type JointPositions = dict[str, float | list[float]]
@@ -2330,33 +2335,33 @@ class KeepIn(Answer):
     """The origin of a frame stays in a box."""
 
     box: Box
-    """Where it must be."""
+    """Box in which the origin must be."""
     frame: str
-    """Whose origin."""
+    """Frame whose origin is meant."""
     type: Literal["keep_in"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class KeepOut(Answer):
     """The origin of a frame stays out of a box."""
 
     box: Box
-    """Where it must not be."""
+    """Box in which the origin must not be."""
     frame: str
-    """Whose origin."""
+    """Frame whose origin is meant."""
     type: Literal["keep_out"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class LargerTolerance(Answer):
     """Tolerances with which the nearest pose solves the goal."""
 
     pose_index: int
-    """Of the goal's pose, from 0."""
+    """Index of the goal's pose, from 0."""
     position: list[float]
-    """Along x, y, z of the goal [m]."""
+    """Tolerance along x, y, z of the goal [m]."""
     rotation: list[float]
-    """About x, y, z of the goal [rad]."""
+    """Tolerance about x, y, z of the goal [rad]."""
 
 
 type Limit = (
@@ -2385,29 +2390,28 @@ class LimitViolation(Answer):
     upper: float | None
     """Largest allowed [rad or m]; null for none."""
     value: float
-    """Where it is [rad or m]."""
+    """Position of the coordinate [rad or m]."""
 
 
 class Limits(Answer):
-    """What the joints of a group may do; null is unlimited. Positions are limited per
-    coordinate. Rates are limited per block: the Euclidean norm of the block's velocity
-    coordinates; a scalar joint is a block of its own. Joints that follow those of the group
-    keep their own limits within these."""
+    """Limits of the joints of a group; null is unlimited. Positions are limited per coordinate,
+    rates per block by the Euclidean norm of its velocity coordinates; a scalar joint is a block
+    of its own. Joints that follow those of the group keep their own limits within these."""
 
     acceleration: list[float | None]
-    """Per block [rad/s^2 or m/s^2]."""
+    """Largest acceleration per block [rad/s^2 or m/s^2]."""
     blocks: list[str]
     """Names of the blocks, in the order of the rates."""
     effort: list[float | None]
-    """Per block [N m or N]."""
+    """Largest torque or force per block [N m or N]."""
     jerk: list[float | None]
-    """Per block [rad/s^3 or m/s^3]."""
+    """Largest jerk per block [rad/s^3 or m/s^3]."""
     lower: list[float | None]
     """Smallest positions [rad or m]."""
     upper: list[float | None]
     """Largest positions [rad or m]."""
     velocity: list[float | None]
-    """Per block [rad/s or m/s]."""
+    """Largest velocity per block [rad/s or m/s]."""
 
 
 class LineBlockedFailure(Answer):
@@ -2447,7 +2451,7 @@ class LineBlockedProblem(Answer):
 
 
 class LineEvidence(Answer):
-    """Where a straight line stops."""
+    """Place at which a straight line stops."""
 
     fraction: float
     """Share of the line that is free [0 to 1]."""
@@ -2463,15 +2467,15 @@ class LineGoal(Answer):
     """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
 
     type: Literal["line"]
-    """Says which goal this is."""
+    """Kind of goal."""
     deviation: Deviation | None = None
-    """How far from the line the motion may be, between samples too."""
+    """Largest deviation of the motion from the line, between samples too."""
     displacement: Translation | None = None
-    """Or the way from where the tool stands."""
+    """Displacement from where the tool stands; this or `pose`."""
     frame: str | None = None
     """The tool frame: any that the group moves; null for its default."""
     pose: Pose | None = None
-    """Where the line ends, and the rotation turns along with the translation; this or
+    """Pose at which the line ends, and the rotation turns along with the translation; this or
     `displacement`."""
 
 
@@ -2480,26 +2484,26 @@ type LineLeg = Literal["approach", "retreat"] | str
 
 
 class LineResponse(Answer):
-    """How far it goes, on what way, and what stops it."""
+    """Waypoints along the free part of the line, its length, and what stops it."""
 
     deviation: FoundDeviation
-    """How far from the line the tool is at most, between waypoints too."""
+    """Largest deviation of the tool from the line, between waypoints too."""
     fraction: float
     """Share of the line that is reached, 0 to 1 [1]."""
     fractions: list[float]
     """Share of the line at every waypoint [1]."""
     length: float
-    """How far the tool's origin gets along it [m]."""
+    """Distance that the tool's origin gets along the line [m]."""
     poses: list[Pose] | None
-    """The tool at each waypoint, in world; null if not asked for."""
+    """Pose of the tool at each waypoint, in world; null if not asked for."""
     positions: list[list[float]]
     """Waypoints from the start on, to be joined straight [rad or m]."""
     stopped_by: LineStop | None
-    """What ended it; null if all is reached."""
+    """Reason why the line stops; null if all is reached."""
 
 
 class LineStop(Answer):
-    """What ended a line before its end."""
+    """Place and reason of a line's stop before its end."""
 
     fraction: float
     """Share of the line that was reached, to about 1e-5 [1]."""
@@ -2508,20 +2512,20 @@ class LineStop(Answer):
     pair: Pair | None
     """The two bodies just beyond, for `collision`."""
     positions: list[float]
-    """The group there [rad or m]."""
+    """Positions of the group there [rad or m]."""
     reason: LineStopReason
-    """`limit`: a joint would leave its range. `collision`: two bodies would be nearer than
-    their margin. `singularity`: the joints would have to move without bound. `unreachable`: the
-    joints cannot move the tool that way."""
+    """Reason of the stop: a joint would leave its range (`limit`), two bodies would be nearer
+    than their margin (`collision`), the joints would have to move without bound
+    (`singularity`), or they cannot move the tool that way (`unreachable`)."""
     singular_value: float
     """Smallest singular value there of the tool's Jacobian, of those that are not zero
     everywhere [1 or m per rad or m]."""
     where: Pose
-    """The tool there, in world."""
+    """Pose of the tool there, in world."""
 
 
 class LineStopEvidence(Answer):
-    """Where and why a straight line stops."""
+    """Place and reason of a straight line's stop."""
 
     fraction: float
     """Share of the line that is free [0 to 1]."""
@@ -2540,18 +2544,18 @@ class LineStopEvidence(Answer):
 
 
 type LineStopReason = Literal["limit", "singularity", "collision", "unreachable"] | str
-"""Why a straight line stops."""
+"""Reason why a straight line stops."""
 
 
 class LiveState(Answer):
-    """Where the robots of a scene are now, and what they hold."""
+    """Present positions of the robots of a scene, and the objects that they hold."""
 
     attached: list[HeldObject]
-    """What robots hold."""
+    """Objects that robots hold."""
     revision: int
-    """The latest; executions do not change it."""
+    """Latest revision; executions do not change it."""
     robots: list[RobotState]
-    """Those that have joints."""
+    """Robots that have joints."""
     scene: str
     """Id of the scene."""
     grippers: list[GripperState] = Field(default=[], validate_default=True)
@@ -2564,7 +2568,7 @@ class LockedJoints(Answer):
     joints: list[str]
     """Full names."""
     type: Literal["locked_joints"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class MarginDocument(Answer):
@@ -2572,27 +2576,27 @@ class MarginDocument(Answer):
 
     bodies: list[str]
     margin: float
-    """[m]."""
+    """Distance that they keep [m]."""
 
 
 class MediaTypeEvidence(Answer):
-    """What is read instead."""
+    """Content types that are read instead."""
 
     got: str | None = None
     """The content type that came."""
     known: list[str] | None = None
-    """Those that are read."""
+    """Content types that are read."""
 
 
 class MemoryEvidence(Answer):
-    """How much memory the worker used."""
+    """Memory that the worker used."""
 
     bound: int
     """Memory that the worker may use [bytes]."""
     used: int
     """Largest memory that was seen [bytes]."""
     attempts: int | None = None
-    """How often the job was started."""
+    """Number of times that the job was started."""
     during: str | None = None
     """The stage that it told last."""
 
@@ -2639,7 +2643,7 @@ class MeshDocument(Answer):
     uri: str
     """Path of an .obj, .vtk or .gltf file."""
     scale: list[float] = Field(default=[1.0, 1.0, 1.0], validate_default=True)
-    """One factor, or one per axis."""
+    """Factor on the size, or one factor per axis [1]."""
 
 
 class MeshName(Answer):
@@ -2673,23 +2677,23 @@ class Model(Answer):
     """A robot that scenes may name."""
 
     assumed: list[str]
-    """Joints whose rate limits nobody states, so that ours are assumed."""
+    """Joints whose rate limits are assumed, because no source states them."""
     bodies: list[str]
     """Its bodies, in a robot of this name."""
     default_group: str
     """The group that the bare robot name stands for."""
     description: str
-    """What it is."""
+    """Description of the robot."""
     groups: list[Group]
-    """What can be planned for, in a robot of this name."""
+    """Groups that can be planned for, in a robot of this name."""
     name: str
     """Name, as `model` of a scene's robot has it."""
     sources: list[Source]
-    """Where its numbers are from."""
+    """Sources of its numbers."""
 
 
 class ModelEvidence(Answer):
-    """What is wrong with a robot, or with one of its files."""
+    """Fault of a robot, or of one of its files."""
 
     reason: str
     """What is wrong."""
@@ -2758,13 +2762,13 @@ class MotionData(Answer):
     """A motion that is followed from now on."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     motions: list[FollowedMotion]
-    """All so far, this one last."""
+    """All motions so far, this one last."""
     number: int
     """Number of the motion."""
     trajectory: Polynomial
-    """All of it; what is spliced has what was passed of the motion before it."""
+    """The whole motion; a spliced one has what was passed of the motion before it."""
     plan: str | None = None
     """Id of the plan, in the stream of a batch; absent in other streams."""
 
@@ -2773,27 +2777,27 @@ class MotionEvent(Answer):
     """The execution goes on with another motion."""
 
     data: Json[MotionData]
-    """Which motion it is."""
+    """The motion that is followed from now on."""
     event: Literal["motion"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 type MotionInterpolation = Literal["polynomial", "quintic", "cubic", "cubic_spline", "linear"] | str
-"""What a motion is between its instants."""
+"""Interpolation of a motion between its instants."""
 
 
 class MotionSchedule(Answer):
-    """When each motion begins, and the proof of all together."""
+    """Time at which each motion begins, and the proof of all together."""
 
     certificate: Certificate
     """The proof of all motions as one."""
     delays: list[float]
-    """When each begins, in the order of the plans: the first is as small as it can be, then the
-    second, and so on [s]."""
+    """Time at which each motion begins, in the order of the plans [s]: the first is as small as
+    it can be, then the second, and so on."""
     duration: float
-    """From the beginning of the first motion to the end of the last [s]."""
+    """Time from the beginning of the first motion to the end of the last [s]."""
     group: str
     """Group that spans all the plans' groups."""
     groups: list[str]
@@ -2825,7 +2829,7 @@ class NearestConfigurationEvidence(Answer):
     """The feasible configuration that is nearest to the goal's."""
 
     binding: Literal["collision", "path_constraint", "limits"] | str
-    """What keeps it from being nearer."""
+    """Reason why it is not nearer."""
     constraints: list[str]
     """Path constraints that would be violated nearer to the goal."""
     cut_short: bool
@@ -2835,7 +2839,7 @@ class NearestConfigurationEvidence(Answer):
     distance: float
     """Distance from the goal's configuration, in the metric of joints [rad or m]."""
     goal_index: int
-    """Which of the goal's configurations it is nearest to, from 0."""
+    """Index of the goal's configuration that it is nearest to, from 0."""
     joints: list[str]
     """Coordinates at their limits."""
     pairs: list[tuple[str, str]]
@@ -2852,7 +2856,7 @@ class NearestPoseEvidence(Answer):
         | str
         | None
     )
-    """What keeps it from being nearer; null where time ran out before that was known."""
+    """Reason why it is not nearer; null where time ran out before that was known."""
     constraints: list[str]
     """Path constraints that would be violated nearer to the goal."""
     cut_short: bool
@@ -2862,17 +2866,17 @@ class NearestPoseEvidence(Answer):
     joints: list[str]
     """Coordinates at their limits."""
     line: dict[str, Any] | None
-    """Where and why its approach or retreat would stop nearer to the goal."""
+    """Place and reason of a stop of its approach or retreat nearer to the goal."""
     pairs: list[tuple[str, str]]
     """Pairs of bodies at their margins."""
     pose_index: int
-    """Which of the goal's poses it is nearest to, from 0."""
+    """Index of the goal's pose that it is nearest to, from 0."""
     position: list[float]
-    """x, y, z in world [m]."""
+    """Position x, y, z in world [m]."""
     positions: list[float]
     """The group's positions there [rad or m]."""
     quaternion: list[float]
-    """w, x, y, z in world."""
+    """Rotation w, x, y, z in world."""
     rotation_error: float
     """Angle from the goal, its tolerance aside [rad]."""
     translation_error: float
@@ -2883,14 +2887,14 @@ class NewWebhook(Answer):
     """A webhook that was just registered."""
 
     created_at: datetime
-    """When it was registered (UTC)."""
+    """Time of the registration (UTC)."""
     disabled_at: datetime | None
-    """Since when nothing is sent, because it failed for days or said 410 (UTC); null if it is
-    enabled."""
+    """Time since which nothing is sent, because it failed for days or said 410 (UTC); null if
+    it is enabled."""
     events: list[WebhookEvent]
-    """What is told."""
+    """Events that are told."""
     failing_since: datetime | None
-    """Since when it has taken nothing that was sent (UTC); null if it takes them."""
+    """Time since which it has taken nothing that was sent (UTC); null if it takes them."""
     id: str
     """Id of the webhook."""
     reason: str
@@ -2898,7 +2902,7 @@ class NewWebhook(Answer):
     secret: str
     """Secret that signs messages, `whsec_` and base64: it is shown once."""
     url: str
-    """Where messages are posted."""
+    """Address to which messages are posted."""
 
 
 class NoEvidence(Answer):
@@ -2942,10 +2946,10 @@ class NoPathFoundProblem(Answer):
 
 
 class NoRegionsEvidence(Answer):
-    """Which regions were looked for."""
+    """Regions that were looked for."""
 
     digest: str
-    """Of its content."""
+    """Digest of the scene's content."""
     group: str
     """Group that the regions are for."""
     margin: float
@@ -2953,7 +2957,7 @@ class NoRegionsEvidence(Answer):
     there: list[dict[str, Any]]
     """Regions that there are, and why they do not fit."""
     scene: str | None = None
-    """The scene."""
+    """Id of the scene."""
 
 
 class NoRegionsProblem(Answer):
@@ -2976,10 +2980,10 @@ class NoRegionsProblem(Answer):
 
 
 class NoTrajectoryEvidence(Answer):
-    """What there is instead of a motion."""
+    """State of a plan that has no motion."""
 
     failure: dict[str, Any] | None = None
-    """Why it has no motion, if it ended without one."""
+    """Reason why it has no motion, if it ended without one."""
     id: str | None = None
     """Id of the plan."""
     state: str | None = None
@@ -3100,13 +3104,13 @@ class ObjectDocument(Answer):
     """An obstacle, or an object to handle."""
 
     name: str
-    """Of its body and of its frame."""
+    """Name of its body and of its frame."""
     shape: ShapeDocument
-    """Its geometry [m]."""
+    """Geometry of the object [m]."""
     attached: AttachmentDocument | None = None
     """Its attachment to a robot; none if it is fixed to the world."""
     center_of_mass: list[float] | None = None
-    """In its frame [m]; none for that of the shape; only with `mass`."""
+    """Center of mass in its frame [m]; none for that of the shape; only with `mass`."""
     color: list[float] | None = None
     """RGB or RGBA, each 0 to 1."""
     mass: float | None = None
@@ -3119,10 +3123,10 @@ class ObjectDocument(Answer):
 
 
 class ObjectiveValues(Answer):
-    """What one motion costs by each objective."""
+    """Costs of one motion by each objective."""
 
     duration: float
-    """[s]."""
+    """Duration of the motion [s]."""
     energy: float | None
     """Integral over time of squared torques and forces [N^2 m^2 s]; null for groups with a
     floating joint."""
@@ -3141,20 +3145,20 @@ class Orientation(Answer):
     direction: list[float]
     """Direction in `reference`; any length but zero."""
     frame: str
-    """Whose axis."""
+    """Frame whose axis is meant."""
     tolerance: float
     """Largest angle between them [rad]."""
     type: Literal["orientation"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
     reference: str = "world"
-    """Whose axes `direction` counts in; of a frame that moves, as the start has it."""
+    """Frame in whose axes `direction` is given; a frame that moves counts as the start has it."""
 
 
 class OriginEvidence(Answer):
-    """Whose page asked."""
+    """Origin of the page that asked."""
 
     origin: str
-    """As the request has it."""
+    """Origin in the request."""
 
 
 class OriginNotAllowedProblem(Answer):
@@ -3220,9 +3224,9 @@ class Pair(Answer):
     depth: float
     """Depth of penetration [m]; 0 if they do not touch."""
     distance: float
-    """Signed [m]; negative is the depth of penetration."""
+    """Signed distance [m]; negative is the depth of penetration."""
     points: list[list[float]]
-    """The nearest point of each, in world [m]."""
+    """Nearest point of each body, in world [m]."""
 
 
 class PairsEvidence(Answer):
@@ -3257,7 +3261,7 @@ class Part(Answer):
     end: float
     """Last instant [s]."""
     kind: Literal["free", "approach", "retreat", "line"] | str
-    """What it is for; all but `free` are straight lines of the tool."""
+    """Purpose of the part; all but `free` are straight lines of the tool."""
     length: float
     """Length of the tool's path [m]."""
     num_waypoints: int
@@ -3268,15 +3272,15 @@ class PartialPose(Answer):
     """A configuration that keeps the rest of the pose."""
 
     error: float
-    """By which the position [m] or the rotation [rad] is off."""
+    """Error of the position [m] or of the rotation [rad]."""
     pose_index: int
-    """Of the goal's pose, from 0."""
+    """Index of the goal's pose, from 0."""
     positions: list[float]
     """The group's positions [rad or m]."""
 
 
 class PathBlockedEvidence(Answer):
-    """What of a motion does not hold in the scene as it was edited."""
+    """Part of a motion that does not hold in the scene as it was edited."""
 
     check: str
     """Name of the failed check of the certificate."""
@@ -3315,9 +3319,9 @@ class PathGoal(Answer):
     poses: list[Pose]
     """Poses in this order; frames that move count where the start puts them."""
     type: Literal["path"]
-    """Says which goal this is."""
+    """Kind of goal."""
     deviation: Deviation | None = None
-    """How far from the lines the motion may be, between samples too."""
+    """Largest deviation of the motion from the lines, between samples too."""
     frame: str | None = None
     """The tool frame: any that the group moves; null for its default."""
 
@@ -3326,9 +3330,9 @@ class Payload(Answer):
     """A rigid mass that follows a frame and burdens every joint that carries it."""
 
     frame: str
-    """What it follows; the group must move it."""
+    """Frame that the mass follows; the group must move it."""
     mass: float
-    """[kg]."""
+    """Mass [kg]."""
     center_of_mass: list[float] = Field(default=[0.0, 0.0, 0.0], validate_default=True)
     """Center of mass in the frame [m]."""
     inertia: list[float] = Field(default=[0.0, 0.0, 0.0, 0.0, 0.0, 0.0], validate_default=True)
@@ -3340,54 +3344,54 @@ class PlainPose(Answer):
     """A pose in world."""
 
     position: list[float]
-    """x, y, z [m]."""
+    """Position x, y, z [m]."""
     quaternion: list[float]
-    """w, x, y, z."""
+    """Rotation w, x, y, z."""
 
 
 class Plan(ShownPlan):
     """A plan; poll it until its state is final."""
 
     attempts: int
-    """How often a worker has begun with it, this time included: more than once where a worker
-    or the server ended under it."""
+    """Number of times that a worker has begun with it, this one included; more than 1 where a
+    worker or the server ended under it."""
     batch: str | None
-    """Id of the batch that it is of; null for none."""
+    """Id of its batch; null for none."""
     cancel_requested_at: datetime | None
-    """When its end was first requested (UTC), whatever became of that; null if it was not, or
-    by a version that did not keep it."""
+    """Time of the first request to end it (UTC), whatever came of it; null if there was none,
+    or if the version did not record it."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     digest: str | None
     """sha256 over the delivered numbers."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the plan."""
     progress: float
-    """Share of the whole plan, 0 to 1: within a stage it grows with the share of the allowed
-    time that is used; of a plan that failed or was canceled, how far it came."""
+    """Share of the whole plan, 0 to 1; within a stage it grows with the used share of the
+    allowed time. A plan that failed or was canceled keeps the share that it reached."""
     request: PlanRequest
     """The request with its defaults, and the scene's latest `revision` and the newest
-    `search.regions` where they were left open: posted again, it gives the same plan."""
+    `search.regions` where they were left open. Posted again, it gives the same plan."""
     result: PlanResult | None
-    """What it gave, once it succeeded."""
+    """Result of the plan, once it succeeded."""
     seed: int
     """Seed of all randomness."""
     stage: AnyStage
     """The stage that it is in or ended in, or empty."""
     started_at: datetime | None
-    """When a worker took it (UTC)."""
+    """Time at which a worker took it (UTC)."""
     state: JobState
-    """Where it stands; succeeded, failed, canceled are final."""
+    """State of the plan; succeeded, failed, canceled are final."""
     timings: Timings
     """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
     unrecorded: list[str]
-    """What has happened and the database does not hold yet, because it is full, locked or away:
-    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
-    for is done all the same."""
+    """Facts that the database does not hold yet, because it is full, locked or away: `cancel`,
+    `controls`, `events`, `end`. They are written as soon as possible; requests are carried out
+    all the same."""
     versions: Versions
     """Versions of everything that the numbers depend on, in the server that ran it last; empty
     before it runs, and for plans of versions that did not keep it."""
@@ -3409,23 +3413,23 @@ class PlanRequest(Answer):
     """Move a group of a scene from a start to a goal."""
 
     goal: Goal
-    """What to reach."""
+    """Goal of the motion."""
     group: str | list[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
     scene: str
     """Id of a scene."""
     certify: Certify | None = None
-    """What to find out besides the proof."""
+    """Computations besides the proof."""
     ik: Ik | None = None
     """Options of the goals stage."""
     margin: float | None = None
     """Distance that everything keeps [m]; null for the scene's."""
     path_constraints: list[Constraint] = Field(default=[], validate_default=True)
-    """What the motion shall keep on its whole way, all of it; each has a check of its own in
+    """Constraints that the whole motion shall keep, all of them; each has a check of its own in
     the certificate."""
     priority: Priority = "normal"
-    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    """Priority among the jobs that wait; clients take turns within it. A job that has waited
     for 30 s goes with the next priority: `low` is delayed by others, never for good."""
     refine: Refine | None = None
     """Options of the refinement."""
@@ -3442,31 +3446,32 @@ class PlanRequest(Answer):
 
 
 class PlanResult(Answer):
-    """What a solved problem gives; `?include=` leaves out `path, trajectory, certificate,
+    """Result of a solved problem; `?include=` leaves out `path, trajectory, certificate,
     stages`. A part that is left out is absent. Without `include` all are there."""
 
     digest: str
     """sha256 over the delivered numbers."""
     goal_configuration: list[float]
-    """Where the motion reaches the goal: its end, but for a retreat [rad or m]."""
+    """Configuration at which the motion reaches the goal: its end, except with a retreat [rad
+    or m]."""
     goal_index: int
-    """Which of the goal's candidates that is, from 0."""
+    """Index of the goal's candidate that it is, from 0."""
     start: list[float]
-    """Where it starts, clipped into the limits [rad or m]."""
+    """Configuration at which it starts, clipped into the limits [rad or m]."""
     start_clipped: list[float]
     """Change of the given start by clipping, at most 1e-6 [rad or m]."""
     certificate: Certificate | None = None
     """The proof."""
     cut_short: list[str] | None = None
-    """Stages that ended early because of the clock, by their names in `timings`: what they give
-    may be something else another time. Empty: the same request gives the same numbers again,
-    but for `timings`. Null: made by a version that did not record it."""
+    """Stages that ended early because of the clock, by their names in `timings`; their results
+    may be different another time. Empty if the same request gives the same numbers again,
+    except `timings`; null if made by a version that did not record it."""
     parts: list[Part] = Field(default=[], validate_default=True)
     """The free motion and the straight lines it is made of, in order."""
     path: list[list[float]] | None = None
     """Untimed waypoints, one row each [rad or m]."""
     stages: Stages | None = None
-    """What every stage did."""
+    """Reports of all stages."""
     trajectory: Trajectory | None = None
     """The timed motion, sampled as `retime` says."""
 
@@ -3475,43 +3480,43 @@ class PlanSummary(Answer):
     """A plan without its result."""
 
     attempts: int
-    """How often a worker has begun with it, this time included: more than once where a worker
-    or the server ended under it."""
+    """Number of times that a worker has begun with it, this one included; more than 1 where a
+    worker or the server ended under it."""
     batch: str | None
-    """Id of the batch that it is of; null for none."""
+    """Id of its batch; null for none."""
     cancel_requested_at: datetime | None
-    """When its end was first requested (UTC), whatever became of that; null if it was not, or
-    by a version that did not keep it."""
+    """Time of the first request to end it (UTC), whatever came of it; null if there was none,
+    or if the version did not record it."""
     created_at: datetime
-    """When it was requested (UTC)."""
+    """Time of the request (UTC)."""
     digest: str | None
     """sha256 over the delivered numbers."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the plan."""
     progress: float
-    """Share of the whole plan, 0 to 1: within a stage it grows with the share of the allowed
-    time that is used; of a plan that failed or was canceled, how far it came."""
+    """Share of the whole plan, 0 to 1; within a stage it grows with the used share of the
+    allowed time. A plan that failed or was canceled keeps the share that it reached."""
     request: PlanRequest
     """The request with its defaults, and the scene's latest `revision` and the newest
-    `search.regions` where they were left open: posted again, it gives the same plan."""
+    `search.regions` where they were left open. Posted again, it gives the same plan."""
     seed: int
     """Seed of all randomness."""
     stage: AnyStage
     """The stage that it is in or ended in, or empty."""
     started_at: datetime | None
-    """When a worker took it (UTC)."""
+    """Time at which a worker took it (UTC)."""
     state: JobState
-    """Where it stands; succeeded, failed, canceled are final."""
+    """State of the plan; succeeded, failed, canceled are final."""
     timings: Timings
     """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
     unrecorded: list[str]
-    """What has happened and the database does not hold yet, because it is full, locked or away:
-    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
-    for is done all the same."""
+    """Facts that the database does not hold yet, because it is full, locked or away: `cancel`,
+    `controls`, `events`, `end`. They are written as soon as possible; requests are carried out
+    all the same."""
     versions: Versions
     """Versions of everything that the numbers depend on, in the server that ran it last; empty
     before it runs, and for plans of versions that did not keep it."""
@@ -3524,29 +3529,30 @@ class Planner(Answer):
     """A planner that a plan may name."""
 
     name: str
-    """OMPL's name, or `GCS`."""
+    """Name of the planner in OMPL, or `GCS`."""
     needs_regions: bool
     """Whether it plans inside regions, see POST /v1/scenes/{id}/regions."""
     parameters: list[Parameter]
-    """What can be set."""
+    """Parameters that can be set."""
 
 
 class PlannerGraph(Answer):
-    """What a planner explored: trees or a roadmap, the first 2,000 vertices of it at most."""
+    """Graph that a planner explored: trees or a roadmap, at most the first 2,000 vertices of
+    it."""
 
     edges: list[tuple[int, int]]
     """Pairs of rows that motions join."""
     goals: list[int]
     """Rows of goals."""
     num_edges: int
-    """How many pairs there were, those left out included."""
+    """Number of pairs, those left out included."""
     num_vertices: int
-    """How many there were, those left out included."""
+    """Number of vertices, those left out included."""
     path: list[int]
     """Rows of the solution as the planner found it, before shortcutting, in order; empty if it
     found none."""
     planner: str
-    """OMPL's name; empty where a straight line was free."""
+    """Name of the planner in OMPL; empty where a straight line was free."""
     starts: list[int]
     """Rows of starts."""
     vertices: list[list[float]]
@@ -3557,7 +3563,7 @@ class PlannerList(Answer):
     """All planners."""
 
     items: list[Planner]
-    """Sorted by name."""
+    """Planners, sorted by name."""
 
 
 class Polynomial(Answer):
@@ -3566,11 +3572,11 @@ class Polynomial(Answer):
     where the first three tangent coordinates turn the quaternion: R exp(delta)."""
 
     bases: list[list[float]]
-    """Where each piece is anchored, n rows [rad or m]."""
+    """Configuration at which each piece is anchored, n rows [rad or m]."""
     breaks: list[float]
     """Instants between pieces, n + 1 of them [s]."""
     coefficients: list[list[list[float]]]
-    """n pieces, powers from 0 up, a column per velocity coordinate."""
+    """n pieces, powers k from 0 up, a column per velocity coordinate [rad/s^k or m/s^k]."""
     joint_names: list[str]
     """A name per position coordinate."""
     joint_types: list[str]
@@ -3578,7 +3584,7 @@ class Polynomial(Answer):
 
 
 class Portal(Answer):
-    """Where two regions overlap."""
+    """Overlap of two regions."""
 
     point: list[float]
     """Center of the largest ball in both [rad or m]."""
@@ -3607,8 +3613,8 @@ class PoseDistanceTolerance(Answer):
     tolerance: float
     """The largest distance [1]."""
     frame: str | None = None
-    """By whose axes the way from the target's origin is, as they stand at the start: any frame;
-    null for the target's own."""
+    """Frame in whose axes the way from the target's origin is measured, as they stand at the
+    start: any frame; null for the target's own."""
     weights: list[float] = Field(default=[1.0, 1.0, 1.0, 0.1], validate_default=True)
     """w_x, w_y, w_z [1/m] and w_r [1/rad]; what has no weight is free."""
 
@@ -3630,23 +3636,23 @@ class PoseGoal(Answer):
     poses: list[Pose]
     """The candidates; `goal_index` of the result says which one was reached."""
     type: Literal["pose"]
-    """Says which goal this is."""
+    """Kind of goal."""
     approach: list[float] | None = None
-    """The motion ends in a straight line without a turn, which begins where the tool is
-    displaced by this, in the target's axes [m]; null for none."""
+    """Displacement of the tool, in the target's axes, at which the last straight line to the
+    goal begins [m]; the tool does not turn on it; null for none."""
     frame: str | None = None
     """The tool frame: any that the group moves; null for its default."""
     metric: PoseDistanceTolerance | None = None
-    """Instead of `tolerance`: how far off it may be by a weighted metric."""
+    """Tolerance by a weighted metric, instead of `tolerance`."""
     retreat: list[float] | None = None
-    """After the goal the tool goes on in a straight line by this, in the target's axes [m];
+    """Displacement of the tool, in the target's axes, in a straight line after the goal [m];
     null for none."""
     tolerance: Tolerance | None = None
-    """How far off it may be."""
+    """Tolerance of the pose."""
 
 
 class PoseMetric(Answer):
-    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * angle)^2)."""
+    """Distance of two poses: sqrt((translation * t)^2 + (rotation * angle)^2)."""
 
     rotation: float = 0.1
     """Weight of a radian [1/rad]; by default one weighs as much as 0.1 m."""
@@ -3658,18 +3664,18 @@ class Position(Answer):
     """The origin of a frame stays near a line, a plane or a point."""
 
     frame: str
-    """Whose origin."""
+    """Frame whose origin is meant."""
     size: list[float | None]
-    """How wide the band is along each axis of `pose` [m]; null for an axis that is free: one
+    """Width of the band along each axis of `pose` [m]; null for an axis that is free: one
     number is a plane, two are a line."""
     type: Literal["position"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
     pose: Pose | None = None
     """Pose of its middle; in a frame that moves with the group, as the start puts it."""
 
 
 type Priority = Literal["low", "normal", "high"] | str
-"""What goes first of what waits."""
+"""Priority among the jobs that wait."""
 
 type Problem = Annotated[
     Annotated[
@@ -3741,8 +3747,8 @@ type Problem = Annotated[
     | OtherProblem,
     Field(union_mode="left_to_right"),
 ]
-"""Why a request was refused (`application/problem+json`, RFC 9457). Its `code` says what its
-`evidence` has."""
+"""Reason why a request was refused (`application/problem+json`, RFC 9457). Its `code` says what
+its `evidence` has."""
 
 
 class ProblemError(Answer):
@@ -3757,10 +3763,10 @@ class ProblemError(Answer):
 
 
 class ProblemFieldEvidence(Answer):
-    """Which field of a request is wrong; other members say what is in its way."""
+    """Field of a request that is wrong; other members say what is in its way."""
 
     field: str
-    """Its place in the request, as names and numbers with dots."""
+    """Place of the field in the request, as names and numbers with dots."""
 
 
 class ProblemInvalidFailure(Answer):
@@ -3800,10 +3806,10 @@ class ProblemInvalidProblem(Answer):
 
 
 class ProgressData(Answer):
-    """How far a job is."""
+    """Progress of a job."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     detail: str
     """Text for a person, or empty."""
     progress: float
@@ -3818,15 +3824,15 @@ class ProgressEvent(Answer):
     """The job is further, at most twenty times a second."""
 
     data: Json[ProgressData]
-    """How far it is."""
+    """Progress of the job."""
     event: Literal["progress"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class QueueFullEvidence(Answer):
-    """How full a queue is."""
+    """Number of jobs in a queue that is full."""
 
     bound: int
     """Number of jobs that may wait."""
@@ -3858,7 +3864,7 @@ class QueueFullProblem(Answer):
 
 
 class QueueTimeoutEvidence(Answer):
-    """How long a question waited for a worker."""
+    """Time that a question waited for a worker."""
 
     queue: str
     """Name of the queue."""
@@ -3893,20 +3899,20 @@ class QueuedEvent(Answer):
     """The job was accepted."""
 
     data: Json[EventData]
-    """When."""
+    """Time of the event."""
     event: Literal["queued"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class RateEvidence(Answer):
-    """How many requests a caller may make."""
+    """Number of requests that a caller may make."""
 
     limit: str
-    """As the server's settings have it, such as `600/minute`."""
+    """Limit in the server's settings, such as `600/minute`."""
     retry_after: float
-    """When to ask again [s]."""
+    """Time after which to ask again [s]."""
 
 
 class RateLimitedProblem(Answer):
@@ -3934,8 +3940,8 @@ class Readiness(Answer):
     queued: dict[str, int]
     """Jobs that wait, by queue."""
     role: Literal["leader", "follower"] | str
-    """What it is among the servers of its database: the leader runs the jobs of all; one server
-    alone is the leader."""
+    """Role among the servers of its database: the leader runs the jobs of all; one server alone
+    is the leader."""
     running: dict[str, int]
     """Jobs that run, by queue."""
     status: Literal["ready"]
@@ -3946,37 +3952,39 @@ class ReadinessEvidence(Answer):
     """Why the server is not ready."""
 
     faults: dict[str, str] | None = None
-    """By kind of work, why none of its workers is."""
+    """Reason why no worker is ready, by kind of work."""
     retry_after: float | None = None
-    """When to ask again [s]."""
+    """Time after which to ask again [s]."""
 
 
 class Refine(Answer):
-    """Whether and how to optimise the path."""
+    """Options for optimising the path."""
 
     clearance: ClearanceObjective | None = None
-    """What the duration is weighed against; `none` and `drake` have no use for it."""
+    """Clearance that the duration is weighed against; `none` and `drake` have no use for it."""
     method: Literal["trajopt", "drake", "auto", "none"] | str = "trajopt"
-    """Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as trajopt, but
-    only if at least half a second is left; or leave the path as it is."""
+    """Method: convex steps (`trajopt`), Drake's KinematicTrajectoryOptimization (`drake`), as
+    `trajopt` but only if at least half a second is left (`auto`), or none, which leaves the
+    path as it is."""
     objective: RefineObjective | None = None
-    """What to minimise; null for the duration, the only objective for cars. With it, or with
-    `drake`, the report has all objectives, before and after."""
+    """Objective to minimise; null for the duration, the only objective for cars. With it, or
+    with `drake`, the report has all objectives, before and after."""
 
 
 class RefineObjective(Answer):
-    """What to minimise: a weighted sum; one weight at least is positive."""
+    """Objective to minimise: a weighted sum; at least one weight is positive."""
 
     derivative: Literal["acceleration", "jerk"] | str = "acceleration"
-    """What smoothness integrates."""
+    """Derivative that smoothness integrates."""
     duration: float = 0.0
     """Weight of the duration [1/s]."""
     energy: float = 0.0
     """Weight of the integral over time of the squared norm of the joints' torques and forces,
     gravity, damping and payload included [1/(N^2 m^2 s)]; not for groups with a floating joint."""
     max_duration: float | None = None
-    """How long the motion may take [s], approach and retreat not counted; less than the limits
-    allow is `retiming_failed`. Smoothness and energy need it unless the duration has a weight."""
+    """Longest duration of the motion [s], approach and retreat not counted; less than the
+    limits allow is `retiming_failed`. Smoothness and energy need it unless the duration has a
+    weight."""
     path_length: float = 0.0
     """Weight of the joint-space length [1/rad or 1/m]."""
     smoothness: float = 0.0
@@ -3985,7 +3993,7 @@ class RefineObjective(Answer):
 
 
 class RefineReport(Answer):
-    """What the refine stage did."""
+    """Report of the refine stage."""
 
     duration_after: float
     """Estimate for the solution [s]."""
@@ -3998,23 +4006,23 @@ class RefineReport(Answer):
     length_before: float
     """Length of the path [rad or m]."""
     lower_bound: float
-    """What the slowest joint alone takes from start to goal [s]; nothing is quicker."""
+    """Time that the slowest joint alone takes from start to goal [s]; nothing is quicker."""
     method: Literal["trajopt", "drake", "auto", "none"] | str
     """Method that was requested."""
     reason: str
-    """Why not, or empty."""
+    """Reason why it was not delivered, or empty."""
     rounds: int
-    """Steps tried, each a convex program; of `drake` nonlinear programs."""
+    """Number of steps tried, each a convex program; of `drake` nonlinear programs."""
     solver: str
     """Name of the solver, or empty."""
     after: ObjectiveValues | None = None
-    """Of the motion that is delivered, likewise."""
+    """Objectives of the motion that is delivered; null as for `before`."""
     before: ObjectiveValues | None = None
-    """Of the motion along the path as the search left it, as quick as the limits allow; null
-    unless the request states an objective or the method is `drake`."""
+    """Objectives of the motion along the path as the search left it, as quick as the limits
+    allow; null unless the request states an objective or the method is `drake`."""
     shortfall: float | None = None
-    """By how much the clearance falls short of the preferred one, on average over the motion
-    [m]; null if none was preferred or nothing was refined."""
+    """Shortfall of the clearance from the preferred one, on average over the motion [m]; null
+    if none was preferred or nothing was refined."""
 
 
 class Region(Answer):
@@ -4028,17 +4036,17 @@ class Region(Answer):
     """Number of consecutive random configurations that were free: with 95 % confidence less
     than 3 / num_free of its volume collides."""
     offsets: list[float]
-    """One for each face [rad or m]."""
+    """Offset of each face [rad or m]."""
 
 
 class RegionGoal(Answer):
     """Bring a tool frame anywhere into a region, or into any of several."""
 
     type: Literal["region"]
-    """Says which goal this is."""
+    """Kind of goal."""
     approach: list[float] | None = None
-    """As of a pose: the last way to wherever in the region the motion ends begins where the
-    tool is displaced by this, in the region's axes [m]; null for none."""
+    """Displacement of the tool, in the region's axes, at which the last straight line to the
+    motion's end in the region begins [m]; null for none."""
     frame: str | None = None
     """The tool frame: any that the group moves; null for its default."""
     free_axes: list[Literal["x", "y", "z", "rx", "ry", "rz"] | str] = Field(
@@ -4047,34 +4055,35 @@ class RegionGoal(Answer):
     """Axes of the region that it is unbounded along (`x`, `y`, `z`: as far as the group
     reaches) or free to turn about (`rx`, `ry`, `rz`)."""
     pose: Pose | None = None
-    """The middle of the only region."""
+    """Middle of the only region."""
     poses: list[Pose] | None = None
-    """The middles of the regions; or one as `pose`."""
+    """Middles of the regions; or one as `pose`."""
     retreat: list[float] | None = None
-    """As of a pose: the way that the tool goes on, in the region's axes [m]; null for none."""
+    """Displacement of the tool, in the region's axes, in a straight line after the goal [m];
+    null for none."""
     tolerance: Tolerance | None = None
-    """How far from the middle the region goes, by its axes."""
+    """Extent of the region from its middle, by its axes."""
 
 
 class RegionsBrief(Answer):
     """A request for regions and its state, without faces."""
 
     attempts: int
-    """How often a worker has begun with it, this time included: more than once where a worker
-    or the server ended under it."""
+    """Number of times that a worker has begun with it, this one included; more than 1 where a
+    worker or the server ended under it."""
     cancel_requested_at: datetime | None
-    """When its end was first requested (UTC), whatever became of that; null if it was not, or
-    by a version that did not keep it."""
+    """Time of the first request to end it (UTC), whatever came of it; null if there was none,
+    or if the version did not record it."""
     created_at: datetime
-    """When they were asked for (UTC)."""
+    """Time of the request (UTC)."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the regions."""
     progress: float
-    """0 to 1."""
+    """Share of the work that is done, 0 to 1."""
     request: RegionsRequest
     """The request, defaults filled in."""
     revision: int
@@ -4082,9 +4091,9 @@ class RegionsBrief(Answer):
     scene: str
     """Id of the scene."""
     stage: AnyStage
-    """`load` or `regions`, or empty."""
+    """Stage that it is in, `load` or `regions`, or empty."""
     started_at: datetime | None
-    """When a worker began (UTC)."""
+    """Time at which a worker began (UTC)."""
     state: JobState
     """State of the growth; succeeded, failed and canceled are final."""
     summary: RegionsSummary | None
@@ -4092,9 +4101,9 @@ class RegionsBrief(Answer):
     timings: Timings
     """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
     unrecorded: list[str]
-    """What has happened and the database does not hold yet, because it is full, locked or away:
-    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
-    for is done all the same."""
+    """Facts that the database does not hold yet, because it is full, locked or away: `cancel`,
+    `controls`, `events`, `end`. They are written as soon as possible; requests are carried out
+    all the same."""
     versions: Versions
     """Versions of everything that the numbers depend on, in the server that ran it last; empty
     before it runs, and for regions of versions that did not keep it."""
@@ -4104,21 +4113,21 @@ class RegionsJob(Answer):
     """A request for regions with its result; poll it until its state is final."""
 
     attempts: int
-    """How often a worker has begun with it, this time included: more than once where a worker
-    or the server ended under it."""
+    """Number of times that a worker has begun with it, this one included; more than 1 where a
+    worker or the server ended under it."""
     cancel_requested_at: datetime | None
-    """When its end was first requested (UTC), whatever became of that; null if it was not, or
-    by a version that did not keep it."""
+    """Time of the first request to end it (UTC), whatever came of it; null if there was none,
+    or if the version did not record it."""
     created_at: datetime
-    """When they were asked for (UTC)."""
+    """Time of the request (UTC)."""
     failure: Failure | None
-    """Why there is no result."""
+    """Reason why there is no result."""
     finished_at: datetime | None
-    """When it ended (UTC)."""
+    """Time at which it ended (UTC)."""
     id: str
     """Id of the regions."""
     progress: float
-    """0 to 1."""
+    """Share of the work that is done, 0 to 1."""
     request: RegionsRequest
     """The request, defaults filled in."""
     result: RegionsResult | None
@@ -4128,9 +4137,9 @@ class RegionsJob(Answer):
     scene: str
     """Id of the scene."""
     stage: AnyStage
-    """`load` or `regions`, or empty."""
+    """Stage that it is in, `load` or `regions`, or empty."""
     started_at: datetime | None
-    """When a worker began (UTC)."""
+    """Time at which a worker began (UTC)."""
     state: JobState
     """State of the growth; succeeded, failed and canceled are final."""
     summary: RegionsSummary | None
@@ -4138,9 +4147,9 @@ class RegionsJob(Answer):
     timings: Timings
     """Seconds per stage, once it has ended; of a failure those of `failure` [s]."""
     unrecorded: list[str]
-    """What has happened and the database does not hold yet, because it is full, locked or away:
-    `cancel`, `controls`, `events`, `end`. It is written as soon as it can be; what was asked
-    for is done all the same."""
+    """Facts that the database does not hold yet, because it is full, locked or away: `cancel`,
+    `controls`, `events`, `end`. They are written as soon as possible; requests are carried out
+    all the same."""
     versions: Versions
     """Versions of everything that the numbers depend on, in the server that ran it last; empty
     before it runs, and for regions of versions that did not keep it."""
@@ -4156,18 +4165,18 @@ class RegionsPage(Answer):
 
 
 class RegionsReport(Answer):
-    """What regions were good for in a search."""
+    """Use of regions in a search."""
 
     considered: list[int]
-    """Places of those that the path was looked for in."""
+    """Places, in the list of regions, of those that the path was looked for in."""
     digest: str
-    """Of the regions, whose id is `search.regions` of the plan's `request`."""
+    """Digest of the regions, whose id is `search.regions` of the plan's `request`."""
     fallback: str
-    """Why it did not, or empty."""
+    """Reason why it did not, or empty."""
     is_inside: bool
     """Whether the path came from them."""
     num_regions: int
-    """How many there are."""
+    """Number of regions."""
 
 
 class RegionsRequest(Answer):
@@ -4177,10 +4186,10 @@ class RegionsRequest(Answer):
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
     allowed_time: float = 600.0
-    """After this time what has grown is the result [s]."""
+    """Time after which the regions that have grown are the result [s]."""
     along: Literal["paths", "nothing"] | str = "paths"
-    """What comes first: regions along paths from the scene's state to the group's named
-    configurations and the scene's frames; or nothing but the cover."""
+    """Regions that come first: those along paths from the scene's state to the group's named
+    configurations and the scene's frames (`paths`), or none but the cover (`nothing`)."""
     bounds: dict[str, list[float]] = Field(default={}, validate_default=True)
     """Lowest and highest value to grow in [rad or m], by position name, within the limits;
     angles that may turn further are taken from -pi to pi, those on a circle over one turn at
@@ -4198,7 +4207,7 @@ class RegionsRequest(Answer):
     padding: float = 0.001
     """Distance beyond the margin, for proofs to be quick [m]."""
     priority: Priority = "normal"
-    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    """Priority among the jobs that wait; clients take turns within it. A job that has waited
     for 30 s goes with the next priority: `low` is delayed by others, never for good."""
     revision: int | None = None
     """Revision of the scene; null for its latest."""
@@ -4226,7 +4235,7 @@ class RegionsResult(Answer):
     num_regions: int
     """Number of regions."""
     portals: list[Portal]
-    """Where they overlap."""
+    """Overlaps of the regions."""
     regions: list[Region]
     """Regions in the order in which they were grown."""
     scene: str
@@ -4234,13 +4243,13 @@ class RegionsResult(Answer):
     seed: int
     """Seed of all randomness."""
     stopped_by: RegionsStopReason
-    """Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`."""
+    """Reason why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`."""
     upper: list[float]
     """Highest configuration of the domain [rad or m]."""
 
 
 type RegionsStopReason = Literal["coverage", "num_regions", "deadline", "exhausted"] | str
-"""Why there are no more regions."""
+"""Reason why there are no more regions."""
 
 
 class RegionsSummary(Answer):
@@ -4267,13 +4276,13 @@ class RegionsSummary(Answer):
     seed: int
     """Seed of all randomness."""
     stopped_by: RegionsStopReason
-    """Why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`."""
+    """Reason why there are no more: `coverage`, `num_regions`, `deadline` or `exhausted`."""
     upper: list[float]
     """Highest configuration of the domain [rad or m]."""
 
 
 class RejectedPair(Answer):
-    """How many configurations were rejected with one pair as the deepest collision."""
+    """Number of configurations that were rejected with one pair as the deepest collision."""
 
     bodies: tuple[str, str]
     """Full names of both bodies."""
@@ -4306,15 +4315,15 @@ class Rejection(Answer):
     """Why some samples are no goal configurations."""
 
     bodies: tuple[str, str] | None
-    """For `collision`, what they hit deepest; null for those that time was short for."""
+    """For `collision`, the deepest pair; null for samples that time was too short to measure."""
     count: int
-    """How many; with `distinct` the counts add up to `tried`."""
+    """Number of samples; with `distinct` the counts add up to `tried`."""
     max_depth: float | None
     """Largest depth among them [m]."""
     min_depth: float | None
     """Smallest depth among them [m]."""
     reason: SampleRejection
-    """What is wrong with them."""
+    """Test that they failed."""
     share: float
     """Share of `tried`, 0 to 1."""
 
@@ -4325,40 +4334,40 @@ class RelativeGoal(Answer):
     displacement: Displacement
     """Displacement from where the tool is at the start."""
     type: Literal["relative"]
-    """Says which goal this is."""
+    """Kind of goal."""
     frame: str | None = None
     """The tool frame: any that the group moves; null for its default."""
     reference: str | None = None
-    """The frame by whose axes, as they are at the start, the tool is shifted, and turned about
-    its own origin; null for the tool frame itself."""
+    """Frame in whose axes, as they are at the start, the tool is shifted, and turned about its
+    own origin; null for the tool frame itself."""
 
 
 class RelaxedConstraint(Answer):
     """A path constraint whose change alone is sufficient."""
 
     bound: float | None
-    """The bound that there is, in `unit`."""
+    """Present bound, in `unit`."""
     constraint: str
     """Its place in the request and its kind."""
     pose_index: int
-    """Of the goal's pose that is reached then, from 0."""
+    """Index of the goal's pose that is reached then, from 0."""
     positions: list[float]
     """The group's positions then [rad or m]."""
     unit: str
-    """Of both; `1` for a number without one."""
+    """Unit of both bounds; `1` for a number without one."""
     value: float | None
     """The bound that is sufficient, in `unit`; null where it would have to be left out."""
     joint: str | None = None
-    """Of constraints on joints, the worst one."""
+    """Worst joint, for constraints on joints."""
 
 
 class RemovedBody(Answer):
     """A body without which the goal is feasible."""
 
     body: str
-    """Its full name."""
+    """Full name of the body."""
     pose_index: int
-    """Of the goal's pose that is reached then, from 0."""
+    """Index of the goal's pose that is reached then, from 0."""
     positions: list[float]
     """The group's positions then [rad or m]."""
 
@@ -4367,11 +4376,11 @@ class Replanned(Answer):
     """A plan that is carried out instead of the motion that was asked for."""
 
     code: str
-    """Why: the code that the execution would have been refused with."""
+    """Code that the execution would have been refused with."""
     detail: str
-    """The same, for a person."""
+    """Reason of that refusal, for a person."""
     plan: str
-    """Its id."""
+    """Id of the plan."""
 
 
 class RequestInvalidProblem(Answer):
@@ -4416,7 +4425,7 @@ class RequeuedData(Answer):
     """Why a job runs again."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     reason: str
     """Text for a person."""
     plan: str | None = None
@@ -4427,11 +4436,11 @@ class RequeuedEvent(Answer):
     """The job waits again: its worker or the server ended."""
 
     data: Json[RequeuedData]
-    """When and why."""
+    """Time and reason of the event."""
     event: Literal["requeued"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class ResourceInUseProblem(Answer):
@@ -4454,18 +4463,18 @@ class ResourceInUseProblem(Answer):
 
 
 class RestartEvidence(Answer):
-    """How often the job was started."""
+    """Number of times that the job was started."""
 
     attempts: int
     """Number of times that it was started."""
     during: str | None = None
     """The stage that it told last."""
     reason: str | None = None
-    """Why the server ended it, if it did."""
+    """Reason why the server ended it, if it did."""
 
 
 class Retime(Answer):
-    """How to time the path."""
+    """Options for timing the path."""
 
     acceleration_bounds: dict[str, list[float]] = Field(default={}, validate_default=True)
     """Lowest (below 0) and highest (above 0) acceleration, by name of a joint with one
@@ -4473,35 +4482,36 @@ class Retime(Answer):
     acceleration_scale: float = 1.0
     """Factor on every acceleration and jerk limit, 0..1."""
     deviation: float | None = None
-    """How far corners of the path may be rounded at most [rad or m, joint-space length]; 0 to
-    follow the very path, with a rest at every corner; null for at most 0.1. What refinement
-    makes of a path has no corners."""
+    """Largest distance by which corners of the path may be rounded [rad or m, joint-space
+    length]; 0 to follow the very path with a rest at every corner, null for at most 0.1.
+    Refined paths have no corners."""
     duration: float | None = None
-    """How long the motion shall take [s]; null for the least that the limits allow, and less
-    than that is `retiming_failed`."""
+    """Duration of the motion [s]; null for the least that the limits allow, and less than that
+    is `retiming_failed`."""
     effort: bool = False
-    """Whether joint torques and forces stay within their limits, gravity and all that is
+    """Whether joint torques and forces must stay within their limits, gravity and all that is
     carried included: check `torque` of the certificate."""
     even_samples: bool = False
-    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
-    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    """Whether to deliver samples exactly `sample_period` apart, but for the last, wherever the
+    pieces of the motion meet; `trajectory.interpolations` says what is proven of them."""
     explain: bool = False
-    """Report which limit binds when, and what relaxing it would save
-    (`stages.retime.explanation`), once the motion is proven and if there is time; takes some 20
-    ms for each part, with ruckig as long as timing it once more for each limit that binds, six
-    at most."""
+    """Whether to report which limit binds when, and what relaxing it would save
+    (`stages.retime.explanation`), once the motion is proven and if there is time. It takes
+    about 20 ms for each part; with ruckig as long as timing it once more for each limit that
+    binds, six at most."""
     method: Literal["toppra", "ruckig"] | str = "toppra"
-    """toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too."""
+    """Method of timing: toppra keeps velocity and acceleration limits; ruckig keeps jerk limits
+    too."""
     num_points: int | None = None
-    """Number of samples to deliver, evenly in time, first and last instants included, however
-    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
-    every `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time however far apart, first and last instants
+    included; null for one every `sample_period`, not both. `trajectory.interpolations` says
+    what is proven of them."""
     payload: Payload | None = None
-    """What the group carries that the scene does not show; it counts for torques."""
+    """Mass that the group carries and the scene does not show; it counts for torques."""
     sample_period: float | None = 0.01
-    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
-    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
-    are `problem_invalid`; null where `num_points` says how many."""
+    """Longest time between delivered samples [s]; null where `num_points` says how many; more
+    than 200000 samples are `problem_invalid`. They lie where the pieces of the motion meet, and
+    evenly between, so that every interpolation of them can be proven."""
     speed_zones: list[SpeedZone] = Field(default=[], validate_default=True)
     """Boxes in which a frame is slower."""
     tool_limits: list[ToolLimit] = Field(default=[], validate_default=True)
@@ -4511,24 +4521,25 @@ class Retime(Answer):
 
 
 class RetimeReport(Answer):
-    """What the retime stage did."""
+    """Report of the retime stage."""
 
     binding: dict[str, str]
-    """What is nearest its bound, per limit."""
+    """Name of what is nearest its bound, per limit."""
     blend_deviation: float
-    """How far corners were rounded, or the smoothed curve may be from the path [rad or m]."""
+    """Distance by which corners were rounded, or by which the smoothed curve may be off the
+    path [rad or m]."""
     duration: float
     """Duration of the trajectory [s]."""
     method: Literal["toppra", "ruckig"] | str
     """Method that was requested."""
     slowed: float
-    """Factor by which the audit stretched it; 1 is not at all."""
+    """Factor by which the audit stretched it [1]; 1 is not at all."""
     stops: int
     """Instants of rest between start and goal."""
     utilisation: dict[str, float]
     """Peak over limit, per limit [1]."""
     explanation: DurationExplanation | None = None
-    """Why it takes that long; null if not requested, or no time was left."""
+    """Explanation of the duration; null if not requested, or no time was left."""
 
 
 class RetimeResponse(Answer):
@@ -4537,7 +4548,7 @@ class RetimeResponse(Answer):
     certificate: Certificate | None
     """The proof; null if there is none."""
     failure: Failure | None
-    """Why there is none: `not_certified` with the failed checks, `retiming_failed`,
+    """Reason why there is none: `not_certified` with the failed checks, `retiming_failed`,
     `deadline_exceeded`; null if there is one."""
     stages: RetimeStages | None
     """Reports of the stages; null if there is no motion."""
@@ -4552,9 +4563,9 @@ class RetimeStages(Answer):
     """Reports of the two stages."""
 
     certify: CertifyReport
-    """How the motion was proven."""
+    """Report of the proof."""
     retime: RetimeReport
-    """How the path was timed."""
+    """Report of the timing."""
 
 
 class RetimingEvidence(Answer):
@@ -4649,7 +4660,7 @@ class RevisionEvidence(Answer):
     """Which revision the scene is at."""
 
     latest: int
-    """That there is."""
+    """Latest revision."""
     revision: int
     """Revision that the request names."""
 
@@ -4677,24 +4688,24 @@ class Roadmap(Answer):
     """A roadmap that many plans share; it is built once for a scene as a group sees it."""
 
     neighbours: int = 12
-    """With how many of the nearest others each is joined, where the way is free."""
+    """Number of nearest others that each is joined with, where the way is free."""
     seed: int = 0
     """Seed of its samples; the plan's own seed does not change it."""
     states: int = 2000
-    """Free configurations that it has."""
+    """Number of free configurations that it has."""
 
 
 class RoadmapReport(Answer):
-    """What a roadmap did; the same whether it was built for this plan or there already."""
+    """Use of a roadmap; the same whether it was built for this plan or there already."""
 
     digest: str
     """sha256 of its content."""
     num_edges: int
-    """Free ways between them."""
+    """Number of free ways between them."""
     num_states: int
-    """Its configurations."""
+    """Number of its configurations."""
     num_states_checked: int
-    """Configurations checked for collision to build it, whenever that was."""
+    """Number of configurations checked for collision to build it, whenever that was."""
     reason: (
         Literal[
             "",
@@ -4708,11 +4719,11 @@ class RoadmapReport(Answer):
         ]
         | str
     )
-    """Why not: a straight line is better, no free way leads from the start or to a goal, none
-    through it, its path is blocked on a closer look, the search ended before it answered, or
-    its path was not proven; or empty."""
+    """Reason why it was not used, or empty: a straight line is better, no free way leads from
+    the start or to a goal, none through it, its path is blocked on a closer look, the search
+    ended before it answered, or its path was not proven."""
     used: bool
-    """Whether the path that was kept is one of its."""
+    """Whether the path that was kept is from the roadmap."""
 
 
 class RobotBusyProblem(Answer):
@@ -4742,37 +4753,38 @@ class RobotDocument(Answer):
     name: str
     """Prefix of its bodies, frames and joints: `name::link`."""
     base: PoseDocument | None = None
-    """X_WB, where its base link is welded."""
+    """X_WB, pose at which its base link is welded."""
     positions: str | list[float] | dict[str, float | list[float]] | None = None
     """Name of a configuration, values of its default group, or values by joint."""
     weld: bool | None = None
-    """Whether its base link is welded to the world at `base`, or floats and starts there; by
+    """Whether its base link is welded to the world at `base`, or floats and starts there. By
     default bases of URDF files are welded, and those of SDF and MJCF files float unless they
     say otherwise themselves."""
 
 
 class RobotState(Answer):
-    """Where a robot is."""
+    """Present state of a robot."""
 
     execution: str | None
     """Execution that moves it, or waits to; null for none."""
     positions: JointPositions
     """Positions of the joints of its groups [rad or m]; `set_positions` takes them as they are."""
     robot: str
-    """Its name in the scene."""
+    """Name of the robot in the scene."""
     source: StateSource
-    """What says where it is."""
+    """Source of its positions."""
     status: RobotStatus
-    """`at_rest`; `moving`, by an execution; or `unknown`: an execution has ended without its
-    driver, and nothing in the scene moves until `set_positions` says where it is."""
+    """Status: `at_rest`; `moving`, by an execution; or `unknown`: an execution has ended
+    without its driver, and nothing in the scene moves until `set_positions` says where the
+    robot is."""
     updated_at: datetime
-    """When that was said last (UTC)."""
+    """Time at which its source said so last (UTC)."""
     velocities: JointPositions | None
-    """Measured [rad/s or m/s]; null where its driver does not tell."""
+    """Measured velocities [rad/s or m/s]; null where its driver does not tell."""
 
 
 class RobotStateEvidence(Answer):
-    """Which robots have to be looked at."""
+    """Robots that have to be looked at."""
 
     robots: list[str]
     """Names of the robots."""
@@ -4819,29 +4831,30 @@ type RobotStatus = Literal["at_rest", "moving", "unknown"] | str
 
 
 class Robustness(Answer):
-    """What the proof of clearance survives: guaranteed lower bounds, each by itself."""
+    """Errors that the proof of clearance survives: guaranteed lower bounds, each by itself."""
 
     joint_error: float
-    """How far off every joint may be at once, at most 0.5 [rad or m]."""
+    """Error that every joint may have at once, at most 0.5 [rad or m]."""
     joint_pair: tuple[str, str]
     """The two bodies that allow no more."""
     joint_time: float
-    """When they do [s]."""
+    """Time at which these two allow no more [s]."""
     obstacle_displacement: float
-    """How far all points of all obstacles may be from where the scene has them, at most 1 [m]."""
+    """Distance that all points of all obstacles may have from where the scene has them, at most
+    1 [m]."""
     obstacle_pair: tuple[str, str]
     """The two bodies that allow no more."""
     obstacle_time: float
-    """When they do [s]."""
+    """Time at which these two allow no more [s]."""
 
 
 class RoundDocument(Answer):
     """Radius and length of a cylinder or capsule [m]; the axis is z."""
 
     length: float
-    """Of the cylindrical part [m]."""
+    """Length of the cylindrical part [m]."""
     radius: float
-    """[m]."""
+    """Radius [m]."""
 
 
 type SampleRejection = (
@@ -4850,14 +4863,14 @@ type SampleRejection = (
     ]
     | str
 )
-"""Which test an IK sample fails."""
+"""Test that an IK sample fails."""
 
 
 class SamplingReserve(Answer):
-    """What is left of the proven clearance by a controller that samples and smooths the motion."""
+    """Clearance that a controller leaves which samples and smooths the motion."""
 
     approach: float
-    """How much nearer two bodies may be for it, at most [m]."""
+    """Largest loss of distance between two bodies because of the controller [m]."""
     clearance: float | None
     """Proven lower bound on all distances along the path [m]; null without any pair."""
     deviation: float
@@ -4865,12 +4878,12 @@ class SamplingReserve(Answer):
 
 
 class Saving(Answer):
-    """How much shorter the motion would be with one limit relaxed."""
+    """Time that the motion would save with one limit relaxed."""
 
     limit: Limit
-    """Which, as in the intervals."""
+    """Name of the limit, as in the intervals."""
     seconds: float
-    """How much shorter [s]."""
+    """Time that is saved [s]."""
     where: str
     """The joint, block, frame or zone whose limit it is."""
 
@@ -4879,11 +4892,11 @@ class Scene(Answer):
     """A scene: its document and what it holds once loaded."""
 
     assumed: list[str]
-    """Joints whose rate limits nobody states, so that ours are assumed."""
+    """Joints whose rate limits are assumed, because no source states them."""
     bodies: list[str]
     """Everything that can collide."""
     created_at: datetime
-    """When this revision was made (UTC)."""
+    """Time at which this revision was made (UTC)."""
     digest: str
     """sha256 of the content, the bytes of all files included."""
     document: SceneDocument
@@ -4891,19 +4904,19 @@ class Scene(Answer):
     frames: list[str]
     """Frames that poses may be given in."""
     groups: list[Group]
-    """What can be planned for."""
+    """Groups that can be planned for."""
     id: str
     """Id of the scene."""
     name: str
-    """For people."""
+    """Name for people."""
     num_pairs: int
     """Pairs of bodies that are kept apart."""
     revision: int
     """Revision of its content, from 1."""
     warnings: list[str]
-    """What was found odd, for example concave meshes."""
+    """Oddities of the scene, for example concave meshes."""
     files: dict[str, Files] = Field(default={}, validate_default=True)
-    """What its robots and meshes were made from, by name: they are kept, and no change of a
+    """Files that its robots and meshes were made from, by name. They are kept: no change of a
     file on the disk changes this scene."""
     unchecked: list[UncheckedPair] = Field(default=[], validate_default=True)
     """Pairs of bodies that no collision check looks at, and why."""
@@ -4913,13 +4926,13 @@ class SceneBrief(Answer):
     """A scene without its content."""
 
     created_at: datetime
-    """When this revision was made (UTC)."""
+    """Time at which this revision was made (UTC)."""
     digest: str
     """sha256 of the content, the bytes of all files included."""
     id: str
     """Id of the scene."""
     name: str
-    """For people."""
+    """Name for people."""
     revision: int
     """Revision of its content, from 1."""
 
@@ -4940,14 +4953,14 @@ class SceneDocument(Answer):
     margins: list[MarginDocument] = Field(default=[], validate_default=True)
     """Exceptions from `margin`, by pair."""
     name: str = "scene"
-    """For people."""
+    """Name for people."""
     objects: list[ObjectDocument] = Field(default=[], validate_default=True)
     version: Literal[1] = 1
-    """Of this format."""
+    """Version of this format."""
 
 
 class SceneEditEvidence(Answer):
-    """Which operation cannot be applied, and what is in its way."""
+    """Operation that cannot be applied, and what is in its way."""
 
     allowed: list[list[str]] | None = None
     """Pairs that are allowed to collide."""
@@ -5006,18 +5019,18 @@ class SceneEditImpossibleProblem(Answer):
 
 
 class SceneFaultEvidence(Answer):
-    """Where a scene document has a fault."""
+    """Place of a fault in a scene document."""
 
     bound: int | None = None
     """Largest number that is allowed."""
     faults: list[DocumentFault] | None = None
     """All of them, where there may be several."""
     line: int | None = None
-    """In the text, from 1; null where it is not known."""
+    """Line in the text, from 1; null where it is not known."""
     path: str | None = None
-    """Its place, as names and numbers with dots; empty for the root."""
+    """Place of the fault, as names and numbers with dots; empty for the root."""
     pointer: str | None = None
-    """The same as a JSON pointer."""
+    """Place of the fault as a JSON pointer."""
 
 
 class SceneInvalidFailure(Answer):
@@ -5088,21 +5101,22 @@ class ScheduleEvidence(Answer):
     """Why no delays keep several motions apart."""
 
     encounters: list[Encounter]
-    """Of two motions what either meets that waits; of more, what each two must avoid."""
+    """For two motions, the encounters of whichever waits; for more, the encounters that each
+    two must avoid."""
     groups: list[str]
     """Groups of the motions that meet."""
     pair: list[str]
     """The two bodies that meet first."""
     time: float
-    """When, by the time of the motion that is then under way [s]."""
+    """Time of the encounter on the motion that is then under way [s]."""
 
 
 class ScheduleMotionsResponse(Answer):
     """A proven schedule, or why there is none."""
 
     failure: Failure | None
-    """Why there is none: `schedule_not_found` with the pair that meets, `not_certified` with
-    the failed checks, `deadline_exceeded`; null if there is one."""
+    """Reason why there is none: `schedule_not_found` with the pair that meets, `not_certified`
+    with the failed checks, `deadline_exceeded`; null if there is one."""
     schedule: MotionSchedule | None
     """The schedule; null if there is none."""
 
@@ -5144,7 +5158,7 @@ class ScheduleNotFoundProblem(Answer):
 
 
 class ScopeEvidence(Answer):
-    """What a key is not good for."""
+    """Scope that a key lacks."""
 
     needed: str
     """The scope that the operation needs."""
@@ -5172,65 +5186,64 @@ class ScopeMissingProblem(Answer):
 
 
 class Search(Answer):
-    """How to search for a path."""
+    """Options for finding a path."""
 
     allowed_planning_time: float = 5.0
-    """For the whole plan, all stages, from when the scene is loaded [s]; what it cuts is in
-    `result.cut_short`."""
+    """Time for the whole plan, all stages, from when the scene is loaded [s]; stages that it
+    cuts are in `result.cut_short`."""
     approach_states: int = 100
-    """Interpolate each straight part to at least this many waypoints; `num_states` is then for
-    the free part."""
+    """Least number of waypoints of each straight part; `num_states` is then for the free part."""
     approximate: bool = False
     """Whether a failure has, as evidence `approximate`, the reached configuration that is
     nearest to a goal."""
     attempts: int = 1
-    """How many solutions to look for; the best by `objective` is kept. Of several planners each
-    has at least one."""
+    """Number of solutions to look for; the best by `objective` is kept. Of several planners
+    each has at least one."""
     bounds: dict[str, list[float]] = Field(default={}, validate_default=True)
     """Lowest and highest value to search in [rad or m], by position name, within the limits."""
     interpolate_time: float | None = None
-    """For interpolating each solution to `num_states` [s]; one that takes longer stays as it
-    was (`stages.search.interpolated`). null for as long as there is."""
+    """Time for interpolating each solution to `num_states` [s]; null for as long as there is.
+    One that takes longer stays as it was (`stages.search.interpolated`)."""
     keep_graph: bool = False
     """Whether the planner's graph is kept for GET /plans/{id}/graph."""
     num_states: int | None = None
-    """Interpolate the path to at least this many waypoints."""
+    """Least number of waypoints to which the path is interpolated."""
     objective: Literal["length", "weighted_length", "clearance", "duration"] | str = "length"
     """Objective by which solutions are compared, and improved by planners that do so."""
     on_cancel: Literal["discard", "best"] | str = "discard"
-    """What a cancel ends: the plan, or only the search if it has a path by then; that path is
+    """Scope of a cancel: the plan, or only the search if it has a path by then; that path is
     delivered if it can be timed and proven in 0.9 s."""
     parameters: dict[str, bool | int | float | str] = Field(default={}, validate_default=True)
-    """OMPL's names and values of its parameters; of several planners, each takes those that it
-    has."""
+    """Values of the planner's parameters, by their names in OMPL; of several planners, each
+    takes those that it has."""
     planner: str | list[str] = "RRTConnect"
-    """OMPL's name, see GET /v1/planners; or several, which take turns. `GCS` plans inside
-    regions, and where it cannot the others do, by default RRTConnect."""
+    """Name of the planner in OMPL, see GET /v1/planners; or several names, which take turns.
+    `GCS` plans inside regions, and where it cannot the others do, by default RRTConnect."""
     regions: str | None = None
     """Id of the regions that GCS plans in; null for the newest that fit (a plan's `request` has
     the id of those), and where GCS is not among the planners."""
     resolution: float = 0.05
     """Largest joint-space distance between two checked states of an edge [rad or m]."""
     roadmap: Roadmap | None = None
-    """Look for a path in this roadmap first, and use the planner only where it has none; under
-    `path_constraints` it is one that keeps them."""
+    """Roadmap in which to look for a path first; the planner is used only where it has none.
+    Under `path_constraints` it is one that keeps them."""
     setup_time: float | None = None
-    """For setting up the space and the planner, in each attempt [s]; an attempt that took
-    longer gives up. null for as long as it takes."""
+    """Time for setting up the space and the planner, in each attempt [s]; null for as long as
+    it takes. An attempt that took longer gives up."""
     shortcut_time: float | None = None
-    """For shortening each solution [s]; 0 for none, null for a share of the rest."""
+    """Time for shortening each solution [s]; 0 for none, null for a share of the rest."""
     solve_time: float | None = None
-    """For the planner, in each attempt [s]; null for as long as there is."""
+    """Time for the planner, in each attempt [s]; null for as long as there is."""
     spaces: dict[str, Space] = Field(default={}, validate_default=True)
-    """`position` keeps the rotation of a planar or floating joint, named here, as it is at the
-    start; a turning radius [m] makes a car of a planar joint."""
+    """Restrictions of joints, by name: `position` keeps the rotation of a planar or floating
+    joint as it is at the start; a turning radius [m] makes a car of a planar joint."""
     weights: dict[str, float] = Field(default={}, validate_default=True)
     """Factors of the metric that planners measure by [1], by name of a joint or of one of the
     group's `blocks`; 1 for what is not named."""
 
 
 class SearchEvidence(Answer):
-    """What a search without a path did; members that its planner does not tell are absent."""
+    """Facts of a search without a path; members that its planner does not tell are absent."""
 
     approximate: Approximation | None = None
     """The nearest that the search came to a goal, if the request wants it."""
@@ -5242,7 +5255,8 @@ class SearchEvidence(Answer):
     """Distance from the nearest kept configuration to a goal, as a length in joint space [rad
     or m]."""
     graph: dict[str, Any] | None = None
-    """What the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`."""
+    """Graph that the planner explored, if the request wants it: as of `GET
+    /v1/plans/{plan}/graph`."""
     locked: list[str] | None = None
     """Locked joints that no goal has at their start positions."""
     num_edges: int | None = None
@@ -5258,27 +5272,27 @@ class SearchEvidence(Answer):
     padding: float | None = None
     """Distance that was demanded beyond the margin [m]."""
     planner: str | None = None
-    """OMPL's name; of several, all."""
+    """Name of the planner in OMPL; of several, all names."""
     reason: str | None = None
-    """What left nothing to search for: `start`, `goals` or `setup`."""
+    """Reason why nothing was left to search for: `start`, `goals` or `setup`."""
     roadmap: dict[str, Any] | None = None
-    """What a roadmap did, if the request has one: as in a search's report."""
+    """Use of a roadmap, if the request has one: as in a search's report."""
     spent: float | None = None
     """Time that the setup of the planner took [s]."""
     status: str | None = None
-    """OMPL's word for how its last attempt ended."""
+    """Status of its last attempt, as OMPL names it."""
 
 
 class SearchReport(Answer):
-    """What the search stage did; lengths are in joint space [rad or m]."""
+    """Report of the search stage; lengths are in joint space [rad or m]."""
 
     attempts: int
-    """How many were made; 0 where a straight line was free (`direct`) or a roadmap knew a way,
+    """Number of attempts; 0 where a straight line was free (`direct`) or a roadmap knew a way,
     so that none was needed."""
     length: float
     """And after it [rad or m]."""
     num_motions_checked: int
-    """Edges checked."""
+    """Number of edges checked."""
     num_states_checked: int
     """Configurations checked for collision."""
     num_waypoints: int
@@ -5286,13 +5300,13 @@ class SearchReport(Answer):
     padding: float
     """Distance that was demanded beyond the margin [m]."""
     planner: str
-    """OMPL's name; of several, whose solution was kept; `roadmap` for a roadmap's."""
+    """Name in OMPL of the planner whose solution was kept; `roadmap` for a roadmap's."""
     raw_length: float
     """Length of the kept solution, before shortcutting [rad or m]."""
     resolution: float
-    """At which edges were checked [rad or m]."""
+    """Resolution at which edges were checked [rad or m]."""
     solved: int
-    """How many of the attempts found an exact solution."""
+    """Number of attempts that found an exact solution."""
     attempts_log: list[AttemptReport] = Field(default=[], validate_default=True)
     """One entry per attempt, the first hundred."""
     cost: float = 0.0
@@ -5306,45 +5320,45 @@ class SearchReport(Answer):
     objective: Literal["length", "weighted_length", "clearance", "duration"] | str = "length"
     """Objective by which solutions were compared."""
     regions: RegionsReport | None = None
-    """What regions were good for, if the planner is GCS."""
+    """Use of regions, if the planner is GCS."""
     roadmap: RoadmapReport | None = None
-    """What a roadmap did, if the request has one."""
+    """Use of a roadmap, if the request has one."""
     was_canceled: bool = False
     """Whether a cancel ended the search early."""
 
 
 class Series(Answer):
-    """A motion at equal time steps: what the plots draw."""
+    """A motion at equal time steps, as the plots draw it."""
 
     acceleration_jumps: list[float]
     """Instants at which acceleration jumps, so that jerk is infinite [s]."""
     accelerations: list[list[float]]
-    """[rad/s^2 or m/s^2]."""
+    """Accelerations, one row per instant [rad/s^2 or m/s^2]."""
     jerks: list[list[float]]
-    """Between the jumps of acceleration [rad/s^3 or m/s^3]."""
+    """Jerks between the jumps of acceleration, one row per instant [rad/s^3 or m/s^3]."""
     limits: dict[str, Bounds]
-    """What the plan was to keep, scaled, of `position`, `velocity`, `acceleration`, `torque`,
-    and of `jerk` if it is limited."""
+    """Scaled limits that the plan was to keep: of `position`, `velocity`, `acceleration`,
+    `torque`, and of `jerk` if it is limited."""
     position_names: list[str]
     """A name per position coordinate."""
     positions: list[list[float]]
-    """One row per instant [rad or m]."""
+    """Positions, one row per instant [rad or m]."""
     times: list[float]
     """Instants [s]."""
     tool_speeds: dict[str, list[float]]
-    """Of the tool frame and of every frame that is limited, by frame [m/s]."""
+    """Speed of the tool frame and of every frame that is limited, by frame [m/s]."""
     torques: list[list[float]]
-    """What inverse dynamics asks for [N m or N]."""
+    """Torques or forces by inverse dynamics, one row per instant [N m or N]."""
     utilisation: dict[str, list[float]]
-    """Share of each limit that is used, of the coordinate that uses most, by the name of its
-    check; `torque` whether it is limited or not."""
+    """Share of each limit that the coordinate uses which uses most, by the name of its check
+    [1]; `torque` whether it is limited or not."""
     velocities: list[list[float]]
-    """[rad/s or m/s]."""
+    """Velocities, one row per instant [rad/s or m/s]."""
     velocity_names: list[str]
     """A name per velocity coordinate."""
     clearance: list[float | None] | None = None
-    """Smallest distance of any two bodies [m]; beyond half a metre above the margin it is that;
-    null unless `distances` asks for it."""
+    """Smallest distance of any two bodies, at most half a metre above the margin [m]; null
+    unless `distances` asks for it."""
     closest_pairs: list[tuple[str, str]] | None = None
     """The two bodies of each clearance, or two empty names."""
 
@@ -5403,7 +5417,7 @@ class ShapeDocument(Answer):
 
 
 class SizeEvidence(Answer):
-    """How large a body may be."""
+    """Largest size that a body may have."""
 
     bound: int | None = None
     """Largest number of bytes that is read."""
@@ -5412,29 +5426,29 @@ class SizeEvidence(Answer):
 
 
 class Source(Answer):
-    """Where a number is from."""
+    """Source of a number."""
 
     source: str
-    """Where they were published."""
+    """Publication that they are from."""
     what: str
-    """Which numbers."""
+    """Numbers that are meant."""
 
 
 type Space = Literal["full", "position"] | str | Car
-"""How much of a joint is searched, or what a car of it can drive."""
+"""Part of a joint that is searched, or the curves that a car of it can drive."""
 
 
 class SpeedZone(Answer):
-    """How fast the origin of a frame may move while it is in a box."""
+    """Largest speed of the origin of a frame while it is in a box."""
 
     box: Box
-    """Where."""
+    """Box in which the speed is limited."""
     frame: str
-    """Whose origin: any frame of the scene."""
+    """Frame whose origin is limited: any frame of the scene."""
     name: str
-    """For the certificate's check; no two zones share one."""
+    """Name for the certificate's check; no two zones share one."""
     speed: float
-    """At most, in the box [m/s]."""
+    """Largest speed in the box [m/s]."""
 
 
 class SpliceMotionResponse(Answer):
@@ -5443,12 +5457,12 @@ class SpliceMotionResponse(Answer):
     certificate: Certificate | None
     """The proof; null if there is none."""
     failure: Failure | None
-    """Why there is none: `retiming_failed`, `not_certified` with the failed checks,
+    """Reason why there is none: `retiming_failed`, `not_certified` with the failed checks,
     `deadline_exceeded`; null if there is one."""
     interpolation: MotionInterpolation
-    """What the samples of the running motion were taken for."""
+    """Motion that was taken to be between the samples of the running motion."""
     onto_interpolation: MotionInterpolation
-    """What the samples of the other motion were taken for."""
+    """Motion that was taken to be between the samples of the other motion."""
     stage: CertifyReport | None
     """Report of the proof; null if there is none."""
     trajectory: Trajectory | None
@@ -5478,10 +5492,10 @@ type Stage = (
 
 
 class StageData(Answer):
-    """Which stage begins."""
+    """Stage that begins."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     detail: str
     """Text for a person, or empty."""
     progress: float
@@ -5498,26 +5512,26 @@ class StageEvent(Answer):
     """The job enters a stage."""
 
     data: Json[StageData]
-    """Which stage, and how long those before it took."""
+    """Stage that begins, and the time that those before it took."""
     event: Literal["stage"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class Stages(Answer):
     """One report per stage."""
 
     certify: CertifyReport
-    """The proof."""
+    """Report of the proof."""
     goals: GoalsReport
-    """Goal configurations."""
+    """Report of the goal configurations."""
     refine: RefineReport
-    """The optimisation."""
+    """Report of the optimisation."""
     retime: RetimeReport
-    """The timing."""
+    """Report of the timing."""
     search: SearchReport
-    """The path."""
+    """Report of the search."""
 
 
 class StartConstraintEvidence(Answer):
@@ -5571,7 +5585,7 @@ class StartLimitsEvidence(Answer):
 
 
 class StartMismatchEvidence(Answer):
-    """Where a plan starts, and where the robot is."""
+    """Start of a plan, and positions of the robot."""
 
     distance: float
     """The largest difference of a coordinate [rad or m]."""
@@ -5733,11 +5747,11 @@ class StartedEvent(Answer):
     """A worker took the job."""
 
     data: Json[EventData]
-    """When."""
+    """Time of the event."""
     event: Literal["started"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class StateEvent(Answer):
@@ -5746,9 +5760,9 @@ class StateEvent(Answer):
     data: Json[LiveState]
     """The live state, whole."""
     event: Literal["state"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class OtherStateSource(Answer):
@@ -5762,14 +5776,14 @@ type StateSource = Annotated[
     | OtherStateSource,
     Field(union_mode="left_to_right"),
 ]
-"""What says where the robot is."""
+"""Source of a robot's positions."""
 
 
 class StatusData(Answer):
-    """How far an execution is, and when it was there."""
+    """Progress of an execution, and the time of it."""
 
     at: datetime
-    """When it happened (UTC)."""
+    """Time at which it happened (UTC)."""
     contacts: list[Contact]
     """Touches so far that the scene does not allow."""
     max_tracking_error: float
@@ -5786,15 +5800,15 @@ class StatusData(Answer):
     tracking_error: float
     """Largest distance of a joint from where it should be, now [rad or m]."""
     ahead: float | None = None
-    """Place that it does not pass, time along the motion [s]: it rests before it until an edit
-    of the scene clears the way; null for none."""
+    """Time along the motion that it does not pass [s]: it rests before it until an edit of the
+    scene clears the way; null for none."""
     behind: float | None = None
-    """Place that it does not pass on the way back [s]; null for none."""
+    """Time along the motion that it does not pass on the way back [s]; null for none."""
     jitter: Jitter | None = None
-    """How late the ticks were so far; null if not recorded."""
+    """Delays of the controller's ticks so far; null if not recorded."""
     lateness: float | None = None
-    """The longest so far that the controller was late to look at the clock [s]: what else runs
-    on the machine makes the motion fall behind; null if not recorded."""
+    """Longest delay so far with which the controller looked at the clock [s]; load on the
+    machine makes the motion fall behind; null if not recorded."""
     motion: int = 0
     """Number of the motion that `time` and `progress` are about: 0 is the one that was asked
     for, the others are in `motions`."""
@@ -5813,15 +5827,15 @@ class StatusEvent(Answer):
     """The execution moves, or changes its state; at most twenty times a second."""
 
     data: Json[StatusData]
-    """How far it is."""
+    """Progress of the execution."""
     event: Literal["status"]
-    """What happened."""
+    """Kind of the event."""
     id: str
-    """For `Last-Event-ID`."""
+    """Id of the event, for `Last-Event-ID`."""
 
 
 class Steering(Answer):
-    """What a car can drive."""
+    """Curves that a car can drive."""
 
     reverse: bool
     """Whether it drives backwards too."""
@@ -5835,10 +5849,10 @@ class StopMotionResponse(Answer):
     certificate: Certificate | None
     """The proof; null if there is none."""
     failure: Failure | None
-    """Why there is none: `retiming_failed`, `not_certified` with the failed checks,
+    """Reason why there is none: `retiming_failed`, `not_certified` with the failed checks,
     `deadline_exceeded`; null if there is one."""
     interpolation: MotionInterpolation
-    """What the samples of the running motion were taken for."""
+    """Motion that was taken to be between the samples of the running motion."""
     stage: CertifyReport | None
     """Report of the proof; null if there is none."""
     trajectory: Trajectory | None
@@ -5850,38 +5864,38 @@ class StopReport(Answer):
     """Stops along the path within limits, from every instant: guaranteed upper bounds."""
 
     begin: float
-    """When it begins [s]."""
+    """Time at which it begins [s]."""
     distance: float
-    """A joint's longest way until it stands [rad or m]."""
+    """Longest way of a joint until it stands [rad or m]."""
     frame: str
     """The tool frame, or empty."""
     joint: str
-    """Which joint, or block of a planar or floating one."""
+    """Name of that joint, or block of a planar or floating one."""
     time: float
     """Duration of the longest stop [s]."""
     tool_distance: float | None
-    """The tool frame's longest way until it stands [m]; null without a tool frame."""
+    """Longest way of the tool frame until it stands [m]; null without a tool frame."""
     unheld: str = ""
     """With `effort`: `torque` and the joint that cannot hold the robot still somewhere, so that
     no stop ends there; empty if there is none."""
     unheld_at: float | None = None
-    """When the motion is where that is worst [s]; null for nowhere."""
+    """Time along the motion at which that is worst [s]; null for nowhere."""
 
 
 class StorageEvidence(Answer):
     """Why nothing is written."""
 
     reason: str
-    """What the database or the file system said."""
+    """Message of the database or the file system."""
     retry_after: float
-    """When to ask again [s]."""
+    """Time after which to ask again [s]."""
 
 
 class TimeoutEvidence(Answer):
-    """How long a body may take."""
+    """Time that a body may take."""
 
     allowed: float
-    """Seconds."""
+    """Time that is allowed [s]."""
 
 
 type Timings = dict[str, float]
@@ -5889,7 +5903,7 @@ type Timings = dict[str, float]
 
 
 class Tolerance(Answer):
-    """How far from a target the tool frame may end, in the target's own axes."""
+    """Tolerance of the tool frame about a target, in the target's own axes."""
 
     position: list[float] = Field(default=[0.0, 0.0, 0.0], validate_default=True)
     """Half-widths of a box about the target [m]."""
@@ -5898,14 +5912,14 @@ class Tolerance(Answer):
 
 
 class ToolLimit(Answer):
-    """How fast the origin of a frame may move."""
+    """Limits on the speed and acceleration of the origin of a frame."""
 
     frame: str
     """Any frame of the scene; each is limited once."""
     acceleration: float | None = None
-    """At most, in any direction [m/s^2]; null for any."""
+    """Largest acceleration in any direction [m/s^2]; null for any."""
     speed: float | None = None
-    """At most [m/s]; null for any."""
+    """Largest speed [m/s]; null for any."""
 
 
 class ToolRelaxation(Answer):
@@ -5920,7 +5934,7 @@ class ToolRelaxation(Answer):
     obstacles: list[ViolatingPair] | None = None
     """Pairs that would have to be allowed to collide."""
     pose_index: int | None = None
-    """Of the goal's pose that these lengths are for, from 0."""
+    """Index of the goal's pose that these lengths are for, from 0."""
     position: PartialPose | None = None
     """Another position at the same rotation."""
     positions: list[float] | None = None
@@ -5936,14 +5950,14 @@ class ToolRelaxation(Answer):
 
 
 class TorqueEvidence(Answer):
-    """Which joint's torque was at its limit, and for how long."""
+    """Joint whose torque was at its limit, and for how long."""
 
     bound: float
     """Limit of that torque or force [N m or N]."""
     joint: str
     """Full name of the joint."""
     seconds: float
-    """How long some joint was at its limit [s]."""
+    """Time for which some joint was at its limit [s]."""
     time: float
     """Time along the motion [s]."""
     torque: float
@@ -5968,7 +5982,7 @@ class TorqueLimitReachedFailure(Answer):
 
 
 class TrackingEvidence(Answer):
-    """How far the robot is off."""
+    """Tracking error of the robot."""
 
     bound: float | None
     """Largest tracking error that is allowed [rad or m]."""
@@ -5999,7 +6013,7 @@ class Trajectory(Answer):
     """A timed motion, sampled; the first and the last instant are included."""
 
     accelerations: list[list[float]]
-    """One row per instant [rad/s^2 or m/s^2]."""
+    """Accelerations, one row per instant [rad/s^2 or m/s^2]."""
     duration: float
     """Duration of the whole motion [s]."""
     joint_names: list[str]
@@ -6009,18 +6023,18 @@ class Trajectory(Answer):
     times: list[float]
     """Instants of the samples [s]."""
     velocities: list[list[float]]
-    """One row per instant [rad/s or m/s]."""
+    """Velocities, one row per instant [rad/s or m/s]."""
     velocity_names: list[str]
     """A name per velocity coordinate; as `joint_names`, but for floating joints."""
     interpolations: list[Interpolation] = Field(default=[], validate_default=True)
-    """What is proven of the samples, by what receivers make of them; the certificate beside
-    them is that of the exact motion. Empty of plans that are older."""
+    """Proofs of the samples, by what receivers make of them; the certificate beside them is
+    that of the exact motion. Empty for older plans."""
     polynomial: Polynomial | None = None
     """The exact motion, if the request has it added."""
 
 
 class TransitionEvidence(Answer):
-    """What a state does not allow."""
+    """Event that a state does not allow."""
 
     event: str
     """Event that was requested."""
@@ -6031,10 +6045,10 @@ class TransitionEvidence(Answer):
 
 
 class Translation(Answer):
-    """A way without a turn."""
+    """A translation without a rotation."""
 
     vector: list[float]
-    """The way [m]."""
+    """Translation [m]."""
     frame: str = "world"
     """Frame in whose axes the vector is, as they stand at the start."""
 
@@ -6062,9 +6076,9 @@ class UncheckedPair(Answer):
     """Two bodies that no collision check looks at."""
 
     bodies: tuple[str, str]
-    """Full names, sorted."""
+    """Full names of the bodies, sorted."""
     evidence: str
-    """What that rests on, in words."""
+    """Evidence for the reason, in words."""
     reason: Literal["allowed", "held", "welded", "welded_to_world", "adjacent"] | str
     """allowed: by the scene or the robot's description; held: one is attached and may touch the
     other; welded: neither can move relative to the other; welded_to_world: both stand in the
@@ -6127,18 +6141,18 @@ class UnknownNameProblem(Answer):
 
 
 class UnknownResourceEvidence(Answer):
-    """What does not exist; empty where the address leads nowhere."""
+    """Resource that does not exist; empty where the address leads nowhere."""
 
     id: str | None = None
-    """As it was given."""
+    """Id that was given."""
     kind: str | None = None
-    """What was looked for."""
+    """Kind of what was looked for."""
     known: list[str] | None = None
-    """Names of models that there are."""
+    """Names of models that exist."""
     name: str | None = None
     """Name of the model that was asked for."""
     nearest: list[str] | None = None
-    """Of these, those that were perhaps meant, the nearest first."""
+    """Known names that were perhaps meant, the nearest first."""
 
 
 class UnreadableBodyProblem(Answer):
@@ -6200,7 +6214,7 @@ class UrRtdeDriver(Answer):
 
 
 class Verdict(Answer):
-    """What was found of one configuration."""
+    """Verdict on one configuration."""
 
     collisions: list[Pair]
     """All pairs that touch or are nearer than the margin, deepest first."""
@@ -6211,7 +6225,7 @@ class Verdict(Answer):
     nearest: Pair | None
     """The pair that is nearest; null if there is none."""
     valid: bool
-    """Within limits, and nothing nearer than the margin."""
+    """Whether it is within limits, and nothing is nearer than the margin."""
 
 
 type Versions = dict[str, str]
@@ -6256,7 +6270,7 @@ class VisibleBody(Answer):
     shapes: list[VisibleShape]
     """Its visual shapes; its collision shapes if it has none."""
     pose: Pose | None = None
-    """In world; null for what moves with a robot: `POST …/fk` tells where its frame is."""
+    """Pose in world; null for what moves with a robot: `POST …/fk` tells where its frame is."""
 
 
 class VisibleShape(Answer):
@@ -6265,11 +6279,11 @@ class VisibleShape(Answer):
     color: list[float]
     """Red, green, blue, opacity, 0 to 1; a mesh with materials has its own colours."""
     pose: Pose
-    """On its body."""
+    """Pose on its body."""
     box: list[float] | None = None
     """Full side lengths x, y, z [m]."""
     capsule: RoundDocument | None = None
-    """Along z."""
+    """Capsule along z."""
     cylinder: RoundDocument | None = None
     """Along z."""
     ellipsoid: list[float] | None = None
@@ -6277,7 +6291,7 @@ class VisibleShape(Answer):
     half_space: EmptyDocument | None = None
     """All points with z <= 0."""
     mesh: MeshName | None = None
-    """Triangles."""
+    """Mesh of triangles."""
     sphere: float | None = None
     """Radius [m]."""
 
@@ -6286,7 +6300,7 @@ class Wait(Answer):
     """Who waits for whom, and why."""
 
     delay: float
-    """How long it waits, from the beginning of the schedule [s]."""
+    """Time that it waits, from the beginning of the schedule [s]."""
     for_group: str
     """Group of the motion that it waits for: begun earlier, it would meet this one."""
     group: str
@@ -6294,27 +6308,27 @@ class Wait(Answer):
     pair: list[str]
     """The two bodies that would be nearer than their margin."""
     time: float
-    """When they would, if it began a little earlier, by the schedule's time [s]."""
+    """Time on the schedule at which they would, if it began a little earlier [s]."""
 
 
 class Webhook(Answer):
     """An address that is told what happens to jobs."""
 
     created_at: datetime
-    """When it was registered (UTC)."""
+    """Time of the registration (UTC)."""
     disabled_at: datetime | None
-    """Since when nothing is sent, because it failed for days or said 410 (UTC); null if it is
-    enabled."""
+    """Time since which nothing is sent, because it failed for days or said 410 (UTC); null if
+    it is enabled."""
     events: list[WebhookEvent]
-    """What is told."""
+    """Events that are told."""
     failing_since: datetime | None
-    """Since when it has taken nothing that was sent (UTC); null if it takes them."""
+    """Time since which it has taken nothing that was sent (UTC); null if it takes them."""
     id: str
     """Id of the webhook."""
     reason: str
     """Reason of the last failure since a success, or empty."""
     url: str
-    """Where messages are posted."""
+    """Address to which messages are posted."""
 
 
 type WebhookEvent = (
@@ -6330,7 +6344,7 @@ type WebhookEvent = (
     ]
     | str
 )
-"""What a webhook can be told."""
+"""Event that a webhook can be told."""
 
 
 class WebhookPage(Answer):
@@ -6346,7 +6360,7 @@ class WorkerCrashedEvidence(Answer):
     """How the worker's process died."""
 
     attempts: int
-    """How often the job was started."""
+    """Number of times that the job was started."""
     exit_code: int | None
     """Exit code; negative where a signal ended the worker, null if unknown."""
     during: str | None = None
@@ -6394,12 +6408,12 @@ class WorkerCrashedProblem(Answer):
 
 
 class WorkerSilentEvidence(Answer):
-    """How long the worker's process said nothing."""
+    """Time for which the worker's process said nothing."""
 
     silence: float
     """Seconds."""
     attempts: int | None = None
-    """How often the job was started."""
+    """Number of times that the job was started."""
     during: str | None = None
     """The stage that it told last."""
 

@@ -12,14 +12,14 @@ class AddOperation(TypedDict):
     object: ObjectDocument
     """Object as in a scene document, with a name that is free."""
     op: Literal["add"]
-    """What to do."""
+    """Kind of the operation."""
 
 
 class AllowOperation(TypedDict):
     """Let two bodies touch."""
 
     op: Literal["allow"]
-    """What to do."""
+    """Kind of the operation."""
     pair: Sequence[str]
     """Full names of the bodies."""
 
@@ -31,13 +31,13 @@ class AttachOperation(TypedDict):
     frame: str
     """`robot::link`, or a frame that hangs on one."""
     keep: NotRequired[bool]
-    """Whether it stays where it is in the world at the scene's positions."""
+    """Whether the object stays where it is in the world at the scene's positions."""
     object: str
-    """Its name; it must be `movable`."""
+    """Name of the object; it must be `movable`."""
     op: Literal["attach"]
-    """What to do."""
+    """Kind of the operation."""
     pose: NotRequired[PoseDocument | None]
-    """X_FO, where it is in the frame; only and always if not `keep`."""
+    """X_FO, pose of the object in the frame; required without `keep`, and not allowed with it."""
     touch: NotRequired[Sequence[str] | None]
     """Bodies that it may touch; by default those that move rigidly with the frame and those
     that they carry outside the robot's default group, such as fingers."""
@@ -79,17 +79,17 @@ class Car(TypedDict):
 
 
 class Certify(TypedDict):
-    """What to find out about the motion once it is proven; the report on `certify` has it."""
+    """Computations on the motion once it is proven; the report on `certify` has their results."""
 
     max_stopping_time: NotRequired[float | None]
-    """No stop may take longer [s], and `stop_anywhere` is meant; null for no bound."""
+    """Longest time that a stop may take [s]; it implies `stop_anywhere`; null for no bound."""
     robustness: NotRequired[bool]
-    """Bound how far off obstacles and joints may be: `robustness` in the report; takes some 0.2
-    s."""
+    """Whether to bound how far off obstacles and joints may be: `robustness` in the report;
+    takes about 0.2 s."""
     stop_anywhere: NotRequired[bool]
-    """Bound the longest stop along the path, from any instant: a check `stop`, and `stop` in
-    the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with `effort` or
-    accelerations in `tool_limits`."""
+    """Whether to bound the longest stop along the path, from any instant: a check `stop`, and
+    `stop` in the report. It takes about 0.1 s, 0.5 s with jerk limits, and as much again with
+    `effort` or accelerations in `tool_limits`."""
 
 
 class CertifyMotionRequest(TypedDict):
@@ -101,26 +101,26 @@ class CertifyMotionRequest(TypedDict):
     acceleration_scale: NotRequired[float]
     """Factor on every acceleration and jerk limit, 0..1."""
     allowed_time: NotRequired[float]
-    """Give up after this long [s]."""
+    """Time after which to give up [s]."""
     certify: NotRequired[Certify]
-    """What to compute besides the proof."""
+    """Computations besides the proof."""
     effort: NotRequired[bool]
-    """Whether joint torques and forces stay within their limits, gravity and all that is
+    """Whether joint torques and forces must stay within their limits, gravity and all that is
     carried included: check `torque` of the certificate."""
     goal: NotRequired[Sequence[float] | None]
-    """Where it shall end [rad or m]; null for where it does."""
+    """Positions at which the motion shall end [rad or m]; null for those at which it ends."""
     group: str | Sequence[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
     limit_jerk: NotRequired[bool]
-    """Hold it against the limits on jerk as well."""
+    """Whether to check the limits on jerk as well."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     path_constraints: NotRequired[Sequence[Constraint]]
     """Constraints on the whole motion; those relative to the start are relative to the first
     configuration of the given path or motion."""
     payload: NotRequired[Payload | None]
-    """What the group carries that the scene does not show; it counts for torques."""
+    """Mass that the group carries and the scene does not show; it counts for torques."""
     revision: NotRequired[int | None]
     """Revision of the scene; null for its latest."""
     scene: str
@@ -128,15 +128,13 @@ class CertifyMotionRequest(TypedDict):
     speed_zones: NotRequired[Sequence[SpeedZone]]
     """Boxes in which a frame is slower."""
     start: NotRequired[Sequence[float] | None]
-    """Where it shall begin [rad or m]; null for where it does."""
+    """Positions at which the motion shall begin [rad or m]; null for those at which it begins."""
     tool_limits: NotRequired[Sequence[ToolLimit]]
     """Largest speeds and accelerations of frames."""
     trajectory: TrajectoryInput
-    """The motion. Between samples it is taken to be the polynomial of degree 5 that meets
-    positions, velocities and accelerations; of degree 3 without accelerations; without
-    velocities the cubic spline with continuous acceleration that rests at both ends; or what
-    its `interpolation` says. Straight lines have corners, and are only held to what corners can
-    keep. Positions are numbers, not angles on a circle: from 3 to -3 is a way of 6 rad."""
+    """The motion; its `interpolation` says what is between the samples, and straight lines are
+    only held to what corners can keep. Positions are numbers, not angles on a circle: from 3 to
+    -3 is a way of 6 rad."""
     velocity_scale: NotRequired[float]
     """Factor on every velocity limit, 0..1."""
 
@@ -157,10 +155,10 @@ class ClearanceObjective(TypedDict):
     """Clearance that is preferred, beyond the margin that is required."""
 
     distance: float
-    """Between bodies, but for those of one robot [m]."""
+    """Preferred distance between bodies, except between those of one robot [m]."""
     weight: float
-    """By how much longer the motion may take for a metre less of what its clearance lacks of
-    the distance, on average along the motion [s/m]."""
+    """Extra duration that one metre less of shortfall is worth [s/m]; the shortfall is what the
+    clearance lacks of `distance`, on average along the motion."""
 
 
 class ConfigurationDocument(TypedDict):
@@ -169,7 +167,7 @@ class ConfigurationDocument(TypedDict):
     group: str
     """`robot`, `robot::group`, or a group of `groups`."""
     positions: Sequence[float]
-    """In the group's order [rad or m]."""
+    """Positions in the group's order [rad or m]."""
 
 
 class ConfigurationGoal(TypedDict):
@@ -178,38 +176,38 @@ class ConfigurationGoal(TypedDict):
     name: str
     """Name of the configuration, for example `home`."""
     type: Literal["configuration"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 type Constraint = (
     DistanceBand | KeepOut | KeepIn | Position | Orientation | LockedJoints | JointLimits
 )
-"""What a motion shall keep on its whole way."""
+"""Constraint on a whole motion."""
 
 
 class ConvexDocument(TypedDict):
     """The convex hull of points."""
 
     points: Sequence[Sequence[float]]
-    """[m]; not all in one plane."""
+    """Points [m]; not all in one plane."""
 
 
 class DetachOperation(TypedDict):
     """Leave an object where it is in the world at the scene's positions."""
 
     object: str
-    """Its name."""
+    """Name of the object."""
     op: Literal["detach"]
-    """What to do."""
+    """Kind of the operation."""
 
 
 class Deviation(TypedDict):
-    """How far a tool may be from its line, between waypoints and samples too."""
+    """Deviation of a tool from its line that is allowed, between waypoints and samples too."""
 
     position: NotRequired[float]
-    """Distance of its origin from the line [m]."""
+    """Distance of the tool's origin from the line [m]."""
     rotation: NotRequired[float]
-    """Angle between its rotation and that of the line [rad]."""
+    """Angle between the tool's rotation and that of the line [rad]."""
 
 
 class Displacement(TypedDict):
@@ -227,20 +225,20 @@ class DistanceBand(TypedDict):
     """The smallest distance between two sets of bodies stays within bounds."""
 
     bodies: NotRequired[Sequence[str] | None]
-    """Full names; null for all bodies that the group moves."""
+    """Full names of the first set of bodies; null for all bodies that the group moves."""
     max: NotRequired[float | None]
-    """At least two of them are no farther apart [m]; null for any."""
+    """Largest value of the smallest distance [m]; null for no bound."""
     min: NotRequired[float]
-    """No two of them are nearer than this [m]."""
+    """Least distance that any two of them keep [m]."""
     to: NotRequired[Sequence[str] | None]
-    """Full names of the others; null for all not in `bodies`."""
+    """Full names of the second set of bodies; null for all not in `bodies`."""
     type: Literal["distance_band"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 type DriverName = Literal["simulated", "kinematic"]
-"""What moves: `simulated`, Drake's simulation under a joint controller; `kinematic`, a robot
-without mass that is always where it should be, and feels nothing."""
+"""Driver of a motion: `simulated` is Drake's simulation under a joint controller; `kinematic`
+is a robot without mass that is always where it should be, and feels nothing."""
 
 
 class EmptyDocument(TypedDict):
@@ -252,23 +250,23 @@ class ExecutionRequest(TypedDict):
     gripper."""
 
     delays: NotRequired[Sequence[float] | None]
-    """When each of `plans` begins [s]; null for the smallest delays that are proven, as `POST
-    /trajectories/schedule` finds them."""
+    """Time at which each of `plans` begins [s]; null for the smallest delays that are proven,
+    as `POST /trajectories/schedule` finds them."""
     driver: NotRequired[DriverName | UrRtdeDriver]
-    """What moves."""
+    """Driver of the motion."""
     gripper: NotRequired[GripperRequest | None]
     """Open or close a gripper, from where its fingers are, and take hold of an object or let it
     go."""
     on_conflict: NotRequired[Literal["stop", "slow", "replan", "ignore"]]
-    """What is done while it moves if an edit of the scene is in its way: `stop` comes to rest
-    on the path and ends (`path_blocked`); `slow` rests before the conflict, and goes on by
-    itself once a later edit has cleared the way; `replan` does so too, and goes on with a new
-    plan to the same configuration, without a rest where that is proven: until its end no other
-    robot of the scene may move; `ignore` only tells."""
+    """Action while it moves if an edit of the scene is in its way: `stop` comes to rest on the
+    path and ends (`path_blocked`); `slow` rests before the conflict and goes on once a later
+    edit has cleared the way; `replan` does so too, and goes on with a new plan to the same
+    configuration, without a rest where that is proven; `ignore` only tells. With `replan`, no
+    other robot of the scene may move until it ends."""
     on_not_certified: NotRequired[Literal["refuse", "replan"]]
-    """What is done if the plan's motion does not begin where the robot is, or is not proven in
-    the latest revision: `refuse` answers 409; `replan` waits for a new plan from where the
-    robot is to the same configuration (`replanned`), and answers 409 if there is none."""
+    """Action if the plan's motion does not begin where the robot is, or is not proven in the
+    latest revision: `refuse` answers 409; `replan` waits for a new plan from where the robot is
+    to the same configuration (`replanned`), and answers 409 if there is none."""
     plan: NotRequired[str | None]
     """Id of a plan that succeeded; null for several, and for a motion of one's own."""
     plans: NotRequired[Sequence[str] | None]
@@ -283,9 +281,9 @@ class ExecutionRequest(TypedDict):
     """A motion of your own, as `POST /trajectories/certify` takes it, without `revision`: it is
     proven in the latest one, and refused (`not_certified`) if it is not."""
     when_busy: NotRequired[Literal["refuse", "wait"]]
-    """What is done if another execution moves one of its robots, or waits for one: `refuse`
-    (409); `wait` begins once they are free, in the order of requests, and is proven then, from
-    where they are then."""
+    """Action if another execution moves one of its robots, or waits for one: `refuse` answers
+    409; `wait` begins once they are free, in the order of requests, and is proven then, from
+    where they are."""
 
 
 class FkRequest(TypedDict):
@@ -304,7 +302,7 @@ class ForbidOperation(TypedDict):
     """No longer let two bodies touch, which the scene allowed."""
 
     op: Literal["forbid"]
-    """What to do."""
+    """Kind of the operation."""
     pair: Sequence[str]
     """Full names of the bodies."""
 
@@ -313,34 +311,35 @@ class FrameDocument(TypedDict):
     """A named pose: a target, a tool point."""
 
     name: str
-    """Its name."""
+    """Name of the frame."""
     parent: NotRequired[str]
-    """An object, a frame, `robot::link` or `world`."""
+    """Parent of the frame: an object, a frame, `robot::link` or `world`."""
     pose: NotRequired[PoseDocument]
-    """X_PF."""
+    """X_PF, pose of the frame in its parent."""
 
 
 type Goal = (
     JointGoal | ConfigurationGoal | PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal
 )
-"""What a motion shall reach."""
+"""Goal of a motion."""
 
 
 class Grasp(TypedDict):
     """Close on an object, and hold it from then on."""
 
     frame: NotRequired[str | None]
-    """That it follows from then on; null for the first tool frame of the gripper."""
+    """Frame that the object follows from then on; null for the first tool frame of the gripper."""
     gap: NotRequired[float]
-    """Distance that the nearest finger keeps from it [m]: the grasp is a weld, not a contact,
-    and a simulated robot that touches something is stopped."""
+    """Distance that the nearest finger keeps from the object [m]. The grasp is a weld, not a
+    contact, and a simulated robot that touches something is stopped."""
     object: str
-    """Its name; it must be `movable`, and between the fingers."""
+    """Name of the object; it must be `movable`, and between the fingers."""
     reach: NotRequired[float]
-    """Largest distance of any finger from it [m], else it is not held (`grasp_missed`)."""
+    """Largest distance of any finger from the object [m]; beyond it the object is not held
+    (`grasp_missed`)."""
     touch: NotRequired[Sequence[str] | None]
-    """Bodies that it may touch then; null for those of `attach`: the fingers, and what moves
-    rigidly with the frame."""
+    """Bodies that the object may touch then; null for those of `attach`: the fingers, and
+    bodies that move rigidly with the frame."""
 
 
 class GripperRequest(TypedDict):
@@ -357,19 +356,19 @@ class GripperRequest(TypedDict):
     the scene names; a list of several, or their names joined by `+`, for one group of all their
     joints, in this order."""
     release: NotRequired[str | None]
-    """An object that is let go of: detached once the fingers have opened to `width`."""
+    """Name of the object to let go of: it is detached once the fingers have opened to `width`."""
     scene: str
     """Id of a scene; it moves in its latest revision."""
     width: NotRequired[float | None]
-    """How far apart the fingers shall be [m], from 0 to `gripper.max_width` of the group; null
-    to close on the object of `grasp`."""
+    """Distance that the fingers shall have [m], from 0 to `gripper.max_width` of the group;
+    null to close on the object of `grasp`."""
 
 
 class Ik(TypedDict):
-    """How hard to look for goal configurations, and which of them are near."""
+    """Options of the search for goal configurations."""
 
     allowed_time: NotRequired[float | None]
-    """For finding them, or saying why there is none [s]; null for as long as there is."""
+    """Time for finding them, or for saying why there is none [s]; null for as long as there is."""
     joint_weights: NotRequired[Mapping[str, float]]
     """Factor on each joint's part of the distance from the start, by full name
     (`robot::joint`); 1 for joints that are not named [1]."""
@@ -377,31 +376,31 @@ class Ik(TypedDict):
     """Number of configurations at most, the nearest to the start of all that are found; as many
     are looked for, but 100 at least, and until 40 in a row are known already."""
     max_trials: NotRequired[int]
-    """Stop after this many seeds of the solver, over all poses."""
+    """Largest number of seeds of the solver, over all poses."""
     pose_metric: NotRequired[PoseMetric]
-    """Which pose is the nearest to one that no configuration reaches."""
+    """Metric of the nearest pose to one that no configuration reaches."""
 
 
 class IkRequest(TypedDict):
     """Ask for all configurations that reach a pose, a region or a displacement."""
 
     allowed_time: NotRequired[float]
-    """Stop after this long, with what was found [s]."""
+    """Time after which to stop, with what was found [s]."""
     goal: PoseGoal | RegionGoal | RelativeGoal
-    """Where the tool frame shall be."""
+    """Goal of the tool frame."""
     group: str | Sequence[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
     ik: NotRequired[Ik]
-    """How hard to look."""
+    """Options of the search."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     path_constraints: NotRequired[Sequence[Constraint]]
-    """What solutions shall keep; joints are locked where `start` has them."""
+    """Constraints that solutions shall keep; joints are locked where `start` has them."""
     seed: NotRequired[int]
     """Seed of all randomness."""
     start: NotRequired[Sequence[float] | None]
-    """What `nearest` is measured from [rad or m]; null for the scene's state."""
+    """Configuration that distances are measured from [rad or m]; null for the scene's state."""
 
 
 class JointGoal(TypedDict):
@@ -410,7 +409,7 @@ class JointGoal(TypedDict):
     positions: Sequence[float] | Sequence[Sequence[float]]
     """The group's positions, one list or several [rad or m]."""
     type: Literal["joint"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class JointLimits(TypedDict):
@@ -420,56 +419,56 @@ class JointLimits(TypedDict):
     """Smallest and largest position by the name of a joint, or of a coordinate of one that has
     several [rad or m]."""
     type: Literal["joint_limits"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class KeepIn(TypedDict):
     """The origin of a frame stays in a box."""
 
     box: Box
-    """Where it must be."""
+    """Box in which the origin must be."""
     frame: str
-    """Whose origin."""
+    """Frame whose origin is meant."""
     type: Literal["keep_in"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class KeepOut(TypedDict):
     """The origin of a frame stays out of a box."""
 
     box: Box
-    """Where it must not be."""
+    """Box in which the origin must not be."""
     frame: str
-    """Whose origin."""
+    """Frame whose origin is meant."""
     type: Literal["keep_out"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class LineGoal(TypedDict):
     """Bring a tool frame to a pose, or by a displacement, in a straight line from the start."""
 
     deviation: NotRequired[Deviation]
-    """How far from the line the motion may be, between samples too."""
+    """Largest deviation of the motion from the line, between samples too."""
     displacement: NotRequired[Translation | None]
-    """Or the way from where the tool stands."""
+    """Displacement from where the tool stands; this or `pose`."""
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     pose: NotRequired[Pose | None]
-    """Where the line ends, and the rotation turns along with the translation; this or
+    """Pose at which the line ends, and the rotation turns along with the translation; this or
     `displacement`."""
     type: Literal["line"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class LineRequest(TypedDict):
     """Move a tool in a straight line, as far as it goes."""
 
     allowed_time: NotRequired[float]
-    """Give up after this long [s]."""
+    """Time after which to give up [s]."""
     deviation: NotRequired[Deviation]
-    """How far from the line straight ways between the waypoints may lead."""
+    """Largest deviation from the line of the straight ways between the waypoints."""
     displacement: NotRequired[Translation | None]
-    """Or the way from where the tool stands."""
+    """Displacement from where the tool stands; this or `pose`."""
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     group: str | Sequence[str]
@@ -478,14 +477,14 @@ class LineRequest(TypedDict):
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     max_step: NotRequired[float]
-    """Between waypoints the tool moves by this much at most [m]."""
+    """Largest distance that the tool moves between waypoints [m]."""
     pose: NotRequired[Pose | None]
-    """Where the line ends, and the rotation turns along with the translation; this or
+    """Pose at which the line ends, and the rotation turns along with the translation; this or
     `displacement`."""
     poses: NotRequired[bool]
     """Whether to answer the tool's poses as well."""
     start: NotRequired[Sequence[float] | None]
-    """Where the group stands at first [rad or m]; null for the scene's state."""
+    """Positions of the group at first [rad or m]; null for the scene's state."""
 
 
 class LockedJoints(TypedDict):
@@ -494,7 +493,7 @@ class LockedJoints(TypedDict):
     joints: Sequence[str]
     """Full names."""
     type: Literal["locked_joints"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class MarginDocument(TypedDict):
@@ -502,14 +501,14 @@ class MarginDocument(TypedDict):
 
     bodies: Sequence[str]
     margin: float
-    """[m]."""
+    """Distance that they keep [m]."""
 
 
 class MeshDocument(TypedDict):
     """A mesh file; its convex hull is what counts."""
 
     scale: NotRequired[Sequence[float]]
-    """One factor, or one per axis."""
+    """Factor on the size, or one factor per axis [1]."""
     uri: str
     """Path of an .obj, .vtk or .gltf file."""
 
@@ -518,9 +517,9 @@ class MoveOperation(TypedDict):
     """Put an object that is not attached elsewhere; frames that hang on it go along."""
 
     object: str
-    """Its name."""
+    """Name of the object."""
     op: Literal["move"]
-    """What to do."""
+    """Kind of the operation."""
     pose: PoseDocument
     """X_WO, its new pose in the world."""
 
@@ -531,7 +530,7 @@ class ObjectDocument(TypedDict):
     attached: NotRequired[AttachmentDocument | None]
     """Its attachment to a robot; none if it is fixed to the world."""
     center_of_mass: NotRequired[Sequence[float] | None]
-    """In its frame [m]; none for that of the shape; only with `mass`."""
+    """Center of mass in its frame [m]; none for that of the shape; only with `mass`."""
     color: NotRequired[Sequence[float] | None]
     """RGB or RGBA, each 0 to 1."""
     mass: NotRequired[float | None]
@@ -540,11 +539,11 @@ class ObjectDocument(TypedDict):
     movable: NotRequired[bool]
     """Whether it may be attached."""
     name: str
-    """Of its body and of its frame."""
+    """Name of its body and of its frame."""
     pose: NotRequired[PoseDocument]
     """X_WO; of an attached object X_FO, in its frame."""
     shape: ShapeDocument
-    """Its geometry [m]."""
+    """Geometry of the object [m]."""
 
 
 class Orientation(TypedDict):
@@ -555,26 +554,26 @@ class Orientation(TypedDict):
     direction: Sequence[float]
     """Direction in `reference`; any length but zero."""
     frame: str
-    """Whose axis."""
+    """Frame whose axis is meant."""
     reference: NotRequired[str]
-    """Whose axes `direction` counts in; of a frame that moves, as the start has it."""
+    """Frame in whose axes `direction` is given; a frame that moves counts as the start has it."""
     tolerance: float
     """Largest angle between them [rad]."""
     type: Literal["orientation"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 class PathGoal(TypedDict):
     """Bring a tool frame through poses in straight lines, at rest at each."""
 
     deviation: NotRequired[Deviation]
-    """How far from the lines the motion may be, between samples too."""
+    """Largest deviation of the motion from the lines, between samples too."""
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     poses: Sequence[Pose]
     """Poses in this order; frames that move count where the start puts them."""
     type: Literal["path"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class Payload(TypedDict):
@@ -583,21 +582,21 @@ class Payload(TypedDict):
     center_of_mass: NotRequired[Sequence[float]]
     """Center of mass in the frame [m]."""
     frame: str
-    """What it follows; the group must move it."""
+    """Frame that the mass follows; the group must move it."""
     inertia: NotRequired[Sequence[float]]
     """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of mass, along the frame's axes [kg m^2];
     zeros for a point mass."""
     mass: float
-    """[kg]."""
+    """Mass [kg]."""
 
 
 class PlanRequest(TypedDict):
     """Move a group of a scene from a start to a goal."""
 
     certify: NotRequired[Certify]
-    """What to find out besides the proof."""
+    """Computations besides the proof."""
     goal: Goal
-    """What to reach."""
+    """Goal of the motion."""
     group: str | Sequence[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
@@ -606,10 +605,10 @@ class PlanRequest(TypedDict):
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     path_constraints: NotRequired[Sequence[Constraint]]
-    """What the motion shall keep on its whole way, all of it; each has a check of its own in
+    """Constraints that the whole motion shall keep, all of them; each has a check of its own in
     the certificate."""
     priority: NotRequired[Priority]
-    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    """Priority among the jobs that wait; clients take turns within it. A job that has waited
     for 30 s goes with the next priority: `low` is delayed by others, never for good."""
     refine: NotRequired[Refine]
     """Options of the refinement."""
@@ -631,7 +630,7 @@ class PolynomialInput(TypedDict):
     """The exact motion, as `Trajectory.polynomial` has it."""
 
     bases: Sequence[Sequence[float]]
-    """Where each piece is anchored, n rows [rad or m]."""
+    """Configuration at which each piece is anchored, n rows [rad or m]."""
     breaks: Sequence[float]
     """Instants between pieces, from 0, n + 1 of them [s]."""
     coefficients: Sequence[Sequence[Sequence[float]]]
@@ -659,8 +658,8 @@ class PoseDistanceTolerance(TypedDict):
     """All poses within a weighted distance: sqrt(sum (w_i * way_i)^2 + (w_r * angle)^2)."""
 
     frame: NotRequired[str | None]
-    """By whose axes the way from the target's origin is, as they stand at the start: any frame;
-    null for the target's own."""
+    """Frame in whose axes the way from the target's origin is measured, as they stand at the
+    start: any frame; null for the target's own."""
     tolerance: float
     """The largest distance [1]."""
     weights: NotRequired[Sequence[float]]
@@ -682,25 +681,25 @@ class PoseGoal(TypedDict):
     """Bring a tool frame to a pose, or to any of several."""
 
     approach: NotRequired[Sequence[float] | None]
-    """The motion ends in a straight line without a turn, which begins where the tool is
-    displaced by this, in the target's axes [m]; null for none."""
+    """Displacement of the tool, in the target's axes, at which the last straight line to the
+    goal begins [m]; the tool does not turn on it; null for none."""
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     metric: NotRequired[PoseDistanceTolerance | None]
-    """Instead of `tolerance`: how far off it may be by a weighted metric."""
+    """Tolerance by a weighted metric, instead of `tolerance`."""
     poses: Sequence[Pose]
     """The candidates; `goal_index` of the result says which one was reached."""
     retreat: NotRequired[Sequence[float] | None]
-    """After the goal the tool goes on in a straight line by this, in the target's axes [m];
+    """Displacement of the tool, in the target's axes, in a straight line after the goal [m];
     null for none."""
     tolerance: NotRequired[Tolerance]
-    """How far off it may be."""
+    """Tolerance of the pose."""
     type: Literal["pose"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class PoseMetric(TypedDict):
-    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * angle)^2)."""
+    """Distance of two poses: sqrt((translation * t)^2 + (rotation * angle)^2)."""
 
     rotation: NotRequired[float]
     """Weight of a radian [1/rad]; by default one weighs as much as 0.1 m."""
@@ -712,46 +711,48 @@ class Position(TypedDict):
     """The origin of a frame stays near a line, a plane or a point."""
 
     frame: str
-    """Whose origin."""
+    """Frame whose origin is meant."""
     pose: NotRequired[Pose]
     """Pose of its middle; in a frame that moves with the group, as the start puts it."""
     size: Sequence[float | None]
-    """How wide the band is along each axis of `pose` [m]; null for an axis that is free: one
+    """Width of the band along each axis of `pose` [m]; null for an axis that is free: one
     number is a plane, two are a line."""
     type: Literal["position"]
-    """Says which constraint this is."""
+    """Kind of constraint."""
 
 
 type Priority = Literal["low", "normal", "high"]
-"""What goes first of what waits."""
+"""Priority among the jobs that wait."""
 
 
 class Refine(TypedDict):
-    """Whether and how to optimise the path."""
+    """Options for optimising the path."""
 
     clearance: NotRequired[ClearanceObjective | None]
-    """What the duration is weighed against; `none` and `drake` have no use for it."""
+    """Clearance that the duration is weighed against; `none` and `drake` have no use for it."""
     method: NotRequired[Literal["trajopt", "drake", "auto", "none"]]
-    """Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as trajopt, but
-    only if at least half a second is left; or leave the path as it is."""
+    """Method: convex steps (`trajopt`), Drake's KinematicTrajectoryOptimization (`drake`), as
+    `trajopt` but only if at least half a second is left (`auto`), or none, which leaves the
+    path as it is."""
     objective: NotRequired[RefineObjective | None]
-    """What to minimise; null for the duration, the only objective for cars. With it, or with
-    `drake`, the report has all objectives, before and after."""
+    """Objective to minimise; null for the duration, the only objective for cars. With it, or
+    with `drake`, the report has all objectives, before and after."""
 
 
 class RefineObjective(TypedDict):
-    """What to minimise: a weighted sum; one weight at least is positive."""
+    """Objective to minimise: a weighted sum; at least one weight is positive."""
 
     derivative: NotRequired[Literal["acceleration", "jerk"]]
-    """What smoothness integrates."""
+    """Derivative that smoothness integrates."""
     duration: NotRequired[float]
     """Weight of the duration [1/s]."""
     energy: NotRequired[float]
     """Weight of the integral over time of the squared norm of the joints' torques and forces,
     gravity, damping and payload included [1/(N^2 m^2 s)]; not for groups with a floating joint."""
     max_duration: NotRequired[float | None]
-    """How long the motion may take [s], approach and retreat not counted; less than the limits
-    allow is `retiming_failed`. Smoothness and energy need it unless the duration has a weight."""
+    """Longest duration of the motion [s], approach and retreat not counted; less than the
+    limits allow is `retiming_failed`. Smoothness and energy need it unless the duration has a
+    weight."""
     path_length: NotRequired[float]
     """Weight of the joint-space length [1/rad or 1/m]."""
     smoothness: NotRequired[float]
@@ -763,33 +764,34 @@ class RegionGoal(TypedDict):
     """Bring a tool frame anywhere into a region, or into any of several."""
 
     approach: NotRequired[Sequence[float] | None]
-    """As of a pose: the last way to wherever in the region the motion ends begins where the
-    tool is displaced by this, in the region's axes [m]; null for none."""
+    """Displacement of the tool, in the region's axes, at which the last straight line to the
+    motion's end in the region begins [m]; null for none."""
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     free_axes: NotRequired[Sequence[Literal["x", "y", "z", "rx", "ry", "rz"]]]
     """Axes of the region that it is unbounded along (`x`, `y`, `z`: as far as the group
     reaches) or free to turn about (`rx`, `ry`, `rz`)."""
     pose: NotRequired[Pose | None]
-    """The middle of the only region."""
+    """Middle of the only region."""
     poses: NotRequired[Sequence[Pose] | None]
-    """The middles of the regions; or one as `pose`."""
+    """Middles of the regions; or one as `pose`."""
     retreat: NotRequired[Sequence[float] | None]
-    """As of a pose: the way that the tool goes on, in the region's axes [m]; null for none."""
+    """Displacement of the tool, in the region's axes, in a straight line after the goal [m];
+    null for none."""
     tolerance: NotRequired[Tolerance]
-    """How far from the middle the region goes, by its axes."""
+    """Extent of the region from its middle, by its axes."""
     type: Literal["region"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class RegionsRequest(TypedDict):
     """Grow regions for a group of a scene."""
 
     allowed_time: NotRequired[float]
-    """After this time what has grown is the result [s]."""
+    """Time after which the regions that have grown are the result [s]."""
     along: NotRequired[Literal["paths", "nothing"]]
-    """What comes first: regions along paths from the scene's state to the group's named
-    configurations and the scene's frames; or nothing but the cover."""
+    """Regions that come first: those along paths from the scene's state to the group's named
+    configurations and the scene's frames (`paths`), or none but the cover (`nothing`)."""
     bounds: NotRequired[Mapping[str, Sequence[float]]]
     """Lowest and highest value to grow in [rad or m], by position name, within the limits;
     angles that may turn further are taken from -pi to pi, those on a circle over one turn at
@@ -810,7 +812,7 @@ class RegionsRequest(TypedDict):
     padding: NotRequired[float]
     """Distance beyond the margin, for proofs to be quick [m]."""
     priority: NotRequired[Priority]
-    """What goes first of what waits. Clients take turns within a priority, and what has waited
+    """Priority among the jobs that wait; clients take turns within it. A job that has waited
     for 30 s goes with the next priority: `low` is delayed by others, never for good."""
     revision: NotRequired[int | None]
     """Revision of the scene; null for its latest."""
@@ -826,23 +828,23 @@ class RelativeGoal(TypedDict):
     frame: NotRequired[str | None]
     """The tool frame: any that the group moves; null for its default."""
     reference: NotRequired[str | None]
-    """The frame by whose axes, as they are at the start, the tool is shifted, and turned about
-    its own origin; null for the tool frame itself."""
+    """Frame in whose axes, as they are at the start, the tool is shifted, and turned about its
+    own origin; null for the tool frame itself."""
     type: Literal["relative"]
-    """Says which goal this is."""
+    """Kind of goal."""
 
 
 class RemoveOperation(TypedDict):
     """Remove an object, the frames that hang on it, and the pairs and margins that name it."""
 
     object: str
-    """Its name."""
+    """Name of the object."""
     op: Literal["remove"]
-    """What to do."""
+    """Kind of the operation."""
 
 
 class Retime(TypedDict):
-    """How to time the path."""
+    """Options for timing the path."""
 
     acceleration_bounds: NotRequired[Mapping[str, Sequence[float]]]
     """Lowest (below 0) and highest (above 0) acceleration, by name of a joint with one
@@ -850,35 +852,36 @@ class Retime(TypedDict):
     acceleration_scale: NotRequired[float]
     """Factor on every acceleration and jerk limit, 0..1."""
     deviation: NotRequired[float | None]
-    """How far corners of the path may be rounded at most [rad or m, joint-space length]; 0 to
-    follow the very path, with a rest at every corner; null for at most 0.1. What refinement
-    makes of a path has no corners."""
+    """Largest distance by which corners of the path may be rounded [rad or m, joint-space
+    length]; 0 to follow the very path with a rest at every corner, null for at most 0.1.
+    Refined paths have no corners."""
     duration: NotRequired[float | None]
-    """How long the motion shall take [s]; null for the least that the limits allow, and less
-    than that is `retiming_failed`."""
+    """Duration of the motion [s]; null for the least that the limits allow, and less than that
+    is `retiming_failed`."""
     effort: NotRequired[bool]
-    """Whether joint torques and forces stay within their limits, gravity and all that is
+    """Whether joint torques and forces must stay within their limits, gravity and all that is
     carried included: check `torque` of the certificate."""
     even_samples: NotRequired[bool]
-    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
-    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    """Whether to deliver samples exactly `sample_period` apart, but for the last, wherever the
+    pieces of the motion meet; `trajectory.interpolations` says what is proven of them."""
     explain: NotRequired[bool]
-    """Report which limit binds when, and what relaxing it would save
-    (`stages.retime.explanation`), once the motion is proven and if there is time; takes some 20
-    ms for each part, with ruckig as long as timing it once more for each limit that binds, six
-    at most."""
+    """Whether to report which limit binds when, and what relaxing it would save
+    (`stages.retime.explanation`), once the motion is proven and if there is time. It takes
+    about 20 ms for each part; with ruckig as long as timing it once more for each limit that
+    binds, six at most."""
     method: NotRequired[Literal["toppra", "ruckig"]]
-    """toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too."""
+    """Method of timing: toppra keeps velocity and acceleration limits; ruckig keeps jerk limits
+    too."""
     num_points: NotRequired[int | None]
-    """Number of samples to deliver, evenly in time, first and last instants included, however
-    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
-    every `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time however far apart, first and last instants
+    included; null for one every `sample_period`, not both. `trajectory.interpolations` says
+    what is proven of them."""
     payload: NotRequired[Payload | None]
-    """What the group carries that the scene does not show; it counts for torques."""
+    """Mass that the group carries and the scene does not show; it counts for torques."""
     sample_period: NotRequired[float | None]
-    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
-    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
-    are `problem_invalid`; null where `num_points` says how many."""
+    """Longest time between delivered samples [s]; null where `num_points` says how many; more
+    than 200000 samples are `problem_invalid`. They lie where the pieces of the motion meet, and
+    evenly between, so that every interpolation of them can be proven."""
     speed_zones: NotRequired[Sequence[SpeedZone]]
     """Boxes in which a frame is slower."""
     tool_limits: NotRequired[Sequence[ToolLimit]]
@@ -891,9 +894,9 @@ class RetimeRequest(TypedDict):
     """Time a path of your own, and prove the motion."""
 
     allowed_time: NotRequired[float]
-    """Give up after this long [s]."""
+    """Time after which to give up [s]."""
     certify: NotRequired[Certify]
-    """What to compute besides the proof."""
+    """Computations besides the proof."""
     group: str | Sequence[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
@@ -903,9 +906,9 @@ class RetimeRequest(TypedDict):
     """Constraints on the whole motion; those relative to the start are relative to the first
     configuration of the given path or motion."""
     polynomial: NotRequired[bool]
-    """Add the exact piecewise polynomial."""
+    """Whether to add the exact piecewise polynomial."""
     retime: NotRequired[Retime]
-    """How to time it."""
+    """Options of the timing."""
     revision: NotRequired[int | None]
     """Revision of the scene; null for its latest."""
     scene: str
@@ -919,18 +922,18 @@ class Roadmap(TypedDict):
     """A roadmap that many plans share; it is built once for a scene as a group sees it."""
 
     neighbours: NotRequired[int]
-    """With how many of the nearest others each is joined, where the way is free."""
+    """Number of nearest others that each is joined with, where the way is free."""
     seed: NotRequired[int]
     """Seed of its samples; the plan's own seed does not change it."""
     states: NotRequired[int]
-    """Free configurations that it has."""
+    """Number of free configurations that it has."""
 
 
 class RobotDocument(TypedDict):
     """A robot in the scene."""
 
     base: NotRequired[PoseDocument]
-    """X_WB, where its base link is welded."""
+    """X_WB, pose at which its base link is welded."""
     model: str
     """Name of a robot (GET /v1/models), or a path of a URDF, SDF or MJCF file."""
     name: str
@@ -938,7 +941,7 @@ class RobotDocument(TypedDict):
     positions: NotRequired[str | Sequence[float] | Mapping[str, float | Sequence[float]] | None]
     """Name of a configuration, values of its default group, or values by joint."""
     weld: NotRequired[bool | None]
-    """Whether its base link is welded to the world at `base`, or floats and starts there; by
+    """Whether its base link is welded to the world at `base`, or floats and starts there. By
     default bases of URDF files are welded, and those of SDF and MJCF files float unless they
     say otherwise themselves."""
 
@@ -947,13 +950,13 @@ class RoundDocument(TypedDict):
     """Radius and length of a cylinder or capsule [m]; the axis is z."""
 
     length: float
-    """Of the cylindrical part [m]."""
+    """Length of the cylindrical part [m]."""
     radius: float
-    """[m]."""
+    """Radius [m]."""
 
 
 type SampleInterpolation = Literal["quintic", "cubic", "cubic_spline", "linear"]
-"""What is between two samples."""
+"""Interpolation between two samples."""
 
 
 class SceneDocument(TypedDict):
@@ -971,11 +974,11 @@ class SceneDocument(TypedDict):
     margins: NotRequired[Sequence[MarginDocument]]
     """Exceptions from `margin`, by pair."""
     name: NotRequired[str]
-    """For people."""
+    """Name for people."""
     objects: NotRequired[Sequence[ObjectDocument]]
     robots: Sequence[RobotDocument]
     version: NotRequired[Literal[1]]
-    """Of this format."""
+    """Version of this format."""
 
 
 class SceneEdit(TypedDict):
@@ -997,23 +1000,23 @@ type SceneOperation = (
     | AllowOperation
     | ForbidOperation
 )
-"""What to do, by `op`."""
+"""Operation on a scene, by `op`."""
 
 
 class ScheduleMotionsRequest(TypedDict):
-    """When to begin the motions of several plans, so that all of them together are proven."""
+    """Find when to begin the motions of several plans, so that all of them together are proven."""
 
     allowed_time: NotRequired[float]
-    """Give up after this long [s]."""
+    """Time after which to give up [s]."""
     limit_jerk: NotRequired[bool]
-    """Hold the whole against the limits on jerk as well."""
+    """Whether to check the whole against the limits on jerk as well."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     plans: Sequence[str]
     """Ids of plans of groups without a common joint, the most urgent first: the first one waits
     least."""
     polynomial: NotRequired[bool]
-    """Add all motions as one, as an exact piecewise polynomial."""
+    """Whether to add all motions as one, as an exact piecewise polynomial."""
     revision: NotRequired[int | None]
     """Revision of the scene; null for its latest."""
     scene: str
@@ -1021,58 +1024,57 @@ class ScheduleMotionsRequest(TypedDict):
 
 
 class Search(TypedDict):
-    """How to search for a path."""
+    """Options for finding a path."""
 
     allowed_planning_time: NotRequired[float]
-    """For the whole plan, all stages, from when the scene is loaded [s]; what it cuts is in
-    `result.cut_short`."""
+    """Time for the whole plan, all stages, from when the scene is loaded [s]; stages that it
+    cuts are in `result.cut_short`."""
     approach_states: NotRequired[int]
-    """Interpolate each straight part to at least this many waypoints; `num_states` is then for
-    the free part."""
+    """Least number of waypoints of each straight part; `num_states` is then for the free part."""
     approximate: NotRequired[bool]
     """Whether a failure has, as evidence `approximate`, the reached configuration that is
     nearest to a goal."""
     attempts: NotRequired[int]
-    """How many solutions to look for; the best by `objective` is kept. Of several planners each
-    has at least one."""
+    """Number of solutions to look for; the best by `objective` is kept. Of several planners
+    each has at least one."""
     bounds: NotRequired[Mapping[str, Sequence[float]]]
     """Lowest and highest value to search in [rad or m], by position name, within the limits."""
     interpolate_time: NotRequired[float | None]
-    """For interpolating each solution to `num_states` [s]; one that takes longer stays as it
-    was (`stages.search.interpolated`). null for as long as there is."""
+    """Time for interpolating each solution to `num_states` [s]; null for as long as there is.
+    One that takes longer stays as it was (`stages.search.interpolated`)."""
     keep_graph: NotRequired[bool]
     """Whether the planner's graph is kept for GET /plans/{id}/graph."""
     num_states: NotRequired[int | None]
-    """Interpolate the path to at least this many waypoints."""
+    """Least number of waypoints to which the path is interpolated."""
     objective: NotRequired[Literal["length", "weighted_length", "clearance", "duration"]]
     """Objective by which solutions are compared, and improved by planners that do so."""
     on_cancel: NotRequired[Literal["discard", "best"]]
-    """What a cancel ends: the plan, or only the search if it has a path by then; that path is
+    """Scope of a cancel: the plan, or only the search if it has a path by then; that path is
     delivered if it can be timed and proven in 0.9 s."""
     parameters: NotRequired[Mapping[str, bool | int | float | str]]
-    """OMPL's names and values of its parameters; of several planners, each takes those that it
-    has."""
+    """Values of the planner's parameters, by their names in OMPL; of several planners, each
+    takes those that it has."""
     planner: NotRequired[str | Sequence[str]]
-    """OMPL's name, see GET /v1/planners; or several, which take turns. `GCS` plans inside
-    regions, and where it cannot the others do, by default RRTConnect."""
+    """Name of the planner in OMPL, see GET /v1/planners; or several names, which take turns.
+    `GCS` plans inside regions, and where it cannot the others do, by default RRTConnect."""
     regions: NotRequired[str | None]
     """Id of the regions that GCS plans in; null for the newest that fit (a plan's `request` has
     the id of those), and where GCS is not among the planners."""
     resolution: NotRequired[float]
     """Largest joint-space distance between two checked states of an edge [rad or m]."""
     roadmap: NotRequired[Roadmap | None]
-    """Look for a path in this roadmap first, and use the planner only where it has none; under
-    `path_constraints` it is one that keeps them."""
+    """Roadmap in which to look for a path first; the planner is used only where it has none.
+    Under `path_constraints` it is one that keeps them."""
     setup_time: NotRequired[float | None]
-    """For setting up the space and the planner, in each attempt [s]; an attempt that took
-    longer gives up. null for as long as it takes."""
+    """Time for setting up the space and the planner, in each attempt [s]; null for as long as
+    it takes. An attempt that took longer gives up."""
     shortcut_time: NotRequired[float | None]
-    """For shortening each solution [s]; 0 for none, null for a share of the rest."""
+    """Time for shortening each solution [s]; 0 for none, null for a share of the rest."""
     solve_time: NotRequired[float | None]
-    """For the planner, in each attempt [s]; null for as long as there is."""
+    """Time for the planner, in each attempt [s]; null for as long as there is."""
     spaces: NotRequired[Mapping[str, Space]]
-    """`position` keeps the rotation of a planar or floating joint, named here, as it is at the
-    start; a turning radius [m] makes a car of a planar joint."""
+    """Restrictions of joints, by name: `position` keeps the rotation of a planar or floating
+    joint as it is at the start; a turning radius [m] makes a car of a planar joint."""
     weights: NotRequired[Mapping[str, float]]
     """Factors of the metric that planners measure by [1], by name of a joint or of one of the
     group's `blocks`; 1 for what is not named."""
@@ -1082,11 +1084,11 @@ class SetPositionsOperation(TypedDict):
     """Put joints of a robot elsewhere; joints that are not named stay where they are."""
 
     op: Literal["set_positions"]
-    """What to do."""
+    """Kind of the operation."""
     positions: str | Sequence[float] | Mapping[str, float | Sequence[float]]
     """Name of a configuration, values of the default group, or values by joint [rad or m]."""
     robot: str
-    """Its name in the scene."""
+    """Name of the robot in the scene."""
 
 
 class ShapeDocument(TypedDict):
@@ -1107,28 +1109,28 @@ class ShapeDocument(TypedDict):
 
 
 type Space = Literal["full", "position"] | Car
-"""How much of a joint is searched, or what a car of it can drive."""
+"""Part of a joint that is searched, or the curves that a car of it can drive."""
 
 
 class SpeedRequest(TypedDict):
     """Change how fast a motion is carried out, and which way."""
 
     speed: float
-    """Seconds of the motion per second: 0 rests on the path, negative goes back along it;
-    beyond 1 and -1 only what has a clock of its own can do."""
+    """Seconds of the motion per second: 0 rests on the path, negative goes back along it; only
+    drivers with a clock of their own go beyond 1 and -1."""
 
 
 class SpeedZone(TypedDict):
-    """How fast the origin of a frame may move while it is in a box."""
+    """Largest speed of the origin of a frame while it is in a box."""
 
     box: Box
-    """Where."""
+    """Box in which the speed is limited."""
     frame: str
-    """Whose origin: any frame of the scene."""
+    """Frame whose origin is limited: any frame of the scene."""
     name: str
-    """For the certificate's check; no two zones share one."""
+    """Name for the certificate's check; no two zones share one."""
     speed: float
-    """At most, in the box [m/s]."""
+    """Largest speed in the box [m/s]."""
 
 
 class SpliceMotionRequest(TypedDict):
@@ -1140,43 +1142,43 @@ class SpliceMotionRequest(TypedDict):
     acceleration_scale: NotRequired[float]
     """Factor on every acceleration and jerk limit, 0..1."""
     allowed_time: NotRequired[float]
-    """Give up after this long [s]."""
+    """Time after which to give up [s]."""
     effort: NotRequired[bool]
-    """Whether joint torques and forces stay within their limits, gravity and all that is
+    """Whether joint torques and forces must stay within their limits, gravity and all that is
     carried included: check `torque` of the certificate."""
     even_samples: NotRequired[bool]
-    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
-    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    """Whether to deliver samples exactly `sample_period` apart, but for the last, wherever the
+    pieces of the motion meet; `trajectory.interpolations` says what is proven of them."""
     group: str | Sequence[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     num_points: NotRequired[int | None]
-    """Number of samples to deliver, evenly in time, first and last instants included, however
-    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
-    every `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time however far apart, first and last instants
+    included; null for one every `sample_period`, not both. `trajectory.interpolations` says
+    what is proven of them."""
     onto: TrajectoryInput
     """The other motion, which is followed to its end."""
     path_constraints: NotRequired[Sequence[Constraint]]
     """Constraints on the whole motion; those relative to the start are relative to the first
     configuration of the given path or motion."""
     payload: NotRequired[Payload | None]
-    """What the group carries that the scene does not show; it counts for torques."""
+    """Mass that the group carries and the scene does not show; it counts for torques."""
     polynomial: NotRequired[bool]
     """Add the exact piecewise polynomial."""
     revision: NotRequired[int | None]
     """Revision of the scene; null for its latest."""
     sample_period: NotRequired[float | None]
-    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
-    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
-    are `problem_invalid`; null where `num_points` says how many."""
+    """Longest time between delivered samples [s]; null where `num_points` says how many; more
+    than 200000 samples are `problem_invalid`. They lie where the pieces of the motion meet, and
+    evenly between, so that every interpolation of them can be proven."""
     scene: str
     """Id of a scene."""
     speed_zones: NotRequired[Sequence[SpeedZone]]
     """Boxes in which a frame is slower."""
     time: float
-    """When it is left, within its duration [s]."""
+    """Time along the running motion at which it is left, within its duration [s]."""
     tool_limits: NotRequired[Sequence[ToolLimit]]
     """Largest speeds and accelerations of frames."""
     trajectory: TrajectoryInput
@@ -1194,47 +1196,47 @@ class StopMotionRequest(TypedDict):
     acceleration_scale: NotRequired[float]
     """Factor on every acceleration and jerk limit, 0..1."""
     allowed_time: NotRequired[float]
-    """Give up after this long [s]."""
+    """Time after which to give up [s]."""
     along_path: NotRequired[bool]
-    """Stay on the path of the running motion, which is slowed down; else every joint brakes by
-    itself."""
+    """Whether to stay on the path of the running motion, which is slowed down; else every joint
+    brakes by itself."""
     effort: NotRequired[bool]
-    """Whether joint torques and forces stay within their limits, gravity and all that is
+    """Whether joint torques and forces must stay within their limits, gravity and all that is
     carried included: check `torque` of the certificate."""
     even_samples: NotRequired[bool]
-    """Deliver samples exactly `sample_period` apart, but for the last, wherever the pieces of
-    the motion meet; `trajectory.interpolations` says what is proven of them."""
+    """Whether to deliver samples exactly `sample_period` apart, but for the last, wherever the
+    pieces of the motion meet; `trajectory.interpolations` says what is proven of them."""
     group: str | Sequence[str]
     """`robot` for its default group, `robot::group`, or a group that the scene names; a list of
     several, or their names joined by `+`, for one group of all their joints, in this order."""
     limit_jerk: NotRequired[bool]
-    """Keep the limits on jerk, which the running motion must keep too; can only be false along
-    the path, where accelerations then may jump, at the first instant too."""
+    """Whether to keep the limits on jerk, which the running motion must keep too. It can only
+    be false along the path, where accelerations then may jump, at the first instant too."""
     margin: NotRequired[float | None]
     """Distance that everything keeps [m]; null for the scene's."""
     num_points: NotRequired[int | None]
-    """Number of samples to deliver, evenly in time, first and last instants included, however
-    far apart that is; `trajectory.interpolations` says what is proven of them; null for one
-    every `sample_period`; not both."""
+    """Number of samples to deliver, evenly in time however far apart, first and last instants
+    included; null for one every `sample_period`, not both. `trajectory.interpolations` says
+    what is proven of them."""
     path_constraints: NotRequired[Sequence[Constraint]]
     """Constraints on the whole motion; those relative to the start are relative to the first
     configuration of the given path or motion."""
     payload: NotRequired[Payload | None]
-    """What the group carries that the scene does not show; it counts for torques."""
+    """Mass that the group carries and the scene does not show; it counts for torques."""
     polynomial: NotRequired[bool]
     """Add the exact piecewise polynomial."""
     revision: NotRequired[int | None]
     """Revision of the scene; null for its latest."""
     sample_period: NotRequired[float | None]
-    """Longest time between delivered samples [s]: they lie where the pieces of the motion meet,
-    and evenly between, so that every interpolation of them can be proven; 200000 at most, more
-    are `problem_invalid`; null where `num_points` says how many."""
+    """Longest time between delivered samples [s]; null where `num_points` says how many; more
+    than 200000 samples are `problem_invalid`. They lie where the pieces of the motion meet, and
+    evenly between, so that every interpolation of them can be proven."""
     scene: str
     """Id of a scene."""
     speed_zones: NotRequired[Sequence[SpeedZone]]
     """Boxes in which a frame is slower."""
     time: float
-    """When it is left, within its duration [s]."""
+    """Time along the running motion at which it is left, within its duration [s]."""
     tool_limits: NotRequired[Sequence[ToolLimit]]
     """Largest speeds and accelerations of frames."""
     trajectory: TrajectoryInput
@@ -1244,7 +1246,7 @@ class StopMotionRequest(TypedDict):
 
 
 class Tolerance(TypedDict):
-    """How far from a target the tool frame may end, in the target's own axes."""
+    """Tolerance of the tool frame about a target, in the target's own axes."""
 
     position: NotRequired[Sequence[float]]
     """Half-widths of a box about the target [m]."""
@@ -1253,21 +1255,21 @@ class Tolerance(TypedDict):
 
 
 class ToolLimit(TypedDict):
-    """How fast the origin of a frame may move."""
+    """Limits on the speed and acceleration of the origin of a frame."""
 
     acceleration: NotRequired[float | None]
-    """At most, in any direction [m/s^2]; null for any."""
+    """Largest acceleration in any direction [m/s^2]; null for any."""
     frame: str
     """Any frame of the scene; each is limited once."""
     speed: NotRequired[float | None]
-    """At most [m/s]; null for any."""
+    """Largest speed [m/s]; null for any."""
 
 
 class TrajectoryInput(TypedDict):
     """A timed motion as `Trajectory` has it: samples, or the exact `polynomial`."""
 
     accelerations: NotRequired[Sequence[Sequence[float]] | None]
-    """One row per instant [rad/s^2 or m/s^2]; null if not known."""
+    """Accelerations, one row per instant [rad/s^2 or m/s^2]; null if not known."""
     duration: NotRequired[float | None]
     """Ignored: it follows from the times [s]."""
     interpolation: NotRequired[SampleInterpolation | None]
@@ -1286,19 +1288,19 @@ class TrajectoryInput(TypedDict):
     times: Sequence[float]
     """Instants of the samples, from 0 [s]."""
     velocities: NotRequired[Sequence[Sequence[float]] | None]
-    """One row per instant [rad/s or m/s]; null if not known."""
+    """Velocities, one row per instant [rad/s or m/s]; null if not known."""
     velocity_names: NotRequired[Sequence[str] | None]
     """Names of the columns of the rates; null for the names of the positions' columns. An order
     that is not the group's needs `joint_names` too."""
 
 
 class Translation(TypedDict):
-    """A way without a turn."""
+    """A translation without a rotation."""
 
     frame: NotRequired[str]
     """Frame in whose axes the vector is, as they stand at the start."""
     vector: Sequence[float]
-    """The way [m]."""
+    """Translation [m]."""
 
 
 class UrRtdeDriver(TypedDict):
@@ -1320,13 +1322,13 @@ type WebhookEvent = Literal[
     "execution.started",
     "execution.finished",
 ]
-"""What a webhook can be told."""
+"""Event that a webhook can be told."""
 
 
 class WebhookRequest(TypedDict):
     """Register an address that is told what happens to jobs."""
 
     events: NotRequired[Sequence[WebhookEvent]]
-    """What is told; by default the ends of all jobs."""
+    """Events that are told; by default the ends of all jobs."""
     url: str
-    """Where messages are posted; answer them with a status of 2xx."""
+    """Address to which messages are posted; answer them with a status of 2xx."""

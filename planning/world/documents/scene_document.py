@@ -80,7 +80,7 @@ class RobotDocument(StrictModel):
         description="Name of a robot (GET /v1/models), or a path of a URDF, SDF or MJCF file"
     )
     base: PoseDocument = Field(
-        default_factory=PoseDocument, description="X_WB, where its base link is welded"
+        default_factory=PoseDocument, description="X_WB, pose at which its base link is welded"
     )
     positions: Name | list[Number] | dict[str, Number | list[Number]] | None = Field(
         default=None,
@@ -88,9 +88,10 @@ class RobotDocument(StrictModel):
     )
     weld: Boolean | None = Field(
         default=None,
-        description="Whether its base link is welded to the world at `base`, or floats and starts "
-        "there; by default bases of URDF files are welded, and those of SDF and MJCF files float "
-        "unless they say otherwise themselves",
+        description="Whether its base link is welded to the world at `base`, or floats "
+        "and starts there. By default bases of URDF files are welded, and "
+        "those of SDF and MJCF files float unless they say otherwise "
+        "themselves",
     )
 
     def value(self) -> SceneRobot:
@@ -125,8 +126,8 @@ class AttachmentDocument(StrictModel):
 class ObjectDocument(StrictModel):
     """An obstacle, or an object to handle."""
 
-    name: Name = Field(description="Of its body and of its frame")
-    shape: ShapeDocument = Field(description="Its geometry [m]")
+    name: Name = Field(description="Name of its body and of its frame")
+    shape: ShapeDocument = Field(description="Geometry of the object [m]")
     pose: PoseDocument = Field(
         default_factory=PoseDocument, description="X_WO; of an attached object X_FO, in its frame"
     )
@@ -143,7 +144,8 @@ class ObjectDocument(StrictModel):
         "the shape at uniform density; a mesh counts as its convex hull",
     )
     center_of_mass: Triple | None = Field(
-        default=None, description="In its frame [m]; none for that of the shape; only with `mass`"
+        default=None,
+        description="Center of mass in its frame [m]; none for that of the shape; only with `mass`",
     )
 
     @model_validator(mode="after")
@@ -173,11 +175,14 @@ class ObjectDocument(StrictModel):
 class FrameDocument(StrictModel):
     """A named pose: a target, a tool point."""
 
-    name: Name = Field(description="Its name")
+    name: Name = Field(description="Name of the frame")
     parent: Path_ = Field(
-        default="world", description="An object, a frame, `robot::link` or `world`"
+        default="world",
+        description="Parent of the frame: an object, a frame, `robot::link` or `world`",
     )
-    pose: PoseDocument = Field(default_factory=PoseDocument, description="X_PF")
+    pose: PoseDocument = Field(
+        default_factory=PoseDocument, description="X_PF, pose of the frame in its parent"
+    )
 
     def value(self) -> SceneFrame:
         """Return the domain's frame."""
@@ -188,14 +193,16 @@ class ConfigurationDocument(StrictModel):
     """A named configuration of a group."""
 
     group: GroupPath = Field(description="`robot`, `robot::group`, or a group of `groups`")
-    positions: list[Number] = Field(description="In the group's order [rad or m]", min_length=1)
+    positions: list[Number] = Field(
+        description="Positions in the group's order [rad or m]", min_length=1
+    )
 
 
 class MarginDocument(StrictModel):
     """A distance that two bodies keep, other than the scene's margin."""
 
     bodies: Annotated[list[Path_], Field(min_length=2, max_length=2)]
-    margin: Distance = Field(description="[m]")
+    margin: Distance = Field(description="Distance that they keep [m]")
 
 
 type BodyPairDocument = Annotated[list[Path_], Field(min_length=2, max_length=2)]
@@ -227,8 +234,8 @@ class SceneDocument(StrictModel):
         }
     )
 
-    version: Literal[1] = Field(default=1, description="Of this format")
-    name: Name = Field(default="scene", description="For people")
+    version: Literal[1] = Field(default=1, description="Version of this format")
+    name: Name = Field(default="scene", description="Name for people")
     robots: list[RobotDocument] = Field(min_length=1, max_length=64)
     objects: list[ObjectDocument] = Field(default=[], max_length=10_000)
     frames: list[FrameDocument] = Field(default=[], max_length=10_000)

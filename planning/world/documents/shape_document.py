@@ -31,8 +31,8 @@ def _per_axis(scale: Any) -> Any:
 class RoundDocument(StrictModel):
     """Radius and length of a cylinder or capsule [m]; the axis is z."""
 
-    radius: Positive = Field(description="[m]")
-    length: Positive = Field(description="Of the cylindrical part [m]")
+    radius: Positive = Field(description="Radius [m]")
+    length: Positive = Field(description="Length of the cylindrical part [m]")
 
 
 class MeshDocument(StrictModel):
@@ -42,7 +42,7 @@ class MeshDocument(StrictModel):
         description="Path of an .obj, .vtk or .gltf file"
     )
     scale: Annotated[Sizes, BeforeValidator(_per_axis)] = Field(
-        default=[1.0, 1.0, 1.0], description="One factor, or one per axis"
+        default=[1.0, 1.0, 1.0], description="Factor on the size, or one factor per axis [1]"
     )
 
 
@@ -50,7 +50,7 @@ class ConvexDocument(StrictModel):
     """The convex hull of points."""
 
     points: Annotated[list[Point], Field(min_length=4, max_length=10_000)] = Field(
-        description="[m]; not all in one plane"
+        description="Points [m]; not all in one plane"
     )
 
 

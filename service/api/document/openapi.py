@@ -13,7 +13,7 @@ from service.api.failures.problem import Problem
 _REF = "#/components/schemas/{model}"
 _TAGS = [
     {"name": "models", "description": "Robots there are"},
-    {"name": "scenes", "description": "What the robots stand in"},
+    {"name": "scenes", "description": "Robots and their surroundings"},
     {"name": "queries", "description": "Questions to a scene, answered at once"},
     {"name": "planners", "description": "OMPL's planners"},
     {"name": "plans", "description": "Certified motions, made by durable jobs"},

@@ -17,7 +17,7 @@ from service.api.models import LineStopReason
 
 @with_config(OPEN)
 class LineStopEvidence(TypedDict):
-    """Where and why a straight line stops."""
+    """Place and reason of a straight line's stop."""
 
     reason: LineStopReason
     """Reason why the line stops"""
@@ -40,9 +40,9 @@ class NearestPoseEvidence(TypedDict):
     """The feasible pose of the tool that is nearest to the goal."""
 
     position: list[float]
-    """x, y, z in world [m]"""
+    """Position x, y, z in world [m]"""
     quaternion: list[float]
-    """w, x, y, z in world"""
+    """Rotation w, x, y, z in world"""
     positions: list[float]
     """The group's positions there [rad or m]"""
     translation_error: float
@@ -50,13 +50,13 @@ class NearestPoseEvidence(TypedDict):
     rotation_error: float
     """Angle from the goal, its tolerance aside [rad]"""
     pose_index: int
-    """Which of the goal's poses it is nearest to, from 0"""
+    """Index of the goal's pose that it is nearest to, from 0"""
     goal: PlainPose
     """The goal's pose, moved within its tolerance to be as near as possible"""
     binding: (
         Literal["collision", "path_constraint", "approach", "retreat", "limits", "reach"] | None
     )
-    """What keeps it from being nearer; null where time ran out before that was known"""
+    """Reason why it is not nearer; null where time ran out before that was known"""
     joints: list[str]
     """Coordinates at their limits"""
     pairs: list[Bodies]
@@ -64,7 +64,7 @@ class NearestPoseEvidence(TypedDict):
     constraints: list[str]
     """Path constraints that would be violated nearer to the goal"""
     line: dict[str, object] | None
-    """Where and why its approach or retreat would stop nearer to the goal"""
+    """Place and reason of a stop of its approach or retreat nearer to the goal"""
     cut_short: bool
     """Whether time ran out, so that a nearer pose may exist"""
 
@@ -80,9 +80,9 @@ class NearestConfigurationEvidence(TypedDict):
     differences: dict[str, float]
     """Difference from the goal's configuration, by coordinate [rad or m]"""
     goal_index: int
-    """Which of the goal's configurations it is nearest to, from 0"""
+    """Index of the goal's configuration that it is nearest to, from 0"""
     binding: Literal["collision", "path_constraint", "limits"]
-    """What keeps it from being nearer"""
+    """Reason why it is not nearer"""
     joints: list[str]
     """Coordinates at their limits"""
     pairs: list[Bodies]
@@ -98,11 +98,11 @@ class LargerTolerance(TypedDict):
     """Tolerances with which the nearest pose solves the goal."""
 
     pose_index: int
-    """Of the goal's pose, from 0"""
+    """Index of the goal's pose, from 0"""
     position: list[float]
-    """Along x, y, z of the goal [m]"""
+    """Tolerance along x, y, z of the goal [m]"""
     rotation: list[float]
-    """About x, y, z of the goal [rad]"""
+    """Tolerance about x, y, z of the goal [rad]"""
 
 
 @with_config(OPEN)
@@ -110,9 +110,9 @@ class PartialPose(TypedDict):
     """A configuration that keeps the rest of the pose."""
 
     error: float
-    """By which the position [m] or the rotation [rad] is off"""
+    """Error of the position [m] or of the rotation [rad]"""
     pose_index: int
-    """Of the goal's pose, from 0"""
+    """Index of the goal's pose, from 0"""
     positions: list[float]
     """The group's positions [rad or m]"""
 
@@ -122,9 +122,9 @@ class RemovedBody(TypedDict):
     """A body without which the goal is feasible."""
 
     body: str
-    """Its full name"""
+    """Full name of the body"""
     pose_index: int
-    """Of the goal's pose that is reached then, from 0"""
+    """Index of the goal's pose that is reached then, from 0"""
     positions: list[float]
     """The group's positions then [rad or m]"""
 
@@ -138,14 +138,14 @@ class RelaxedConstraint(TypedDict):
     value: float | None
     """The bound that is sufficient, in `unit`; null where it would have to be left out"""
     bound: float | None
-    """The bound that there is, in `unit`"""
+    """Present bound, in `unit`"""
     unit: str
-    """Of both; `1` for a number without one"""
+    """Unit of both bounds; `1` for a number without one"""
     joint: NotRequired[str]
-    """Of constraints on joints, the worst one"""
+    """Worst joint, for constraints on joints"""
 
     pose_index: int
-    """Of the goal's pose that is reached then, from 0"""
+    """Index of the goal's pose that is reached then, from 0"""
     positions: list[float]
     """The group's positions then [rad or m]"""
 
@@ -173,17 +173,17 @@ class ToolRelaxation(TypedDict):
     retreat: NotRequired[float | None]
     """Length of a retreat that is free [m]"""
     pose_index: NotRequired[int | None]
-    """Of the goal's pose that these lengths are for, from 0"""
+    """Index of the goal's pose that these lengths are for, from 0"""
     remove: NotRequired[RemovedBody | None]
     """A body to be removed"""
 
 
 @with_config(OPEN)
 class ConfigurationRelaxation(TypedDict):
-    """What all would have to change for the least infeasible of the goal's configurations."""
+    """All changes that the least infeasible of the goal's configurations needs."""
 
     goal_index: int
-    """Which of the goal's configurations, from 0"""
+    """Index of the goal's configuration, from 0"""
     positions: list[float]
     """The group's positions [rad or m]"""
     limits: list[ViolatedLimit]

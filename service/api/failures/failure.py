@@ -19,7 +19,7 @@ FailureCode = enum_of(
 
 
 class Failure(CodedUnion):
-    """Why a job has no result: its `code` says what its `evidence` has.
+    """Reason why a job has no result: its `code` says what its `evidence` has.
 
     Codes and evidence of older versions are passed on as they are.
     """

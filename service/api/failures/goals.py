@@ -47,7 +47,7 @@ class GoalLimitsEvidence(TypedDict):
     nearest: NotRequired[Nearest]
     """The nearest feasible configuration, null if none was found"""
     relaxation: NotRequired[Relaxation]
-    """What would have to change"""
+    """Changes that would be sufficient"""
 
 
 @with_config(OPEN)
@@ -55,18 +55,18 @@ class GoalEvidence(TypedDict):
     """Why no goal configuration is feasible, and what would have to change."""
 
     funnel: FunnelEvidence
-    """How many samples passed each test"""
+    """Number of samples that passed each test"""
     pairs: NotRequired[list[ViolatingPair]]
-    """Of given configurations, the pairs of the least infeasible one"""
+    """Pairs of the least infeasible of the given configurations"""
     nearest: NotRequired[Nearest]
     """The nearest feasible pose or configuration, null if none was found"""
     relaxation: NotRequired[Relaxation]
-    """What would have to change"""
+    """Changes that would be sufficient"""
 
 
 @with_config(OPEN)
 class CountedViolation(TypedDict):
-    """How many goal configurations violate one path constraint."""
+    """Number of goal configurations that violate one path constraint."""
 
     constraint: str
     """Its place in the request and its kind"""
@@ -81,16 +81,16 @@ class GoalConstraintEvidence(TypedDict):
     """Path constraints that all goal configurations violate."""
 
     violations: list[CountedViolation]
-    """By constraint, the most frequent first"""
+    """Violations by constraint, the most frequent first"""
     nearest: NotRequired[Nearest]
     """The nearest feasible pose or configuration, null if none was found"""
     relaxation: NotRequired[Relaxation]
-    """Which constraint would have to give way, and how far"""
+    """Constraint that would have to give way, and how far"""
 
 
 @with_config(OPEN)
 class LineEvidence(TypedDict):
-    """Where a straight line stops."""
+    """Place at which a straight line stops."""
 
     line: int
     """Index of the goal's line, from 0"""

@@ -12,29 +12,29 @@ class DocumentFault(TypedDict):
     """One fault of a document or of a parameter."""
 
     path: str
-    """Its place, as names and numbers with dots"""
+    """Place of the fault, as names and numbers with dots"""
     pointer: str
-    """The same as a JSON pointer (RFC 6901); empty for the root and for parameters"""
+    """Place of the fault as a JSON pointer (RFC 6901); empty for the root and for parameters"""
     message: str
     """What is wrong there, for a person"""
     nearest: NotRequired[list[str]]
     """Names that were perhaps meant, the nearest first"""
     line: NotRequired[int | None]
-    """In the text, from 1; null where it is not known"""
+    """Line in the text, from 1; null where it is not known"""
     type: NotRequired[str]
     """Kind of the fault, as the library calls it that checks documents"""
 
 
 @with_config(OPEN)
 class SceneFaultEvidence(TypedDict):
-    """Where a scene document has a fault."""
+    """Place of a fault in a scene document."""
 
     path: NotRequired[str]
-    """Its place, as names and numbers with dots; empty for the root"""
+    """Place of the fault, as names and numbers with dots; empty for the root"""
     pointer: NotRequired[str]
-    """The same as a JSON pointer"""
+    """Place of the fault as a JSON pointer"""
     line: NotRequired[int | None]
-    """In the text, from 1; null where it is not known"""
+    """Line in the text, from 1; null where it is not known"""
     faults: NotRequired[list[DocumentFault]]
     """All of them, where there may be several"""
     bound: NotRequired[int]
@@ -43,7 +43,7 @@ class SceneFaultEvidence(TypedDict):
 
 @with_config(OPEN)
 class SceneEditEvidence(TypedDict):
-    """Which operation cannot be applied, and what is in its way."""
+    """Operation that cannot be applied, and what is in its way."""
 
     operation: NotRequired[int]
     """Index of the operation, from 0"""
@@ -67,19 +67,19 @@ class SceneEditEvidence(TypedDict):
 
 @with_config(OPEN)
 class AssetEvidence(TypedDict):
-    """Which file does not exist."""
+    """File that does not exist."""
 
     uri: str
     """Name of the file in the scene or in the model"""
     known: NotRequired[list[str]]
     """Names that exist"""
     path: NotRequired[str]
-    """Its place in the scene"""
+    """Place of the name in the scene"""
 
 
 @with_config(OPEN)
 class ModelEvidence(TypedDict):
-    """What is wrong with a robot, or with one of its files."""
+    """Fault of a robot, or of one of its files."""
 
     reason: str
     """What is wrong"""
@@ -103,10 +103,10 @@ class ModelEvidence(TypedDict):
 
 @with_config(OPEN)
 class ProblemFieldEvidence(TypedDict):
-    """Which field of a request is wrong; other members say what is in its way."""
+    """Field of a request that is wrong; other members say what is in its way."""
 
     field: str
-    """Its place in the request, as names and numbers with dots"""
+    """Place of the field in the request, as names and numbers with dots"""
 
 
 @with_config(OPEN)
@@ -127,18 +127,18 @@ class NameEvidence(TypedDict):
 
 @with_config(OPEN)
 class FaultsEvidence(TypedDict):
-    """Where a body or its parameters have faults."""
+    """Faults of a body or of its parameters."""
 
     faults: list[DocumentFault]
-    """At most 20 of them"""
+    """Faults, at most 20 of them"""
 
 
 @with_config(OPEN)
 class CountEvidence(TypedDict):
-    """How many values a list should have."""
+    """Number of values that a list should have."""
 
     field: NotRequired[str]
-    """Its place in the request"""
+    """Place of the list in the request"""
     expected: int
     """Number of values that are expected"""
     got: int

@@ -9,7 +9,7 @@ from service.api.failures.parts import OPEN
 
 @with_config(OPEN)
 class QueueFullEvidence(TypedDict):
-    """How full a queue is."""
+    """Number of jobs in a queue that is full."""
 
     queue: str
     """Name of the queue"""
@@ -23,7 +23,7 @@ class QueueFullEvidence(TypedDict):
 
 @with_config(OPEN)
 class QueueTimeoutEvidence(TypedDict):
-    """How long a question waited for a worker."""
+    """Time that a question waited for a worker."""
 
     queue: str
     """Name of the queue"""
@@ -37,7 +37,7 @@ class QueueTimeoutEvidence(TypedDict):
 
 @with_config(OPEN)
 class IdempotencyEvidence(TypedDict):
-    """What the first request with the key made."""
+    """Resource that the first request with the key made."""
 
     key: str
     """The key"""
@@ -51,7 +51,7 @@ class IdempotencyEvidence(TypedDict):
 
 @with_config(OPEN)
 class InUseEvidence(TypedDict):
-    """What is not deleted, and because of what."""
+    """Resource that is not deleted, and what uses it."""
 
     id: str
     """Id of the resource"""
@@ -61,7 +61,7 @@ class InUseEvidence(TypedDict):
 
 @with_config(OPEN)
 class JobIdEvidence(TypedDict):
-    """Which job does not exist."""
+    """Job that does not exist."""
 
     id: str
     """Id that was given"""
@@ -90,7 +90,7 @@ class ForeignTableEvidence(TypedDict):
     """Which table is not one of this program."""
 
     table: str
-    """Its name"""
+    """Name of the table"""
     missing: list[str]
     """Columns that it lacks"""
 
@@ -107,7 +107,7 @@ class BackupEvidence(TypedDict, total=False):
 
 @with_config(OPEN)
 class DatabaseTakenEvidence(TypedDict):
-    """Which server has the database."""
+    """Server that has the database."""
 
     epoch: int
     """Epoch of this server"""
@@ -120,9 +120,9 @@ class StorageEvidence(TypedDict):
     """Why nothing is written."""
 
     reason: str
-    """What the database or the file system said"""
+    """Message of the database or the file system"""
     retry_after: float
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)
@@ -130,7 +130,7 @@ class WorkerCrashedEvidence(TypedDict):
     """How the worker's process died."""
 
     attempts: int
-    """How often the job was started"""
+    """Number of times that the job was started"""
     exit_code: int | None
     """Exit code; negative where a signal ended the worker, null if unknown"""
     signal: NotRequired[str | None]
@@ -143,50 +143,50 @@ class WorkerCrashedEvidence(TypedDict):
 
 @with_config(OPEN)
 class WorkerSilentEvidence(TypedDict):
-    """How long the worker's process said nothing."""
+    """Time for which the worker's process said nothing."""
 
     silence: float
     """Seconds"""
     attempts: NotRequired[int]
-    """How often the job was started"""
+    """Number of times that the job was started"""
     during: NotRequired[str]
     """The stage that it told last"""
 
 
 @with_config(OPEN)
 class HostLostEvidence(TypedDict):
-    """Which machine was lost."""
+    """Machine that was lost."""
 
     host: str
-    """Its address and the first digits of its id"""
+    """Address of the machine and the first digits of its id"""
     attempts: NotRequired[int]
-    """How often the job was started"""
+    """Number of times that the job was started"""
     during: NotRequired[str]
     """The stage that it told last"""
 
 
 @with_config(OPEN)
 class MemoryEvidence(TypedDict):
-    """How much memory the worker used."""
+    """Memory that the worker used."""
 
     used: int
     """Largest memory that was seen [bytes]"""
     bound: int
     """Memory that the worker may use [bytes]"""
     attempts: NotRequired[int]
-    """How often the job was started"""
+    """Number of times that the job was started"""
     during: NotRequired[str]
     """The stage that it told last"""
 
 
 @with_config(OPEN)
 class RestartEvidence(TypedDict):
-    """How often the job was started."""
+    """Number of times that the job was started."""
 
     attempts: int
     """Number of times that it was started"""
     reason: NotRequired[str]
-    """Why the server ended it, if it did"""
+    """Reason why the server ended it, if it did"""
     during: NotRequired[str]
     """The stage that it told last"""
 

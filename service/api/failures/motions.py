@@ -23,12 +23,12 @@ class Approximation(TypedDict):
 
 @with_config(OPEN)
 class SearchEvidence(TypedDict):
-    """What a search without a path did; members that its planner does not tell are absent."""
+    """Facts of a search without a path; members that its planner does not tell are absent."""
 
     planner: NotRequired[str]
-    """OMPL's name; of several, all"""
+    """Name of the planner in OMPL; of several, all names"""
     reason: NotRequired[str]
-    """What left nothing to search for: `start`, `goals` or `setup`"""
+    """Reason why nothing was left to search for: `start`, `goals` or `setup`"""
     locked: NotRequired[list[str]]
     """Locked joints that no goal has at their start positions"""
     padding: NotRequired[float]
@@ -40,7 +40,7 @@ class SearchEvidence(TypedDict):
     num_states_checked: NotRequired[int]
     """Number of configurations checked for collision"""
     status: NotRequired[str]
-    """OMPL's word for how its last attempt ended"""
+    """Status of its last attempt, as OMPL names it"""
     num_vertices: NotRequired[int | None]
     """Number of configurations that the planner kept; null where it does not tell"""
     num_edges: NotRequired[int | None]
@@ -57,14 +57,15 @@ class SearchEvidence(TypedDict):
     approximate: NotRequired[Approximation | None]
     """The nearest that the search came to a goal, if the request wants it"""
     graph: NotRequired[dict[str, object]]
-    """What the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`"""
+    """Graph that the planner explored, if the request wants it: as of `GET /v1/plans/{plan}/graph`
+    """
     roadmap: NotRequired[dict[str, object]]
-    """What a roadmap did, if the request has one: as in a search's report"""
+    """Use of a roadmap, if the request has one: as in a search's report"""
 
 
 @with_config(OPEN)
 class DeadlineEvidence(TypedDict):
-    """What had been done when the time was over; of a search, as in `SearchEvidence`."""
+    """Work that was done when the time was over; of a search, as in `SearchEvidence`."""
 
     allowed: NotRequired[float]
     """Time that was allowed [s]"""
@@ -73,37 +74,39 @@ class DeadlineEvidence(TypedDict):
     waited: NotRequired[float]
     """Time that the question waited for a worker before [s]"""
     funnel: NotRequired[FunnelEvidence]
-    """In the stage `goals`, how many samples passed each test until then"""
+    """In the stage `goals`, number of samples that passed each test until then"""
     max_trials: NotRequired[int]
-    """In the stage `goals`, how many samples were to be tried"""
+    """In the stage `goals`, number of samples to be tried"""
     cut_short: NotRequired[bool]
     """In the stage `goals`, that the funnel is not complete"""
     planner: NotRequired[str]
-    """In the stage `search`, OMPL's name; of several, all"""
+    """In the stage `search`, name of the planner in OMPL; of several, all names"""
     attempts: NotRequired[int]
-    """In the stage `search`, how many were made"""
+    """In the stage `search`, number of attempts"""
     num_goals: NotRequired[int]
-    """In the stage `search`, goal configurations"""
+    """In the stage `search`, number of goal configurations"""
     num_states_checked: NotRequired[int]
-    """In the stage `search`, configurations checked for collision"""
+    """In the stage `search`, number of configurations checked for collision"""
     goal_distance: NotRequired[float | None]
-    """In the stage `search`, from the nearest to a goal, as a length in joint space [rad or m]"""
+    """In the stage `search`, distance from the nearest configuration to a goal, as a length in
+    joint space [rad or m]
+    """
     approximate: NotRequired[Approximation | None]
-    """In the stage `search`, the nearest to a goal, if the request wants it"""
+    """In the stage `search`, the nearest configuration to a goal, if the request wants it"""
     graph: NotRequired[dict[str, object]]
-    """In the stage `search`, what the planner explored, if the request wants it"""
+    """In the stage `search`, graph that the planner explored, if the request wants it"""
 
 
 @with_config(OPEN)
 class CancelEvidence(TypedDict):
-    """Where a cancel came."""
+    """Place of a cancel."""
 
     during: NotRequired[str]
     """Work during which the cancel came"""
     time: NotRequired[float]
     """Time along the motion of an execution [s]"""
     reason: NotRequired[str]
-    """Why the server ended it; absent if a client did"""
+    """Reason why the server ended it; absent if a client did"""
 
 
 @with_config(OPEN)
@@ -169,7 +172,7 @@ class Encounter(TypedDict):
     distance: float
     """Distance of both bodies then, negative where they overlap [m]"""
     times: dict[str, float]
-    """When they meet, by the time of each group's own motion [s]"""
+    """Time of the encounter on each group's own motion [s]"""
     waiting: NotRequired[str]
     """Group that does not avoid the encounter, however long it waits"""
 
@@ -183,9 +186,11 @@ class ScheduleEvidence(TypedDict):
     pair: list[str]
     """The two bodies that meet first"""
     time: float
-    """When, by the time of the motion that is then under way [s]"""
+    """Time of the encounter on the motion that is then under way [s]"""
     encounters: list[Encounter]
-    """Of two motions what either meets that waits; of more, what each two must avoid"""
+    """For two motions, the encounters of whichever waits; for more, the encounters that each two
+    must avoid
+    """
 
 
 @with_config(OPEN)
@@ -193,13 +198,13 @@ class GraspEvidence(TypedDict):
     """Why fingers do not hold an object."""
 
     object: str
-    """Its name"""
+    """Name of the object"""
     width: float
-    """How far the fingers are apart where they have closed [m]"""
+    """Distance of the fingers where they have closed [m]"""
     distances: list[float | None]
-    """Between the object and each finger then [m]; null beyond 5 cm"""
+    """Distance between the object and each finger then [m]; null beyond 5 cm"""
     bound: float
-    """What they may be [m]"""
+    """Largest distances that are allowed [m]"""
 
 
 @with_config(OPEN)
@@ -228,7 +233,7 @@ class CertificateEvidence(TypedDict):
 
 @with_config(OPEN)
 class TransitionEvidence(TypedDict):
-    """What a state does not allow."""
+    """Event that a state does not allow."""
 
     state: str
     """State at present"""
@@ -240,7 +245,7 @@ class TransitionEvidence(TypedDict):
 
 @with_config(OPEN)
 class TrackingEvidence(TypedDict):
-    """How far the robot is off."""
+    """Tracking error of the robot."""
 
     error: float | None
     """Tracking error [rad or m]; null where a simulation diverged"""
@@ -252,7 +257,7 @@ class TrackingEvidence(TypedDict):
 
 @with_config(OPEN)
 class ContactEvidence(TypedDict):
-    """What touched what."""
+    """Bodies that touched."""
 
     pair: list[str]
     """Full names of both bodies"""
@@ -268,7 +273,7 @@ class ContactEvidence(TypedDict):
 
 @with_config(OPEN)
 class TorqueEvidence(TypedDict):
-    """Which joint's torque was at its limit, and for how long."""
+    """Joint whose torque was at its limit, and for how long."""
 
     joint: str
     """Full name of the joint"""
@@ -277,14 +282,14 @@ class TorqueEvidence(TypedDict):
     bound: float
     """Limit of that torque or force [N m or N]"""
     seconds: float
-    """How long some joint was at its limit [s]"""
+    """Time for which some joint was at its limit [s]"""
     time: float
     """Time along the motion [s]"""
 
 
 @with_config(OPEN)
 class PathBlockedEvidence(TypedDict):
-    """What of a motion does not hold in the scene as it was edited."""
+    """Part of a motion that does not hold in the scene as it was edited."""
 
     check: str
     """Name of the failed check of the certificate"""
@@ -302,11 +307,11 @@ class PathBlockedEvidence(TypedDict):
 
 @with_config(OPEN)
 class DriverLostEvidence(TypedDict):
-    """Which driver was lost, and what is known of its robot."""
+    """Driver that was lost, and what is known of its robot."""
 
     driver: str
     """Name of the driver"""
     reason: str
-    """What happened"""
+    """Reason of the loss"""
     rests: bool
     """Whether the robot is known to rest where it was last measured"""

@@ -26,9 +26,9 @@ class PlainPose(TypedDict):
     """A pose in world."""
 
     position: list[float]
-    """x, y, z [m]"""
+    """Position x, y, z [m]"""
     quaternion: list[float]
-    """w, x, y, z"""
+    """Rotation w, x, y, z"""
 
 
 @with_config(OPEN)
@@ -68,7 +68,7 @@ class ConstraintViolation(TypedDict):
     """A path constraint that is violated."""
 
     constraint: str
-    """Its place in the request and its kind"""
+    """Place of the constraint in the request and its kind"""
     value: float | None
     """Value of the constraint, in `unit`"""
     bound: float | None
@@ -81,7 +81,7 @@ class ConstraintViolation(TypedDict):
 
 @with_config(OPEN)
 class RejectedPair(TypedDict):
-    """How many configurations were rejected with one pair as the deepest collision."""
+    """Number of configurations that were rejected with one pair as the deepest collision."""
 
     bodies: Bodies
     """Full names of both bodies"""
@@ -95,7 +95,7 @@ class RejectedPair(TypedDict):
 
 @with_config(OPEN)
 class BlockedMoves(TypedDict):
-    """How many approaches or retreats stopped for one reason."""
+    """Number of approaches or retreats that stopped for one reason."""
 
     leg: LineLeg
     """`approach` or `retreat`"""
@@ -129,7 +129,7 @@ class RejectedSamples(TypedDict):
 
 @with_config(OPEN)
 class FunnelEvidence(TypedDict):
-    """How many samples of inverse kinematics pass each test."""
+    """Number of samples of inverse kinematics that pass each test."""
 
     tried: int
     """Number of seeds given to the solver"""
@@ -150,8 +150,8 @@ class FunnelEvidence(TypedDict):
     rejected_by: list[RejectedPair]
     """Collisions by pair, the most frequent first"""
     blocked_by: NotRequired[list[BlockedMoves]]
-    """What stopped approaches and retreats, the most frequent first"""
+    """Reasons that stopped approaches and retreats, the most frequent first"""
     rejected: NotRequired[list[RejectedSamples]]
-    """Why the others are not among the distinct ones; the counts add up to those tried"""
+    """Reasons why the others are not among the distinct ones; the counts add up to those tried"""
     summary: NotRequired[str]
-    """The same as a sentence"""
+    """Summary of the funnel as a sentence"""

@@ -27,7 +27,7 @@ class ProblemError(BaseModel):
 
 
 class Problem(CodedUnion):
-    """Why a request was refused (`application/problem+json`, RFC 9457).
+    """Reason why a request was refused (`application/problem+json`, RFC 9457).
 
     Its `code` says what its `evidence` has.
     """

@@ -29,39 +29,39 @@ class HostEvidence(TypedDict):
 
 @with_config(OPEN)
 class OriginEvidence(TypedDict):
-    """Whose page asked."""
+    """Origin of the page that asked."""
 
     origin: str
-    """As the request has it"""
+    """Origin in the request"""
 
 
 @with_config(OPEN)
 class TimeoutEvidence(TypedDict):
-    """How long a body may take."""
+    """Time that a body may take."""
 
     allowed: float
-    """Seconds"""
+    """Time that is allowed [s]"""
 
 
 @with_config(OPEN)
 class UnknownResourceEvidence(TypedDict):
-    """What does not exist; empty where the address leads nowhere."""
+    """Resource that does not exist; empty where the address leads nowhere."""
 
     kind: NotRequired[str]
-    """What was looked for"""
+    """Kind of what was looked for"""
     id: NotRequired[str]
-    """As it was given"""
+    """Id that was given"""
     name: NotRequired[str]
     """Name of the model that was asked for"""
     known: NotRequired[list[str]]
-    """Names of models that there are"""
+    """Names of models that exist"""
     nearest: NotRequired[list[str]]
-    """Of these, those that were perhaps meant, the nearest first"""
+    """Known names that were perhaps meant, the nearest first"""
 
 
 @with_config(OPEN)
 class AddressEvidence(TypedDict):
-    """Where a webhook may not lead."""
+    """Address that a webhook may not lead to."""
 
     host: str
     """Host in the URL"""
@@ -74,31 +74,31 @@ class ReadinessEvidence(TypedDict):
     """Why the server is not ready."""
 
     faults: NotRequired[dict[str, str]]
-    """By kind of work, why none of its workers is"""
+    """Reason why no worker is ready, by kind of work"""
     retry_after: NotRequired[float]
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)
 class NoTrajectoryEvidence(TypedDict):
-    """What there is instead of a motion."""
+    """State of a plan that has no motion."""
 
     id: NotRequired[str]
     """Id of the plan"""
     state: NotRequired[str]
     """State of the plan"""
     failure: NotRequired[dict[str, Any] | None]
-    """Why it has no motion, if it ended without one"""
+    """Reason why it has no motion, if it ended without one"""
 
 
 @with_config(OPEN)
 class NoRegionsEvidence(TypedDict):
-    """Which regions were looked for."""
+    """Regions that were looked for."""
 
     scene: NotRequired[str]
-    """The scene"""
+    """Id of the scene"""
     digest: str
-    """Of its content"""
+    """Digest of the scene's content"""
     group: str
     """Group that the regions are for"""
     margin: float
@@ -109,7 +109,7 @@ class NoRegionsEvidence(TypedDict):
 
 @with_config(OPEN)
 class StartMismatchEvidence(TypedDict):
-    """Where a plan starts, and where the robot is."""
+    """Start of a plan, and positions of the robot."""
 
     start: list[float]
     """Start of the plan [rad or m]"""
@@ -125,7 +125,7 @@ class StartMismatchEvidence(TypedDict):
 
 @with_config(OPEN)
 class RobotStateEvidence(TypedDict):
-    """Which robots have to be looked at."""
+    """Robots that have to be looked at."""
 
     robots: list[str]
     """Names of the robots"""
@@ -133,7 +133,7 @@ class RobotStateEvidence(TypedDict):
 
 @with_config(OPEN)
 class BusyEvidence(TypedDict):
-    """What moves a robot, or waits for it."""
+    """Execution that moves a robot, or waits for it."""
 
     execution: str
     """Id of the execution"""
@@ -148,12 +148,12 @@ class RevisionEvidence(TypedDict):
     revision: int
     """Revision that the request names"""
     latest: int
-    """That there is"""
+    """Latest revision"""
 
 
 @with_config(OPEN)
 class EntityTagEvidence(TypedDict):
-    """Which revision the scene is at."""
+    """Revision that the scene is at."""
 
     revision: int
     """Latest revision"""
@@ -165,7 +165,7 @@ class EntityTagEvidence(TypedDict):
 
 @with_config(OPEN)
 class DigestEvidence(TypedDict):
-    """Which scene is not kept."""
+    """Scene that is not kept."""
 
     digest: str
     """Digest of the content of the scene"""
@@ -173,7 +173,7 @@ class DigestEvidence(TypedDict):
 
 @with_config(OPEN)
 class SizeEvidence(TypedDict):
-    """How large a body may be."""
+    """Largest size that a body may have."""
 
     bound: NotRequired[int]
     """Largest number of bytes that is read"""
@@ -183,17 +183,17 @@ class SizeEvidence(TypedDict):
 
 @with_config(OPEN)
 class MediaTypeEvidence(TypedDict):
-    """What is read instead."""
+    """Content types that are read instead."""
 
     got: NotRequired[str]
     """The content type that came"""
     known: NotRequired[list[str]]
-    """Those that are read"""
+    """Content types that are read"""
 
 
 @with_config(OPEN)
 class ScopeEvidence(TypedDict):
-    """What a key is not good for."""
+    """Scope that a key lacks."""
 
     needed: str
     """The scope that the operation needs"""
@@ -203,12 +203,12 @@ class ScopeEvidence(TypedDict):
 
 @with_config(OPEN)
 class RateEvidence(TypedDict):
-    """How many requests a caller may make."""
+    """Number of requests that a caller may make."""
 
     limit: str
-    """As the server's settings have it, such as `600/minute`"""
+    """Limit in the server's settings, such as `600/minute`"""
     retry_after: float
-    """When to ask again [s]"""
+    """Time after which to ask again [s]"""
 
 
 @with_config(OPEN)

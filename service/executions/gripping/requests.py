@@ -26,25 +26,29 @@ _EXAMPLES: list[Any] = [
 class Grasp(RequestModel):
     """Close on an object, and hold it from then on."""
 
-    object: BodyName = Field(description="Its name; it must be `movable`, and between the fingers")
+    object: BodyName = Field(
+        description="Name of the object; it must be `movable`, and between the fingers"
+    )
     frame: FrameName | None = Field(
         default=None,
-        description="That it follows from then on; null for the first tool frame of the gripper",
+        description="Frame that the object follows from then on; null for the first tool "
+        "frame of the gripper",
     )
     touch: Annotated[list[BodyName], Field(max_length=1000)] | None = Field(
         default=None,
-        description="Bodies that it may touch then; null for those of `attach`: the fingers, and "
-        "what moves rigidly with the frame",
+        description="Bodies that the object may touch then; null for those of `attach`: "
+        "the fingers, and bodies that move rigidly with the frame",
     )
     gap: Annotated[Real, Field(ge=0.0001, le=0.01)] = Field(
         default=0.0002,
-        description="Distance that the nearest finger keeps from it [m]: the grasp is a weld, not "
-        "a contact, and a simulated robot that touches something is stopped",
+        description="Distance that the nearest finger keeps from the object [m]. The "
+        "grasp is a weld, not a contact, and a simulated robot that touches "
+        "something is stopped",
     )
     reach: Annotated[Real, Field(ge=0.0001, le=0.1)] = Field(
         default=0.002,
-        description="Largest distance of any finger from it [m], else it is not held "
-        "(`grasp_missed`)",
+        description="Largest distance of any finger from the object [m]; beyond it the "
+        "object is not held (`grasp_missed`)",
     )
 
 
@@ -57,8 +61,9 @@ class GripperRequest(RequestModel):
     group: GroupName = Field(description=f"A group that is a gripper: {GROUP}")
     width: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None,
-        description="How far apart the fingers shall be [m], from 0 to `gripper.max_width` of the "
-        "group; null to close on the object of `grasp`",
+        description="Distance that the fingers shall have [m], from 0 to "
+        "`gripper.max_width` of the group; null to close on the object of "
+        "`grasp`",
     )
     grasp: Grasp | None = Field(
         default=None,
@@ -67,7 +72,8 @@ class GripperRequest(RequestModel):
     )
     release: Name | None = Field(
         default=None,
-        description="An object that is let go of: detached once the fingers have opened to `width`",
+        description="Name of the object to let go of: it is detached once the fingers "
+        "have opened to `width`",
     )
     force: Annotated[Real, Field(gt=0, le=1e5)] | None = Field(
         default=None,

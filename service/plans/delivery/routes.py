@@ -42,8 +42,8 @@ type Period = Annotated[
         ge=1e-4,
         le=10,
         allow_inf_nan=False,
-        description="Between samples at most [s]: they lie where the pieces of the motion meet, "
-        "and evenly between; none for the plan's `sample_period`",
+        description="Longest time between samples [s]: they lie where the pieces of the "
+        "motion meet, and evenly between; none for the plan's `sample_period`",
     ),
 ]
 type Points = Annotated[
@@ -51,15 +51,15 @@ type Points = Annotated[
     Query(
         ge=2,
         le=200_000,
-        description="How many samples, evenly in time, first and last instants included; not "
-        "together with `period`",
+        description="Number of samples, evenly in time, first and last instants included; "
+        "not together with `period`",
     ),
 ]
 type Even = Annotated[
     bool,
     Query(
-        description="Have samples exactly `period` apart, but for the last, wherever the pieces of "
-        "the motion meet"
+        description="Whether samples are exactly `period` apart, but for the last, "
+        "wherever the pieces of the motion meet"
     ),
 ]
 type Slowness = Annotated[
@@ -71,7 +71,9 @@ type Slowness = Annotated[
         description="Factor on the speed of the whole motion: 0.5 takes twice as long",
     ),
 ]
-type Exact = Annotated[bool, Query(description="Add the exact piecewise polynomial (JSON only)")]
+type Exact = Annotated[
+    bool, Query(description="Whether to add the exact piecewise polynomial (JSON only)")
+]
 
 type Chart = Annotated[
     Literal[
@@ -84,14 +86,15 @@ type Chart = Annotated[
         "utilisation",
         "velocity",
     ],
-    Path(description="What to draw over time, against the limits that the plan keeps"),
+    Path(description="Quantity to draw over time, against the limits that the plan keeps"),
 ]
 
 type NumSamples = Annotated[
-    int, Query(ge=2, le=2000, description="Instants, evenly in time, both ends included")
+    int, Query(ge=2, le=2000, description="Number of instants, evenly in time, both ends included")
 ]
 type Distances = Annotated[
-    bool, Query(description="Measure distances of bodies too, which takes most of the time")
+    bool,
+    Query(description="Whether to measure distances of bodies too, which takes most of the time"),
 ]
 
 # The header that says what is proven of a table.
@@ -101,8 +104,8 @@ _SVG = {"schema": {"type": "string", "description": "A drawing"}}
 _CSV = {"schema": {"type": "string", "description": "A header, then a row per instant"}}
 _TOLD = {
     INTERPOLATION: {
-        "description": "Of all but JSON: what is proven of the samples, as `linear=proven, "
-        "cubic=unproven, quintic=proven`",
+        "description": "Verdict on the samples, as `linear=proven, cubic=unproven, "
+        "quintic=proven`; in all formats but JSON",
         "schema": {"type": "string"},
     }
 }

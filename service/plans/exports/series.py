@@ -13,7 +13,7 @@ from service.api.models import ResponseModel
 if TYPE_CHECKING:  # the server imports no engine
     from planning.api.motion_series import MotionSeries
 
-type Bound = Annotated[list[FiniteOrNull], Field(description="Per coordinate; null: none")]
+type Bound = Annotated[list[FiniteOrNull], Field(description="Bound per coordinate; null for none")]
 
 
 def _finite(values: object) -> object:
@@ -25,7 +25,7 @@ type Measured = Annotated[list[float | None], BeforeValidator(_finite)]
 
 
 class Bounds(ResponseModel):
-    """What the coordinates of a quantity are kept within; a block is limited by its norm."""
+    """Bounds on the coordinates of a quantity; a block is limited by its norm."""
 
     model_config = ConfigDict(title="SeriesBounds")
 
@@ -39,36 +39,41 @@ class Bounds(ResponseModel):
 
 
 class Series(ResponseModel):
-    """A motion at equal time steps: what the plots draw."""
+    """A motion at equal time steps, as the plots draw it."""
 
     model_config = ConfigDict(title="MotionSeries")
 
     times: Row = Field(description="Instants [s]")
     position_names: list[str] = Field(description="A name per position coordinate")
     velocity_names: list[str] = Field(description="A name per velocity coordinate")
-    positions: Rows = Field(description="One row per instant [rad or m]")
-    velocities: Rows = Field(description="[rad/s or m/s]")
-    accelerations: Rows = Field(description="[rad/s^2 or m/s^2]")
-    jerks: Rows = Field(description="Between the jumps of acceleration [rad/s^3 or m/s^3]")
-    torques: Rows = Field(description="What inverse dynamics asks for [N m or N]")
+    positions: Rows = Field(description="Positions, one row per instant [rad or m]")
+    velocities: Rows = Field(description="Velocities, one row per instant [rad/s or m/s]")
+    accelerations: Rows = Field(description="Accelerations, one row per instant [rad/s^2 or m/s^2]")
+    jerks: Rows = Field(
+        description="Jerks between the jumps of acceleration, one row per "
+        "instant [rad/s^3 or m/s^3]"
+    )
+    torques: Rows = Field(
+        description="Torques or forces by inverse dynamics, one row per instant [N m or N]"
+    )
     acceleration_jumps: Row = Field(
         description="Instants at which acceleration jumps, so that jerk is infinite [s]"
     )
     limits: dict[str, Bounds] = Field(
-        description="What the plan was to keep, scaled, of `position`, `velocity`, "
+        description="Scaled limits that the plan was to keep: of `position`, `velocity`, "
         "`acceleration`, `torque`, and of `jerk` if it is limited"
     )
     tool_speeds: dict[str, Row] = Field(
-        description="Of the tool frame and of every frame that is limited, by frame [m/s]"
+        description="Speed of the tool frame and of every frame that is limited, by frame [m/s]"
     )
     utilisation: dict[str, Row] = Field(
-        description="Share of each limit that is used, of the coordinate that uses most, by the "
-        "name of its check; `torque` whether it is limited or not"
+        description="Share of each limit that the coordinate uses which uses most, by the "
+        "name of its check [1]; `torque` whether it is limited or not"
     )
     clearance: Measured | None = Field(
         default=None,
-        description="Smallest distance of any two bodies [m]; beyond half a metre above the "
-        "margin it is that; null unless `distances` asks for it",
+        description="Smallest distance of any two bodies, at most half a metre above the "
+        "margin [m]; null unless `distances` asks for it",
     )
     closest_pairs: list[tuple[str, str]] | None = Field(
         default=None, description="The two bodies of each clearance, or two empty names"

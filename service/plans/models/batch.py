@@ -24,7 +24,7 @@ class BatchRequest(RequestModel):
 
 
 class BatchCounts(ResponseModel):
-    """How many plans of a batch are in each state."""
+    """Number of plans of a batch in each state."""
 
     queued: int = Field(default=0, description="Plans that wait")
     running: int = Field(default=0, description="Plans that a worker has")
@@ -38,9 +38,9 @@ class BatchSummary(ResponseModel):
 
     id: str = Field(description="Id of the batch")
     counts: BatchCounts = Field(description="Plans by state")
-    created_at: datetime = Field(description="When it was requested (UTC)")
+    created_at: datetime = Field(description="Time of the request (UTC)")
     finished_at: datetime | None = Field(
-        description="When the last plan ended (UTC); null while one waits or runs"
+        description="Time at which the last plan ended (UTC); null while one waits or runs"
     )
 
 

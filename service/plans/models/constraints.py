@@ -57,18 +57,21 @@ class DistanceBand(RequestModel):
         json_schema_extra={"examples": [{"type": "distance_band", "min": 0.01, "max": 0.05}]}
     )
 
-    type: Literal["distance_band"] = Field(description="Says which constraint this is")
+    type: Literal["distance_band"] = Field(description="Kind of constraint")
     bodies: BodyNames | None = Field(
-        default=None, description="Full names; null for all bodies that the group moves"
+        default=None,
+        description="Full names of the first set of bodies; null for all "
+        "bodies that the group moves",
     )
     to: BodyNames | None = Field(
-        default=None, description="Full names of the others; null for all not in `bodies`"
+        default=None,
+        description="Full names of the second set of bodies; null for all not in `bodies`",
     )
     min: Annotated[NonNegative, Field(le=10)] = Field(
-        default=0.0, description="No two of them are nearer than this [m]"
+        default=0.0, description="Least distance that any two of them keep [m]"
     )
     max: Annotated[Real, Field(gt=0, le=10)] | None = Field(
-        default=None, description="At least two of them are no farther apart [m]; null for any"
+        default=None, description="Largest value of the smallest distance [m]; null for no bound"
     )
 
     @model_validator(mode="after")
@@ -91,9 +94,9 @@ class DistanceBand(RequestModel):
 class KeepOut(RequestModel):
     """The origin of a frame stays out of a box."""
 
-    type: Literal["keep_out"] = Field(description="Says which constraint this is")
-    frame: FrameName = Field(description="Whose origin")
-    box: Box = Field(description="Where it must not be")
+    type: Literal["keep_out"] = Field(description="Kind of constraint")
+    frame: FrameName = Field(description="Frame whose origin is meant")
+    box: Box = Field(description="Box in which the origin must not be")
 
     def to_domain(self) -> domain.KeepOut:
         """Return the domain's constraint."""
@@ -103,9 +106,9 @@ class KeepOut(RequestModel):
 class KeepIn(RequestModel):
     """The origin of a frame stays in a box."""
 
-    type: Literal["keep_in"] = Field(description="Says which constraint this is")
-    frame: FrameName = Field(description="Whose origin")
-    box: Box = Field(description="Where it must be")
+    type: Literal["keep_in"] = Field(description="Kind of constraint")
+    frame: FrameName = Field(description="Frame whose origin is meant")
+    box: Box = Field(description="Box in which the origin must be")
 
     def to_domain(self) -> domain.KeepIn:
         """Return the domain's constraint."""
@@ -128,11 +131,11 @@ class Position(RequestModel):
         }
     )
 
-    type: Literal["position"] = Field(description="Says which constraint this is")
-    frame: FrameName = Field(description="Whose origin")
+    type: Literal["position"] = Field(description="Kind of constraint")
+    frame: FrameName = Field(description="Frame whose origin is meant")
     size: Annotated[list[Side | None], Field(min_length=3, max_length=3)] = Field(
-        description="How wide the band is along each axis of `pose` [m]; null for an axis that is "
-        "free: one number is a plane, two are a line"
+        description="Width of the band along each axis of `pose` [m]; null for an axis "
+        "that is free: one number is a plane, two are a line"
     )
     pose: Pose = Field(
         default_factory=lambda: Pose(position=[0.0, 0.0, 0.0]),
@@ -169,8 +172,8 @@ class Orientation(RequestModel):
         }
     )
 
-    type: Literal["orientation"] = Field(description="Says which constraint this is")
-    frame: FrameName = Field(description="Whose axis")
+    type: Literal["orientation"] = Field(description="Kind of constraint")
+    frame: FrameName = Field(description="Frame whose axis is meant")
     axis: Triple = Field(description="Axis in that frame; any length but zero")
     direction: Triple = Field(description="Direction in `reference`; any length but zero")
     tolerance: Annotated[Real, Field(gt=0, le=math.pi)] = Field(
@@ -178,7 +181,8 @@ class Orientation(RequestModel):
     )
     reference: FrameName = Field(
         default="world",
-        description="Whose axes `direction` counts in; of a frame that moves, as the start has it",
+        description="Frame in whose axes `direction` is given; a frame that moves counts "
+        "as the start has it",
     )
 
     @model_validator(mode="after")
@@ -203,7 +207,7 @@ class Orientation(RequestModel):
 class LockedJoints(RequestModel):
     """Some joints of the group stay where the start has them."""
 
-    type: Literal["locked_joints"] = Field(description="Says which constraint this is")
+    type: Literal["locked_joints"] = Field(description="Kind of constraint")
     joints: JointNames = Field(description="Full names")
 
     def to_domain(self) -> domain.LockedJoints:
@@ -220,7 +224,7 @@ class JointLimits(RequestModel):
         }
     )
 
-    type: Literal["joint_limits"] = Field(description="Says which constraint this is")
+    type: Literal["joint_limits"] = Field(description="Kind of constraint")
     limits: dict[PositionName, Annotated[list[Real], Field(min_length=2, max_length=2)]] = Field(
         min_length=1,
         max_length=256,
@@ -243,7 +247,7 @@ class JointLimits(RequestModel):
 
 type Constraint = Annotated[
     DistanceBand | KeepOut | KeepIn | Position | Orientation | LockedJoints | JointLimits,
-    Field(discriminator="type", description="What a motion shall keep on its whole way"),
+    Field(discriminator="type", description="Constraint on a whole motion"),
 ]
 
 

@@ -23,7 +23,7 @@ from service.plans.models.pose_goals import PoseGoal, RegionGoal
 class JointGoal(RequestModel):
     """Reach a configuration, or any of several."""
 
-    type: Literal["joint"] = Field(description="Says which goal this is")
+    type: Literal["joint"] = Field(description="Kind of goal")
     positions: (
         GroupPositions | Annotated[list[GroupPositions], Field(min_length=1, max_length=1000)]
     ) = Field(description="The group's positions, one list or several [rad or m]")
@@ -36,7 +36,7 @@ class JointGoal(RequestModel):
 class ConfigurationGoal(RequestModel):
     """Reach a configuration that the scene or the robot names."""
 
-    type: Literal["configuration"] = Field(description="Says which goal this is")
+    type: Literal["configuration"] = Field(description="Kind of goal")
     name: ConfigurationName = Field(description="Name of the configuration, for example `home`")
 
     def to_domain(self) -> domain.ConfigurationGoal:
@@ -84,15 +84,15 @@ class RelativeGoal(RequestModel):
         }
     )
 
-    type: Literal["relative"] = Field(description="Says which goal this is")
+    type: Literal["relative"] = Field(description="Kind of goal")
     displacement: Displacement = Field(
         description="Displacement from where the tool is at the start"
     )
     frame: ToolFrame = None
     reference: FrameName | None = Field(
         default=None,
-        description="The frame by whose axes, as they are at the start, the tool is shifted, and "
-        "turned about its own origin; null for the tool frame itself",
+        description="Frame in whose axes, as they are at the start, the tool is shifted, "
+        "and turned about its own origin; null for the tool frame itself",
     )
 
     def to_domain(self) -> domain.RelativeGoal:
@@ -103,5 +103,5 @@ class RelativeGoal(RequestModel):
 
 type Goal = Annotated[
     JointGoal | ConfigurationGoal | PoseGoal | RegionGoal | RelativeGoal | LineGoal | PathGoal,
-    Field(discriminator="type", description="What a motion shall reach"),
+    Field(discriminator="type", description="Goal of a motion"),
 ]

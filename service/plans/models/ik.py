@@ -19,7 +19,7 @@ from service.api.models import (
 
 
 class PoseMetric(RequestModel):
-    """How far apart two poses are: sqrt((translation * t)^2 + (rotation * angle)^2)."""
+    """Distance of two poses: sqrt((translation * t)^2 + (rotation * angle)^2)."""
 
     translation: Annotated[Real, Field(ge=1e-3, le=1e3)] = Field(
         default=1.0, description="Weight of a metre [1/m]"
@@ -35,7 +35,7 @@ class PoseMetric(RequestModel):
 
 
 class Ik(RequestModel):
-    """How hard to look for goal configurations, and which of them are near."""
+    """Options of the search for goal configurations."""
 
     max_configurations: Annotated[int, Strict(), Field(ge=1, le=10_000), WHOLE] = Field(
         default=100,
@@ -44,7 +44,7 @@ class Ik(RequestModel):
         "looked for, but 100 at least, and until 40 in a row are known already",
     )
     max_trials: Annotated[int, Strict(), Field(ge=1, le=100_000), WHOLE] = Field(
-        default=300, description="Stop after this many seeds of the solver, over all poses"
+        default=300, description="Largest number of seeds of the solver, over all poses"
     )
     joint_weights: dict[JointName, NonNegative] = Field(
         default={},
@@ -54,12 +54,12 @@ class Ik(RequestModel):
     )
     pose_metric: PoseMetric = Field(
         default_factory=PoseMetric,
-        description="Which pose is the nearest to one that no configuration reaches",
+        description="Metric of the nearest pose to one that no configuration reaches",
     )
     allowed_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
         default=None,
-        description="For finding them, or saying why there is none [s]; null for as long as there "
-        "is",
+        description="Time for finding them, or for saying why there is none [s]; null for "
+        "as long as there is",
     )
 
     def to_domain(self) -> domain.IkOptions:
@@ -74,69 +74,75 @@ class Ik(RequestModel):
 
 
 class CollidingPair(ResponseModel):
-    """How often two bodies were the deepest collision of a rejected configuration."""
+    """Two bodies that were the deepest collision of rejected configurations."""
 
-    bodies: tuple[str, str] = Field(description="Full names")
-    count: int = Field(description="Rejected configurations")
+    bodies: tuple[str, str] = Field(description="Full names of the bodies")
+    count: int = Field(description="Number of rejected configurations")
     min_depth: float = Field(description="Smallest depth among them [m]")
     max_depth: float = Field(description="Largest depth among them [m]")
 
 
 class ApproachFailures(ResponseModel):
-    """How often one thing stopped the approach or retreat of a configuration."""
+    """Configurations whose approach or retreat one cause stopped."""
 
-    leg: LineLeg = Field(description="Which of both")
-    reason: LineStopReason = Field(description="Why it stopped")
-    where: str = Field(description="The pair of bodies or the joint, or empty")
-    count: int = Field(description="Configurations")
+    leg: LineLeg = Field(description="Line that was stopped, the approach or the retreat")
+    reason: LineStopReason = Field(description="Reason why they stopped")
+    where: str = Field(description="Pair of bodies or joint that stopped them, or empty")
+    count: int = Field(description="Number of configurations")
     max_fraction: float = Field(
-        description="The most of the line that was free, seen from the goal [1]"
+        description="Largest share of the line that was free, from the goal outwards, 0 to 1 [1]"
     )
 
 
 class Funnel(ResponseModel):
     """How many IK samples survived what; every number is at most the one before it."""
 
-    tried: int = Field(description="Seeds given to the solver")
-    converged: int = Field(description="Reached the target within tolerance")
-    within_limits: int = Field(description="Kept the joint limits")
-    collision_free: int = Field(description="Touch nothing")
+    tried: int = Field(description="Number of seeds given to the solver")
+    converged: int = Field(description="Number of those that reached the target within tolerance")
+    within_limits: int = Field(description="Number of those that kept the joint limits")
+    collision_free: int = Field(description="Number of those that touch nothing")
     approach_ok: int = Field(
         default=0,
-        description="Have a free, continuous approach and retreat; all without a request for them",
+        description="Number of those with a free, continuous approach and retreat; all "
+        "without a request for them",
     )
-    distinct: int = Field(description="Differ from all others")
+    distinct: int = Field(description="Number of those that differ from all others")
     rejected_by: list[CollidingPair] = Field(
-        description="Which pairs the colliding ones hit, of the first few that were measured"
+        description="Pairs that the colliding ones hit, of the first few that were measured"
     )
     blocked_by: list[ApproachFailures] = Field(
-        default=[], description="What stopped approaches and retreats, most frequent first"
+        default=[], description="Reasons that stopped approaches and retreats, most frequent first"
     )
     violating: int = Field(
         default=0,
-        description="Goal configurations, whole turns included, that were dropped because they or "
-        "their lines violate a path constraint",
+        description="Number of goal configurations, whole turns included, that were "
+        "dropped because they or their lines violate a path constraint",
     )
     breaking: int = Field(
-        default=0, description="Collision-free samples that violate a path constraint"
+        default=0, description="Number of collision-free samples that violate a path constraint"
     )
 
 
 class Rejection(ResponseModel):
     """Why some samples are no goal configurations."""
 
-    reason: SampleRejection = Field(description="What is wrong with them")
-    count: int = Field(description="How many; with `distinct` the counts add up to `tried`")
+    reason: SampleRejection = Field(description="Test that they failed")
+    count: int = Field(
+        description="Number of samples; with `distinct` the counts add up to `tried`"
+    )
     share: float = Field(description="Share of `tried`, 0 to 1")
     bodies: tuple[str, str] | None = Field(
-        description="For `collision`, what they hit deepest; null for those that time was short for"
+        description="For `collision`, the deepest pair; null for samples that time was "
+        "too short to measure"
     )
     min_depth: float | None = Field(description="Smallest depth among them [m]")
     max_depth: float | None = Field(description="Largest depth among them [m]")
 
 
 class IkFunnel(Funnel):
-    """The same, with the reason of every rejected sample."""
+    """Number of samples that pass each test, with the reason of every rejected sample."""
 
-    rejected: list[Rejection] = Field(default=[], description="Why the others are no solutions")
+    rejected: list[Rejection] = Field(
+        default=[], description="Reasons why the others are no solutions"
+    )
     summary: str = Field(default="", description="The same as a sentence")

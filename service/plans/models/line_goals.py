@@ -18,19 +18,21 @@ type ToolFrame = Annotated[
 
 
 class Deviation(RequestModel):
-    """How far a tool may be from its line, between waypoints and samples too."""
+    """Deviation of a tool from its line that is allowed, between waypoints and samples too."""
 
-    position: Shift = Field(default=0.001, description="Distance of its origin from the line [m]")
+    position: Shift = Field(
+        default=0.001, description="Distance of the tool's origin from the line [m]"
+    )
     rotation: Turn = Field(
         default=0.008726646259971648,
-        description="Angle between its rotation and that of the line [rad]",
+        description="Angle between the tool's rotation and that of the line [rad]",
     )
 
 
 class Translation(RequestModel):
-    """A way without a turn."""
+    """A translation without a rotation."""
 
-    vector: Triple = Field(description="The way [m]")
+    vector: Triple = Field(description="Translation [m]")
     frame: FrameName = Field(
         default="world", description="Frame in whose axes the vector is, as they stand at the start"
     )
@@ -45,11 +47,11 @@ class LineTarget(RequestModel):
 
     pose: Pose | None = Field(
         default=None,
-        description="Where the line ends, and the rotation turns along with the translation; this "
-        "or `displacement`",
+        description="Pose at which the line ends, and the rotation turns along with the "
+        "translation; this or `displacement`",
     )
     displacement: Translation | None = Field(
-        default=None, description="Or the way from where the tool stands"
+        default=None, description="Displacement from where the tool stands; this or `pose`"
     )
 
     @model_validator(mode="after")
@@ -78,11 +80,11 @@ class LineGoal(LineTarget):
         }
     )
 
-    type: Literal["line"] = Field(description="Says which goal this is")
+    type: Literal["line"] = Field(description="Kind of goal")
     frame: ToolFrame = None
     deviation: Deviation = Field(
         default_factory=Deviation,
-        description="How far from the line the motion may be, between samples too",
+        description="Largest deviation of the motion from the line, between samples too",
     )
 
     def to_domain(self) -> domain.LineGoal:
@@ -107,14 +109,14 @@ class PathGoal(RequestModel):
         }
     )
 
-    type: Literal["path"] = Field(description="Says which goal this is")
+    type: Literal["path"] = Field(description="Kind of goal")
     poses: Annotated[list[Pose], Field(min_length=1, max_length=1000)] = Field(
         description="Poses in this order; frames that move count where the start puts them"
     )
     frame: ToolFrame = None
     deviation: Deviation = Field(
         default_factory=Deviation,
-        description="How far from the lines the motion may be, between samples too",
+        description="Largest deviation of the motion from the lines, between samples too",
     )
 
     def to_domain(self) -> domain.LineGoal:

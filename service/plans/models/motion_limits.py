@@ -32,16 +32,16 @@ EXAMPLE_PAYLOAD: dict[str, Any] = {
 
 
 class ToolLimit(RequestModel):
-    """How fast the origin of a frame may move."""
+    """Limits on the speed and acceleration of the origin of a frame."""
 
     model_config = ConfigDict(
         json_schema_extra={"examples": [{"frame": "arm::tcp", "speed": 0.25, "acceleration": 1.0}]}
     )
 
     frame: FrameName = Field(description="Any frame of the scene; each is limited once")
-    speed: Speed | None = Field(default=None, description="At most [m/s]; null for any")
+    speed: Speed | None = Field(default=None, description="Largest speed [m/s]; null for any")
     acceleration: Annotated[Real, Field(ge=1e-2, le=1e4)] | None = Field(
-        default=None, description="At most, in any direction [m/s^2]; null for any"
+        default=None, description="Largest acceleration in any direction [m/s^2]; null for any"
     )
 
     @model_validator(mode="after")
@@ -57,7 +57,7 @@ class ToolLimit(RequestModel):
 
 
 class SpeedZone(RequestModel):
-    """How fast the origin of a frame may move while it is in a box."""
+    """Largest speed of the origin of a frame while it is in a box."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -72,10 +72,10 @@ class SpeedZone(RequestModel):
         }
     )
 
-    name: Name = Field(description="For the certificate's check; no two zones share one")
-    frame: FrameName = Field(description="Whose origin: any frame of the scene")
-    box: Box = Field(description="Where")
-    speed: Speed = Field(description="At most, in the box [m/s]")
+    name: Name = Field(description="Name for the certificate's check; no two zones share one")
+    frame: FrameName = Field(description="Frame whose origin is limited: any frame of the scene")
+    box: Box = Field(description="Box in which the speed is limited")
+    speed: Speed = Field(description="Largest speed in the box [m/s]")
 
     def to_domain(self) -> domain.SpeedZone:
         """Return the domain's zone."""
@@ -87,8 +87,8 @@ class Payload(RequestModel):
 
     model_config = ConfigDict(title="Payload", json_schema_extra={"examples": [EXAMPLE_PAYLOAD]})
 
-    frame: FrameName = Field(description="What it follows; the group must move it")
-    mass: Annotated[Real, Field(gt=0, le=1e4)] = Field(description="[kg]")
+    frame: FrameName = Field(description="Frame that the mass follows; the group must move it")
+    mass: Annotated[Real, Field(gt=0, le=1e4)] = Field(description="Mass [kg]")
     center_of_mass: Triple = Field(
         default=[0.0, 0.0, 0.0], description="Center of mass in the frame [m]"
     )
@@ -139,12 +139,14 @@ class MotionLimits(RequestModel):
     )
     effort: Boolean = Field(
         default=False,
-        description="Whether joint torques and forces stay within their limits, gravity and all "
-        "that is carried included: check `torque` of the certificate",
+        description="Whether joint torques and forces must stay within their limits, "
+        "gravity and all that is carried included: check `torque` of the "
+        "certificate",
     )
     payload: Payload | None = Field(
         default=None,
-        description="What the group carries that the scene does not show; it counts for torques",
+        description="Mass that the group carries and the scene does not show; it counts "
+        "for torques",
     )
 
     @model_validator(mode="after")

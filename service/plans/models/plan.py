@@ -22,10 +22,10 @@ from service.plans.models.result import PlanResult
 class BestPath(ResponseModel):
     """The best path that a search has found so far."""
 
-    length: float = Field(description="Its weighted length")
+    length: float = Field(description="Weighted length of the path")
     seconds: float | None = Field(
         default=None,
-        description="When it was found, since the worker began with the plan [s]",
+        description="Time at which it was found, since the worker began with the plan [s]",
     )
 
 
@@ -33,12 +33,13 @@ class PlanSummary(ResponseModel):
     """A plan without its result."""
 
     id: str = Field(description="Id of the plan")
-    batch: str | None = Field(description="Id of the batch that it is of; null for none")
-    state: JobState = Field(description="Where it stands; succeeded, failed, canceled are final")
+    batch: str | None = Field(description="Id of its batch; null for none")
+    state: JobState = Field(description="State of the plan; succeeded, failed, canceled are final")
     stage: AnyStage = Field(description="The stage that it is in or ended in, or empty")
     progress: float = Field(
-        description="Share of the whole plan, 0 to 1: within a stage it grows with the share "
-        "of the allowed time that is used; of a plan that failed or was canceled, how far it came",
+        description="Share of the whole plan, 0 to 1; within a stage it grows with the "
+        "used share of the allowed time. A plan that failed or was canceled "
+        "keeps the share that it reached",
         ge=0,
         le=1,
     )
@@ -47,16 +48,17 @@ class PlanSummary(ResponseModel):
         description="The best path of the search so far, while the plan runs; null before one is "
         "found, and once the plan has ended",
     )
-    created_at: datetime = Field(description="When it was requested (UTC)")
-    started_at: datetime | None = Field(description="When a worker took it (UTC)")
-    finished_at: datetime | None = Field(description="When it ended (UTC)")
+    created_at: datetime = Field(description="Time of the request (UTC)")
+    started_at: datetime | None = Field(description="Time at which a worker took it (UTC)")
+    finished_at: datetime | None = Field(description="Time at which it ended (UTC)")
     cancel_requested_at: datetime | None = Field(description=CANCEL_REQUESTED_AT)
     attempts: int = Field(description=ATTEMPTS)
     request: PlanRequest = Field(
-        description="The request with its defaults, and the scene's latest `revision` and the "
-        "newest `search.regions` where they were left open: posted again, it gives the same plan"
+        description="The request with its defaults, and the scene's latest `revision` and "
+        "the newest `search.regions` where they were left open. Posted again, "
+        "it gives the same plan"
     )
-    failure: Failure | None = Field(description="Why there is no result")
+    failure: Failure | None = Field(description="Reason why there is no result")
     seed: int = Field(description="Seed of all randomness")
     digest: str | None = Field(description="sha256 over the delivered numbers")
     versions: Versions = Field(
@@ -72,7 +74,7 @@ class PlanSummary(ResponseModel):
 class Plan(PlanSummary):
     """A plan; poll it until its state is final."""
 
-    result: PlanResult | None = Field(description="What it gave, once it succeeded")
+    result: PlanResult | None = Field(description="Result of the plan, once it succeeded")
 
 
 class PlanPage(ResponseModel):

@@ -17,7 +17,7 @@ def _optional(numbers: list[float] | None) -> Array | None:
 
 
 class Tolerance(RequestModel):
-    """How far from a target the tool frame may end, in the target's own axes."""
+    """Tolerance of the tool frame about a target, in the target's own axes."""
 
     position: Annotated[list[NonNegative], Field(min_length=3, max_length=3)] = Field(
         default=[0.0, 0.0, 0.0], description="Half-widths of a box about the target [m]"
@@ -43,8 +43,8 @@ class PoseDistanceTolerance(RequestModel):
     )
     frame: FrameName | None = Field(
         default=None,
-        description="By whose axes the way from the target's origin is, as they stand at the "
-        "start: any frame; null for the target's own",
+        description="Frame in whose axes the way from the target's origin is measured, as "
+        "they stand at the start: any frame; null for the target's own",
     )
 
     def to_domain(self) -> domain.PoseBall:
@@ -67,25 +67,26 @@ class PoseGoal(RequestModel):
         }
     )
 
-    type: Literal["pose"] = Field(description="Says which goal this is")
+    type: Literal["pose"] = Field(description="Kind of goal")
     poses: Annotated[list[Pose], Field(min_length=1, max_length=1000)] = Field(
         description="The candidates; `goal_index` of the result says which one was reached"
     )
     frame: ToolFrame = None
-    tolerance: Tolerance = Field(default_factory=Tolerance, description="How far off it may be")
+    tolerance: Tolerance = Field(default_factory=Tolerance, description="Tolerance of the pose")
     metric: PoseDistanceTolerance | None = Field(
         default=None,
-        description="Instead of `tolerance`: how far off it may be by a weighted metric",
+        description="Tolerance by a weighted metric, instead of `tolerance`",
     )
     approach: Triple | None = Field(
         default=None,
-        description="The motion ends in a straight line without a turn, which begins where the "
-        "tool is displaced by this, in the target's axes [m]; null for none",
+        description="Displacement of the tool, in the target's axes, at which the last "
+        "straight line to the goal begins [m]; the tool does not turn on it; "
+        "null for none",
     )
     retreat: Triple | None = Field(
         default=None,
-        description="After the goal the tool goes on in a straight line by this, in the target's "
-        "axes [m]; null for none",
+        description="Displacement of the tool, in the target's axes, in a straight line "
+        "after the goal [m]; null for none",
     )
 
     @model_validator(mode="after")
@@ -124,15 +125,15 @@ class RegionGoal(RequestModel):
         }
     )
 
-    type: Literal["region"] = Field(description="Says which goal this is")
+    type: Literal["region"] = Field(description="Kind of goal")
     poses: Annotated[list[Pose], Field(min_length=1, max_length=1000)] | None = Field(
-        default=None, description="The middles of the regions; or one as `pose`"
+        default=None, description="Middles of the regions; or one as `pose`"
     )
-    pose: Pose | None = Field(default=None, description="The middle of the only region")
+    pose: Pose | None = Field(default=None, description="Middle of the only region")
     frame: ToolFrame = None
     tolerance: Tolerance = Field(
         default_factory=Tolerance,
-        description="How far from the middle the region goes, by its axes",
+        description="Extent of the region from its middle, by its axes",
     )
     free_axes: Annotated[list[Literal["x", "y", "z", "rx", "ry", "rz"]], Field(max_length=6)] = (
         Field(
@@ -144,13 +145,14 @@ class RegionGoal(RequestModel):
 
     approach: Triple | None = Field(
         default=None,
-        description="As of a pose: the last way to wherever in the region the motion ends begins "
-        "where the tool is displaced by this, in the region's axes [m]; null for none",
+        description="Displacement of the tool, in the region's axes, at which the last "
+        "straight line to the motion's end in the region begins [m]; null for "
+        "none",
     )
     retreat: Triple | None = Field(
         default=None,
-        description="As of a pose: the way that the tool goes on, in the region's axes [m]; null "
-        "for none",
+        description="Displacement of the tool, in the region's axes, in a straight line "
+        "after the goal [m]; null for none",
     )
 
     @model_validator(mode="after")

@@ -17,11 +17,12 @@ class ClearanceObjective(RequestModel):
     """Clearance that is preferred, beyond the margin that is required."""
 
     distance: Annotated[Real, Field(gt=0, le=1)] = Field(
-        description="Between bodies, but for those of one robot [m]"
+        description="Preferred distance between bodies, except between those of one robot [m]"
     )
     weight: Annotated[Real, Field(gt=0, le=1e4)] = Field(
-        description="By how much longer the motion may take for a metre less of what its clearance "
-        "lacks of the distance, on average along the motion [s/m]"
+        description="Extra duration that one metre less of shortfall is worth [s/m]; the "
+        "shortfall is what the clearance lacks of `distance`, on average "
+        "along the motion"
     )
 
     def to_domain(self) -> domain.ClearanceObjective:
@@ -30,7 +31,7 @@ class ClearanceObjective(RequestModel):
 
 
 class RefineObjective(RequestModel):
-    """What to minimise: a weighted sum; one weight at least is positive."""
+    """Objective to minimise: a weighted sum; at least one weight is positive."""
 
     duration: Weight = Field(default=0.0, description="Weight of the duration [1/s]")
     smoothness: Weight = Field(
@@ -48,13 +49,13 @@ class RefineObjective(RequestModel):
         default=0.0, description="Weight of the joint-space length [1/rad or 1/m]"
     )
     derivative: Literal["acceleration", "jerk"] = Field(
-        default="acceleration", description="What smoothness integrates"
+        default="acceleration", description="Derivative that smoothness integrates"
     )
     max_duration: Annotated[Real, Field(gt=0, le=MAX_DURATION)] | None = Field(
         default=None,
-        description="How long the motion may take [s], approach and retreat not counted; less than "
-        "the limits allow is `retiming_failed`. Smoothness and energy need it unless the duration "
-        "has a weight",
+        description="Longest duration of the motion [s], approach and retreat not "
+        "counted; less than the limits allow is `retiming_failed`. Smoothness "
+        "and energy need it unless the duration has a weight",
     )
 
     def to_domain(self) -> DomainObjective:
@@ -70,21 +71,25 @@ class RefineObjective(RequestModel):
 
 
 class Refine(RequestModel):
-    """Whether and how to optimise the path."""
+    """Options for optimising the path."""
 
     method: Literal["trajopt", "drake", "auto", "none"] = Field(
         default="trajopt",
-        description="Optimise by convex steps; by Drake's KinematicTrajectoryOptimization; as "
-        "trajopt, but only if at least half a second is left; or leave the path as it is",
+        description="Method: convex steps (`trajopt`), Drake's "
+        "KinematicTrajectoryOptimization (`drake`), as `trajopt` but only if "
+        "at least half a second is left (`auto`), or none, which leaves the "
+        "path as it is",
     )
     clearance: ClearanceObjective | None = Field(
         default=None,
-        description="What the duration is weighed against; `none` and `drake` have no use for it",
+        description="Clearance that the duration is weighed against; `none` and `drake` "
+        "have no use for it",
     )
     objective: Annotated[RefineObjective | None, ADDED] = Field(
         default=None,
-        description="What to minimise; null for the duration, the only objective for cars. With "
-        "it, or with `drake`, the report has all objectives, before and after",
+        description="Objective to minimise; null for the duration, the only objective for "
+        "cars. With it, or with `drake`, the report has all objectives, "
+        "before and after",
     )
 
     @model_validator(mode="after")

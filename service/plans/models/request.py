@@ -46,29 +46,30 @@ EXAMPLE: dict[str, Any] = {
 
 
 class Retime(Sampling, ScaledLimits):
-    """How to time the path."""
+    """Options for timing the path."""
 
     method: Literal["toppra", "ruckig"] = Field(
         default="toppra",
-        description="toppra keeps velocity and acceleration limits; ruckig keeps jerk limits too",
+        description="Method of timing: toppra keeps velocity and acceleration limits; "
+        "ruckig keeps jerk limits too",
     )
     duration: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
-        description="How long the motion shall take [s]; null for the least that the limits allow, "
-        "and less than that is `retiming_failed`",
+        description="Duration of the motion [s]; null for the least that the limits "
+        "allow, and less than that is `retiming_failed`",
     )
     deviation: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None,
-        description="How far corners of the path may be rounded at most [rad or m, joint-space "
-        "length]; 0 to follow the very path, with a rest at every corner; null for at most 0.1. "
-        "What refinement makes of a path has no corners",
+        description="Largest distance by which corners of the path may be rounded [rad or "
+        "m, joint-space length]; 0 to follow the very path with a rest at "
+        "every corner, null for at most 0.1. Refined paths have no corners",
     )
     explain: Boolean = Field(
         default=False,
-        description="Report which limit binds when, and what relaxing it would save "
-        "(`stages.retime.explanation`), once the motion is proven and if there is time; takes some "
-        "20 ms for each part, with ruckig as long as timing it once more for each limit that "
-        "binds, six at most",
+        description="Whether to report which limit binds when, and what relaxing it would "
+        "save (`stages.retime.explanation`), once the motion is proven and if "
+        "there is time. It takes about 20 ms for each part; with ruckig as "
+        "long as timing it once more for each limit that binds, six at most",
     )
 
     def to_domain(self) -> domain.RetimeOptions:
@@ -84,22 +85,24 @@ class Retime(Sampling, ScaledLimits):
 
 
 class Certify(RequestModel):
-    """What to find out about the motion once it is proven; the report on `certify` has it."""
+    """Computations on the motion once it is proven; the report on `certify` has their results."""
 
     stop_anywhere: Boolean = Field(
         default=False,
-        description="Bound the longest stop along the path, from any instant: a check `stop`, and "
-        "`stop` in the report; takes some 0.1 s, 0.5 s with jerk limits, and as much again with "
-        "`effort` or accelerations in `tool_limits`",
+        description="Whether to bound the longest stop along the path, from any instant: "
+        "a check `stop`, and `stop` in the report. It takes about 0.1 s, 0.5 "
+        "s with jerk limits, and as much again with `effort` or accelerations "
+        "in `tool_limits`",
     )
     max_stopping_time: Annotated[Real, Field(gt=0, le=86_400)] | None = Field(
         default=None,
-        description="No stop may take longer [s], and `stop_anywhere` is meant; null for no bound",
+        description="Longest time that a stop may take [s]; it implies `stop_anywhere`; "
+        "null for no bound",
     )
     robustness: Boolean = Field(
         default=False,
-        description="Bound how far off obstacles and joints may be: `robustness` in the report; "
-        "takes some 0.2 s",
+        description="Whether to bound how far off obstacles and joints may be: "
+        "`robustness` in the report; takes about 0.2 s",
     )
 
     def to_domain(self) -> domain.CertifyOptions:
@@ -121,19 +124,17 @@ class PlanRequest(RequestModel):
         default=None,
         description="The group's positions [rad or m]; null for the scene's current state",
     )
-    goal: Goal = Field(description="What to reach")
+    goal: Goal = Field(description="Goal of the motion")
     path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
         default=[],
-        description="What the motion shall keep on its whole way, all of it; each has a check of "
-        "its own in the certificate",
+        description="Constraints that the whole motion shall keep, all of them; each has "
+        "a check of its own in the certificate",
     )
     ik: Ik = Field(default_factory=Ik, description="Options of the goals stage")
     search: Search = Field(default_factory=Search, description="Options of the search")
     refine: Refine = Field(default_factory=Refine, description="Options of the refinement")
     retime: Retime = Field(default_factory=Retime, description="Options of the timing")
-    certify: Certify = Field(
-        default_factory=Certify, description="What to find out besides the proof"
-    )
+    certify: Certify = Field(default_factory=Certify, description="Computations besides the proof")
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )

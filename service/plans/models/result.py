@@ -20,10 +20,11 @@ class Certificate(ResponseModel):
 
     model_config = ConfigDict(title="Certificate")
 
-    proven: bool = Field(description="Every check passed on the whole interval")
+    proven: bool = Field(description="Whether every check passed on the whole interval")
     min_clearance: FiniteOrNull = Field(
-        description="If clearance is proven, a lower bound on the distance of all pairs at all "
-        "instants [m]; if not, the same as `observed_clearance`; null if there is no pair"
+        description="Proven lower bound on the distance of all pairs at all instants [m]; "
+        "`observed_clearance` if clearance is not proven; null if there is no "
+        "pair"
     )
     observed_clearance: FiniteOrNull = Field(
         default=None,
@@ -34,13 +35,13 @@ class Certificate(ResponseModel):
         description="The two bodies of `observed_clearance`, or empty names"
     )
     time: float = Field(
-        description="When it was observed [s]; if clearance is not proven neither the first "
-        "instant that is too near nor for certain the worst"
+        description="Time at which it was observed [s]. If clearance is not proven, it is "
+        "neither the first instant that is too near nor for certain the worst"
     )
     points: Rows = Field(
         default=[],
-        description="The nearest point of each of `pair` then, in world [m], of shapes that "
-        "overlap the deepest; empty without a pair",
+        description="Nearest point of each body of `pair` at that time, in world [m]; the "
+        "deepest points where they overlap, empty without a pair",
     )
     proven_until: float = Field(
         default=0.0,
@@ -81,7 +82,7 @@ class Part(ResponseModel):
     """A part of the motion, from rest to rest."""
 
     kind: Literal["free", "approach", "retreat", "line"] = Field(
-        description="What it is for; all but `free` are straight lines of the tool"
+        description="Purpose of the part; all but `free` are straight lines of the tool"
     )
     begin: float = Field(description="First instant [s]")
     end: float = Field(description="Last instant [s]")
@@ -100,7 +101,7 @@ def _may_lack_large_parts(schema: dict[str, Any]) -> None:
 
 
 class PlanResult(ResponseModel):
-    """What a solved problem gives; `?include=` leaves out `path, trajectory, certificate, stages`.
+    """Result of a solved problem; `?include=` leaves out `path, trajectory, certificate, stages`.
 
     A part that is left out is absent. Without `include` all are there.
     """
@@ -108,10 +109,13 @@ class PlanResult(ResponseModel):
     model_config = ConfigDict(json_schema_extra=_may_lack_large_parts)
 
     goal_configuration: Row = Field(
-        description="Where the motion reaches the goal: its end, but for a retreat [rad or m]"
+        description="Configuration at which the motion reaches the goal: its end, except "
+        "with a retreat [rad or m]"
     )
-    goal_index: int = Field(description="Which of the goal's candidates that is, from 0")
-    start: Row = Field(description="Where it starts, clipped into the limits [rad or m]")
+    goal_index: int = Field(description="Index of the goal's candidate that it is, from 0")
+    start: Row = Field(
+        description="Configuration at which it starts, clipped into the limits [rad or m]"
+    )
     start_clipped: Row = Field(
         description="Change of the given start by clipping, at most 1e-6 [rad or m]"
     )
@@ -121,12 +125,13 @@ class PlanResult(ResponseModel):
     )
     trajectory: Trajectory = Field(description="The timed motion, sampled as `retime` says")
     certificate: Certificate = Field(description="The proof")
-    stages: Stages = Field(description="What every stage did")
+    stages: Stages = Field(description="Reports of all stages")
     cut_short: list[str] | None = Field(
         default=None,
-        description="Stages that ended early because of the clock, by their names in `timings`: "
-        "what they give may be something else another time. Empty: the same request gives the "
-        "same numbers again, but for `timings`. Null: made by a version that did not record it",
+        description="Stages that ended early because of the clock, by their names in "
+        "`timings`; their results may be different another time. Empty if the "
+        "same request gives the same numbers again, except `timings`; null if "
+        "made by a version that did not record it",
     )
     digest: str = Field(description="sha256 over the delivered numbers")
 

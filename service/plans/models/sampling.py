@@ -24,21 +24,23 @@ class Sampling(RequestModel):
 
     sample_period: Annotated[Real, Field(ge=1e-4, le=10)] | None = Field(
         default=DEFAULT_PERIOD,
-        description="Longest time between delivered samples [s]: they lie where the pieces of the "
-        "motion meet, and evenly between, so that every interpolation of them can be proven; "
-        "200000 at most, more are `problem_invalid`; null where `num_points` says how many",
+        description="Longest time between delivered samples [s]; null where `num_points` "
+        "says how many; more than 200000 samples are `problem_invalid`. They "
+        "lie where the pieces of the motion meet, and evenly between, so that "
+        "every interpolation of them can be proven",
     )
     even_samples: Boolean = Field(
         default=False,
-        description="Deliver samples exactly `sample_period` apart, but for the last, wherever the "
-        "pieces of the motion meet; `trajectory.interpolations` says what is proven of them",
+        description="Whether to deliver samples exactly `sample_period` apart, but for "
+        "the last, wherever the pieces of the motion meet; "
+        "`trajectory.interpolations` says what is proven of them",
     )
     num_points: Annotated[int, Strict(), Field(ge=2, le=200_000), WHOLE] | None = Field(
         default=None,
-        description="Number of samples to deliver, evenly in time, first and last instants "
-        "included, "
-        "however far apart that is; `trajectory.interpolations` says what is proven of them; null "
-        "for one every `sample_period`; not both",
+        description="Number of samples to deliver, evenly in time however far apart, "
+        "first and last instants included; null for one every "
+        "`sample_period`, not both. `trajectory.interpolations` says what is "
+        "proven of them",
     )
 
     @model_validator(mode="before")

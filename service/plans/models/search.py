@@ -27,11 +27,11 @@ class Roadmap(RequestModel):
     """A roadmap that many plans share; it is built once for a scene as a group sees it."""
 
     states: Annotated[int, Strict(), Field(ge=1, le=20_000), WHOLE] = Field(
-        default=2_000, description="Free configurations that it has"
+        default=2_000, description="Number of free configurations that it has"
     )
     neighbours: Annotated[int, Strict(), Field(ge=1, le=100), WHOLE] = Field(
         default=12,
-        description="With how many of the nearest others each is joined, where the way is free",
+        description="Number of nearest others that each is joined with, where the way is free",
     )
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Seed of its samples; the plan's own seed does not change it"
@@ -66,17 +66,18 @@ def _kind_of_space(space: object) -> str:
 type Space = Annotated[
     Annotated[Literal["full", "position"], Tag("space[name]")] | Annotated[Car, Tag("space[car]")],
     Discriminator(_kind_of_space),
-    Field(description="How much of a joint is searched, or what a car of it can drive"),
+    Field(description="Part of a joint that is searched, or the curves that a car of it can drive"),
 ]
 
 
 class Search(RequestModel):
-    """How to search for a path."""
+    """Options for finding a path."""
 
     planner: Name | Annotated[list[Name], Field(min_length=1, max_length=16)] = Field(
         default="RRTConnect",
-        description="OMPL's name, see GET /v1/planners; or several, which take turns. `GCS` plans "
-        "inside regions, and where it cannot the others do, by default RRTConnect",
+        description="Name of the planner in OMPL, see GET /v1/planners; or several names, "
+        "which take turns. `GCS` plans inside regions, and where it cannot "
+        "the others do, by default RRTConnect",
     )
     regions: Identifier | None = Field(
         default=None,
@@ -86,25 +87,25 @@ class Search(RequestModel):
     parameters: dict[Name, ParameterValue] = Field(
         default={},
         max_length=64,
-        description="OMPL's names and values of its parameters; of several planners, each takes "
-        "those that it has",
+        description="Values of the planner's parameters, by their names in OMPL; of "
+        "several planners, each takes those that it has",
     )
     attempts: Annotated[int, Strict(), Field(ge=1, le=100), WHOLE] = Field(
         default=1,
-        description="How many solutions to look for; the best by `objective` is kept. Of several "
-        "planners each has at least one",
+        description="Number of solutions to look for; the best by `objective` is kept. Of "
+        "several planners each has at least one",
     )
     allowed_planning_time: Annotated[Real, Field(gt=0, le=3600)] = Field(
         default=5.0,
-        description="For the whole plan, all stages, from when the scene is loaded [s]; what it "
-        "cuts is in `result.cut_short`",
+        description="Time for the whole plan, all stages, from when the scene is loaded "
+        "[s]; stages that it cuts are in `result.cut_short`",
     )
     resolution: Annotated[Real, Field(ge=1e-4, le=10)] = Field(
         default=0.05,
         description="Largest joint-space distance between two checked states of an edge [rad or m]",
     )
     num_states: Annotated[int, Strict(), Field(ge=2, le=100_000), WHOLE] | None = Field(
-        default=None, description="Interpolate the path to at least this many waypoints"
+        default=None, description="Least number of waypoints to which the path is interpolated"
     )
     weights: dict[JointOrBlockName, Annotated[Real, Field(ge=1e-3, le=1e3)]] = Field(
         default={},
@@ -121,26 +122,29 @@ class Search(RequestModel):
     spaces: dict[MobileJointName, Space] = Field(
         default={},
         max_length=64,
-        description="`position` keeps the rotation of a planar or floating joint, named here, as "
-        "it is at the start; a turning radius [m] makes a car of a planar joint",
+        description="Restrictions of joints, by name: `position` keeps the rotation of a "
+        "planar or floating joint as it is at the start; a turning radius [m] "
+        "makes a car of a planar joint",
     )
     setup_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
         default=None,
-        description="For setting up the space and the planner, in each attempt [s]; an attempt "
-        "that took longer gives up. null for as long as it takes",
+        description="Time for setting up the space and the planner, in each attempt [s]; "
+        "null for as long as it takes. An attempt that took longer gives up",
     )
     solve_time: Annotated[Real, Field(gt=0, le=3600)] | None = Field(
         default=None,
-        description="For the planner, in each attempt [s]; null for as long as there is",
+        description="Time for the planner, in each attempt [s]; null for as long as there is",
     )
     shortcut_time: Annotated[Real, Field(ge=0, le=3600)] | None = Field(
         default=None,
-        description="For shortening each solution [s]; 0 for none, null for a share of the rest",
+        description="Time for shortening each solution [s]; 0 for none, null for a share "
+        "of the rest",
     )
     interpolate_time: Annotated[Real, Field(ge=0, le=3600)] | None = Field(
         default=None,
-        description="For interpolating each solution to `num_states` [s]; one that takes longer "
-        "stays as it was (`stages.search.interpolated`). null for as long as there is",
+        description="Time for interpolating each solution to `num_states` [s]; null for "
+        "as long as there is. One that takes longer stays as it was "
+        "(`stages.search.interpolated`)",
     )
     objective: Literal["length", "weighted_length", "clearance", "duration"] = Field(
         default="length",
@@ -157,18 +161,19 @@ class Search(RequestModel):
     )
     on_cancel: Literal["discard", "best"] = Field(
         default="discard",
-        description="What a cancel ends: the plan, or only the search if it has a path by then; "
-        "that path is delivered if it can be timed and proven in 0.9 s",
+        description="Scope of a cancel: the plan, or only the search if it has a path by "
+        "then; that path is delivered if it can be timed and proven in 0.9 s",
     )
     approach_states: Annotated[int, Strict(), Field(ge=2, le=100_000), WHOLE] = Field(
         default=100,
-        description="Interpolate each straight part to at least this many waypoints; `num_states` "
-        "is then for the free part",
+        description="Least number of waypoints of each straight part; `num_states` is "
+        "then for the free part",
     )
     roadmap: Roadmap | None = Field(
         default=None,
-        description="Look for a path in this roadmap first, and use the planner only where it has "
-        "none; under `path_constraints` it is one that keeps them",
+        description="Roadmap in which to look for a path first; the planner is used only "
+        "where it has none. Under `path_constraints` it is one that keeps "
+        "them",
     )
 
     @property

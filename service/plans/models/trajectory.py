@@ -23,9 +23,12 @@ class Polynomial(ResponseModel):
     """
 
     breaks: Row = Field(description="Instants between pieces, n + 1 of them [s]")
-    bases: Rows = Field(description="Where each piece is anchored, n rows [rad or m]")
+    bases: Rows = Field(
+        description="Configuration at which each piece is anchored, n rows [rad or m]"
+    )
     coefficients: list[list[list[float]]] = Field(
-        description="n pieces, powers from 0 up, a column per velocity coordinate"
+        description="n pieces, powers k from 0 up, a column per velocity coordinate "
+        "[rad/s^k or m/s^k]"
     )
     joint_names: list[str] = Field(description="A name per position coordinate")
     joint_types: list[str] = Field(
@@ -82,13 +85,14 @@ class Trajectory(ResponseModel):
     )
     times: Row = Field(description="Instants of the samples [s]")
     positions: Rows = Field(description="One row per instant [rad or m]")
-    velocities: Rows = Field(description="One row per instant [rad/s or m/s]")
-    accelerations: Rows = Field(description="One row per instant [rad/s^2 or m/s^2]")
+    velocities: Rows = Field(description="Velocities, one row per instant [rad/s or m/s]")
+    accelerations: Rows = Field(description="Accelerations, one row per instant [rad/s^2 or m/s^2]")
     duration: float = Field(description="Duration of the whole motion [s]")
     interpolations: list[Interpolation] = Field(
         default=[],
-        description="What is proven of the samples, by what receivers make of them; the "
-        "certificate beside them is that of the exact motion. Empty of plans that are older",
+        description="Proofs of the samples, by what receivers make of them; the "
+        "certificate beside them is that of the exact motion. Empty for older "
+        "plans",
     )
     polynomial: Polynomial | None = Field(
         default=None, description="The exact motion, if the request has it added"

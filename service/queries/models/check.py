@@ -41,15 +41,17 @@ class LimitViolation(ResponseModel):
     """A joint outside its position limits."""
 
     joint: str = Field(description="Name of the position coordinate")
-    value: float = Field(description="Where it is [rad or m]")
+    value: float = Field(description="Position of the coordinate [rad or m]")
     lower: float | None = Field(description="Smallest allowed [rad or m]; null for none")
     upper: float | None = Field(description="Largest allowed [rad or m]; null for none")
 
 
 class Verdict(ResponseModel):
-    """What was found of one configuration."""
+    """Verdict on one configuration."""
 
-    valid: bool = Field(description="Within limits, and nothing nearer than the margin")
+    valid: bool = Field(
+        description="Whether it is within limits, and nothing is nearer than the margin"
+    )
     collisions: list[Pair] = Field(
         description="All pairs that touch or are nearer than the margin, deepest first"
     )

@@ -34,11 +34,11 @@ class VisibleShape(ResponseModel):
     box: list[float] | None = Field(default=None, description="Full side lengths x, y, z [m]")
     sphere: float | None = Field(default=None, description="Radius [m]")
     cylinder: RoundDocument | None = Field(default=None, description="Along z")
-    capsule: RoundDocument | None = Field(default=None, description="Along z")
+    capsule: RoundDocument | None = Field(default=None, description="Capsule along z")
     ellipsoid: list[float] | None = Field(default=None, description="Semi-axes x, y, z [m]")
     half_space: EmptyDocument | None = Field(default=None, description="All points with z <= 0")
-    mesh: MeshName | None = Field(default=None, description="Triangles")
-    pose: Pose = Field(description="On its body")
+    mesh: MeshName | None = Field(default=None, description="Mesh of triangles")
+    pose: Pose = Field(description="Pose on its body")
     color: list[float] = Field(
         description="Red, green, blue, opacity, 0 to 1; a mesh with materials has its own colours"
     )
@@ -74,8 +74,8 @@ class VisibleBody(ResponseModel):
     name: str = Field(description="Full name, which is also that of its frame")
     pose: Pose | None = Field(
         default=None,
-        description="In world; null for what moves with a robot: `POST …/fk` tells where its "
-        "frame is",
+        description="Pose in world; null for what moves with a robot: `POST …/fk` tells "
+        "where its frame is",
     )
     shapes: list[VisibleShape] = Field(
         description="Its visual shapes; its collision shapes if it has none"
@@ -83,7 +83,7 @@ class VisibleBody(ResponseModel):
 
 
 class Geometry(ResponseModel):
-    """What the bodies of a scene look like; of a revision it never changes."""
+    """Shapes of the bodies of a scene, as they look; those of a revision never change."""
 
     bodies: list[VisibleBody] = Field(description="Bodies, sorted by name")
 

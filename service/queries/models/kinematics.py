@@ -73,22 +73,24 @@ class IkRequest(RequestModel):
 
     group: GroupName = Field(description=GROUP)
     goal: PoseGoal | RegionGoal | RelativeGoal = Field(
-        discriminator="type", description="Where the tool frame shall be"
+        discriminator="type", description="Goal of the tool frame"
     )
     start: GroupPositions | None = Field(
         default=None,
-        description="What `nearest` is measured from [rad or m]; null for the scene's state",
+        description="Configuration that distances are measured from [rad or m]; null for "
+        "the scene's state",
     )
     path_constraints: Annotated[list[Constraint], Field(max_length=64)] = Field(
         default=[],
-        description="What solutions shall keep; joints are locked where `start` has them",
+        description="Constraints that solutions shall keep; joints are locked where "
+        "`start` has them",
     )
-    ik: Ik = Field(default_factory=Ik, description="How hard to look")
+    ik: Ik = Field(default_factory=Ik, description="Options of the search")
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
-        default=5.0, description="Stop after this long, with what was found [s]"
+        default=5.0, description="Time after which to stop, with what was found [s]"
     )
     seed: Annotated[int, Strict(), Field(ge=0, le=2**32 - 1), WHOLE] = Field(
         default=0, description="Seed of all randomness"
@@ -96,11 +98,11 @@ class IkRequest(RequestModel):
 
 
 class Branch(ResponseModel):
-    """Which way a six-joint arm bends; a sign changes only at its singularity, where it is 0."""
+    """Sides to which a six-joint arm bends; one changes only at its singularity, where it is 0."""
 
     model_config = ConfigDict(from_attributes=True)
 
-    shoulder: Literal[-1, 0, 1] = Field(description="On which side of the first axis the wrist is")
+    shoulder: Literal[-1, 0, 1] = Field(description="Side of the first axis on which the wrist is")
     elbow: Literal[-1, 0, 1] = Field(description="Side to which the elbow bends")
     wrist: Literal[-1, 0, 1] = Field(description="Side to which the wrist bends")
 
@@ -109,7 +111,7 @@ class IkSolution(ResponseModel):
     """A goal configuration, and how good it is."""
 
     positions: list[float] = Field(description="The group's positions [rad or m]")
-    pose_index: int = Field(description="Which of the goal's poses it reaches, from 0")
+    pose_index: int = Field(description="Index of the goal's pose that it reaches, from 0")
     manipulability: float = Field(
         description="Yoshikawa's sqrt(det(J J^T)) of the tool; it mixes metres and radians, so it "
         "compares configurations of one arm"
@@ -117,17 +119,18 @@ class IkSolution(ResponseModel):
     clearance: float | None = Field(
         description="Smallest signed distance of any two bodies [m]; null if nothing can collide"
     )
-    pair: tuple[str, str] | None = Field(description="The full names of these two")
+    pair: tuple[str, str] | None = Field(description="Full names of the two bodies of `clearance`")
     limit_margin: float | None = Field(
         description="Smallest distance to a position limit as a share of its range, 0 to 0.5; null "
         "if nothing is limited"
     )
     distance: float = Field(
-        description="From the start, by `ik.joint_weights`; the answers are sorted by it [rad or m]"
+        description="Distance from the start, by `ik.joint_weights` [rad or m]; the "
+        "answers are sorted by it"
     )
     branch: Branch | None = Field(
-        description="Of six-joint arms with a spherical wrist or one like Universal Robots'; else "
-        "null"
+        description="Branch of a six-joint arm with a spherical wrist or one like "
+        "Universal Robots'; null for others"
     )
 
     @classmethod
@@ -150,11 +153,15 @@ class IkSolution(ResponseModel):
 class IkResponse(ResponseModel):
     """All distinct goal configurations, nearest to the start first, or why there are none."""
 
-    configurations: list[IkSolution] = Field(description="Free, within limits, distinct")
-    funnel: IkFunnel | None = Field(description="How many samples survived what")
+    configurations: list[IkSolution] = Field(
+        description="Distinct goal configurations that are free and within limits"
+    )
+    funnel: IkFunnel | None = Field(description="Number of samples that passed each test")
     failure: Failure | None = Field(
-        description="Why there is none, `goal_unreachable`, `goal_in_collision`, "
-        "`goal_too_near`, `approach_blocked` or `goal_violates_constraint`; the evidence has the "
-        "`nearest` feasible pose and the `relaxation` that would do, what blocks the approaches, "
-        "and what is violated; or `deadline_exceeded`, with the funnel so far; null if there is one"
+        description="Reason why there is none, null if there is one: `goal_unreachable`, "
+        "`goal_in_collision`, `goal_too_near`, `approach_blocked`, "
+        "`goal_violates_constraint` or `deadline_exceeded`. The evidence has "
+        "the `nearest` feasible pose, the `relaxation` that is sufficient, "
+        "what blocks the approaches and what is violated; at a deadline, the "
+        "funnel so far"
     )

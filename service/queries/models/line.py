@@ -22,10 +22,12 @@ from service.scenes.models.pairs import Pair
 
 
 class FoundDeviation(ResponseModel):
-    """How far a tool is from its line at most, between waypoints too."""
+    """Largest deviation of a tool from its line that was found, between waypoints too."""
 
-    position: float = Field(description="Distance of its origin from the line [m]")
-    rotation: float = Field(description="Angle between its rotation and that of the line [rad]")
+    position: float = Field(description="Distance of the tool's origin from the line [m]")
+    rotation: float = Field(
+        description="Angle between the tool's rotation and that of the line [rad]"
+    )
 
 
 class LineRequest(LineTarget):
@@ -42,36 +44,37 @@ class LineRequest(LineTarget):
     group: GroupName = Field(description=GROUP)
     start: GroupPositions | None = Field(
         default=None,
-        description="Where the group stands at first [rad or m]; null for the scene's state",
+        description="Positions of the group at first [rad or m]; null for the scene's state",
     )
     frame: ToolFrame = None
     margin: Annotated[NonNegative, Field(le=10)] | None = Field(
         default=None, description="Distance that everything keeps [m]; null for the scene's"
     )
     max_step: Annotated[Real, Field(ge=1e-4, le=10)] = Field(
-        default=0.05, description="Between waypoints the tool moves by this much at most [m]"
+        default=0.05, description="Largest distance that the tool moves between waypoints [m]"
     )
     deviation: Deviation = Field(
         default_factory=Deviation,
-        description="How far from the line straight ways between the waypoints may lead",
+        description="Largest deviation from the line of the straight ways between the waypoints",
     )
     poses: Boolean = Field(default=False, description="Whether to answer the tool's poses as well")
     allowed_time: Annotated[Real, Field(gt=0, le=60)] = Field(
-        default=5.0, description="Give up after this long [s]"
+        default=5.0, description="Time after which to give up [s]"
     )
 
 
 class LineStop(ResponseModel):
-    """What ended a line before its end."""
+    """Place and reason of a line's stop before its end."""
 
     reason: LineStopReason = Field(
-        description="`limit`: a joint would leave its range. `collision`: two bodies would be "
-        "nearer than their margin. `singularity`: the joints would have to move without bound. "
-        "`unreachable`: the joints cannot move the tool that way"
+        description="Reason of the stop: a joint would leave its range (`limit`), two "
+        "bodies would be nearer than their margin (`collision`), the joints "
+        "would have to move without bound (`singularity`), or they cannot "
+        "move the tool that way (`unreachable`)"
     )
     fraction: float = Field(description="Share of the line that was reached, to about 1e-5 [1]")
-    where: Pose = Field(description="The tool there, in world")
-    positions: list[float] = Field(description="The group there [rad or m]")
+    where: Pose = Field(description="Pose of the tool there, in world")
+    positions: list[float] = Field(description="Positions of the group there [rad or m]")
     joint: str | None = Field(description="The position coordinate at its limit, for `limit`")
     pair: Pair | None = Field(description="The two bodies just beyond, for `collision`")
     singular_value: float = Field(
@@ -94,21 +97,23 @@ class LineStop(ResponseModel):
 
 
 class LineResponse(ResponseModel):
-    """How far it goes, on what way, and what stops it."""
+    """Waypoints along the free part of the line, its length, and what stops it."""
 
     fraction: float = Field(description="Share of the line that is reached, 0 to 1 [1]", ge=0, le=1)
-    length: float = Field(description="How far the tool's origin gets along it [m]")
+    length: float = Field(description="Distance that the tool's origin gets along the line [m]")
     fractions: list[float] = Field(description="Share of the line at every waypoint [1]")
     positions: list[list[float]] = Field(
         description="Waypoints from the start on, to be joined straight [rad or m]"
     )
     poses: list[Pose] | None = Field(
-        description="The tool at each waypoint, in world; null if not asked for"
+        description="Pose of the tool at each waypoint, in world; null if not asked for"
     )
     deviation: FoundDeviation = Field(
-        description="How far from the line the tool is at most, between waypoints too"
+        description="Largest deviation of the tool from the line, between waypoints too"
     )
-    stopped_by: LineStop | None = Field(description="What ended it; null if all is reached")
+    stopped_by: LineStop | None = Field(
+        description="Reason why the line stops; null if all is reached"
+    )
 
     @classmethod
     def from_domain(cls, trace: domain.LineTrace, *, with_poses: bool) -> Self:

@@ -25,7 +25,7 @@ class AddOperation(RequestModel):
 
     model_config = ConfigDict(title="AddOperation")
 
-    op: Literal["add"] = Field(description="What to do")
+    op: Literal["add"] = Field(description="Kind of the operation")
     object: ObjectDocument = Field(
         description="Object as in a scene document, with a name that is free"
     )
@@ -40,8 +40,8 @@ class MoveOperation(RequestModel):
 
     model_config = ConfigDict(title="MoveOperation")
 
-    op: Literal["move"] = Field(description="What to do")
-    object: Name = Field(description="Its name")
+    op: Literal["move"] = Field(description="Kind of the operation")
+    object: Name = Field(description="Name of the object")
     pose: PoseDocument = Field(description="X_WO, its new pose in the world")
 
     def to_domain(self) -> domain.MoveObject:
@@ -54,8 +54,8 @@ class RemoveOperation(RequestModel):
 
     model_config = ConfigDict(title="RemoveOperation")
 
-    op: Literal["remove"] = Field(description="What to do")
-    object: Name = Field(description="Its name")
+    op: Literal["remove"] = Field(description="Kind of the operation")
+    object: Name = Field(description="Name of the object")
 
     def to_domain(self) -> domain.RemoveObject:
         """Return the operation for the domain."""
@@ -67,8 +67,8 @@ class AttachOperation(RequestModel):
 
     model_config = ConfigDict(title="AttachOperation")
 
-    op: Literal["attach"] = Field(description="What to do")
-    object: Name = Field(description="Its name; it must be `movable`")
+    op: Literal["attach"] = Field(description="Kind of the operation")
+    object: Name = Field(description="Name of the object; it must be `movable`")
     frame: Name = Field(description="`robot::link`, or a frame that hangs on one")
     touch: Annotated[list[Name], Field(max_length=1000)] | None = Field(
         default=None,
@@ -79,10 +79,12 @@ class AttachOperation(RequestModel):
     )
     keep: Boolean = Field(
         default=True,
-        description="Whether it stays where it is in the world at the scene's positions",
+        description="Whether the object stays where it is in the world at the scene's positions",
     )
     pose: PoseDocument | None = Field(
-        default=None, description="X_FO, where it is in the frame; only and always if not `keep`"
+        default=None,
+        description="X_FO, pose of the object in the frame; required "
+        "without `keep`, and not allowed with it",
     )
 
     @model_validator(mode="after")
@@ -104,8 +106,8 @@ class DetachOperation(RequestModel):
 
     model_config = ConfigDict(title="DetachOperation")
 
-    op: Literal["detach"] = Field(description="What to do")
-    object: Name = Field(description="Its name")
+    op: Literal["detach"] = Field(description="Kind of the operation")
+    object: Name = Field(description="Name of the object")
 
     def to_domain(self) -> domain.DetachObject:
         """Return the operation for the domain."""
@@ -117,8 +119,8 @@ class SetPositionsOperation(RequestModel):
 
     model_config = ConfigDict(title="SetPositionsOperation")
 
-    op: Literal["set_positions"] = Field(description="What to do")
-    robot: Name = Field(description="Its name in the scene")
+    op: Literal["set_positions"] = Field(description="Kind of the operation")
+    robot: Name = Field(description="Name of the robot in the scene")
     positions: Name | Positions | dict[Name, Coordinate | Positions] = Field(
         description=(
             "Name of a configuration, values of the default group, or values by joint [rad or m]"
@@ -144,7 +146,7 @@ class AllowOperation(RequestModel):
 
     model_config = ConfigDict(title="AllowOperation")
 
-    op: Literal["allow"] = Field(description="What to do")
+    op: Literal["allow"] = Field(description="Kind of the operation")
     pair: BodyNames = Field(description="Full names of the bodies")
 
     def to_domain(self) -> domain.AllowPair:
@@ -157,7 +159,7 @@ class ForbidOperation(RequestModel):
 
     model_config = ConfigDict(title="ForbidOperation")
 
-    op: Literal["forbid"] = Field(description="What to do")
+    op: Literal["forbid"] = Field(description="Kind of the operation")
     pair: BodyNames = Field(description="Full names of the bodies")
 
     def to_domain(self) -> domain.ForbidPair:
@@ -174,7 +176,7 @@ type SceneOperation = Annotated[
     | SetPositionsOperation
     | AllowOperation
     | ForbidOperation,
-    Field(discriminator="op", description="What to do, by `op`"),
+    Field(discriminator="op", description="Operation on a scene, by `op`"),
 ]
 
 

@@ -14,9 +14,9 @@ class Pair(ResponseModel):
     """Two bodies and how near they are."""
 
     bodies: tuple[str, str] = Field(description="Full names")
-    distance: float = Field(description="Signed [m]; negative is the depth of penetration")
+    distance: float = Field(description="Signed distance [m]; negative is the depth of penetration")
     depth: float = Field(description="Depth of penetration [m]; 0 if they do not touch", ge=0)
-    points: list[list[float]] = Field(description="The nearest point of each, in world [m]")
+    points: list[list[float]] = Field(description="Nearest point of each body, in world [m]")
 
     @classmethod
     def from_domain(cls, pair: BodyPair) -> Self:
@@ -34,14 +34,14 @@ class UncheckedPair(ResponseModel):
 
     model_config = ConfigDict(title="UncheckedPair")
 
-    bodies: tuple[str, str] = Field(description="Full names, sorted")
+    bodies: tuple[str, str] = Field(description="Full names of the bodies, sorted")
     reason: Literal["allowed", "held", "welded", "welded_to_world", "adjacent"] = Field(
         description="allowed: by the scene or the robot's description; held: one is attached and "
         "may touch the other; welded: neither can move relative to the other; welded_to_world: "
         "both stand in the world; adjacent: a joint joins them, and their shapes touch about it or "
         "can never touch"
     )
-    evidence: str = Field(description="What that rests on, in words")
+    evidence: str = Field(description="Evidence for the reason, in words")
 
 
 def unchecked_pairs(pairs: Sequence[domain.UncheckedPair]) -> list[dict[str, Any]]:

@@ -23,8 +23,8 @@ class SceneBrief(ResponseModel):
     id: str = Field(description="Id of the scene")
     revision: int = Field(description="Revision of its content, from 1")
     digest: str = Field(description="sha256 of the content, the bytes of all files included")
-    name: str = Field(description="For people")
-    created_at: datetime = Field(description="When this revision was made (UTC)")
+    name: str = Field(description="Name for people")
+    created_at: datetime = Field(description="Time at which this revision was made (UTC)")
 
 
 class Files(ResponseModel):
@@ -32,7 +32,7 @@ class Files(ResponseModel):
 
     model_config = ConfigDict(from_attributes=True)
 
-    named: str = Field(description="What the document calls them: `model`, or the mesh's `uri`")
+    named: str = Field(description="Name in the document: `model`, or the mesh's `uri`")
     main: str = Field(description="The robot's description, or the mesh; one of the paths")
     card: str = Field(description="The `robot.yaml` that goes with it; empty for none")
     sha256: dict[str, str] = Field(
@@ -88,24 +88,24 @@ class Scene(SceneBrief):
 
     model_config = ConfigDict(title="Scene")
 
-    groups: list[Group] = Field(description="What can be planned for")
+    groups: list[Group] = Field(description="Groups that can be planned for")
     frames: list[str] = Field(description="Frames that poses may be given in")
     bodies: list[str] = Field(description="Everything that can collide")
     num_pairs: int = Field(description="Pairs of bodies that are kept apart")
     assumed: list[str] = Field(
-        description="Joints whose rate limits nobody states, so that ours are assumed"
+        description="Joints whose rate limits are assumed, because no source states them"
     )
     unchecked: list[UncheckedPair] = Field(
         default=[], description="Pairs of bodies that no collision check looks at, and why"
     )
-    warnings: list[str] = Field(description="What was found odd, for example concave meshes")
+    warnings: list[str] = Field(description="Oddities of the scene, for example concave meshes")
     document: SceneDocument = Field(
         description="Document as it was posted or edited, defaults filled in"
     )
     files: dict[str, Files] = Field(
         default={},
-        description="What its robots and meshes were made from, by name: they are kept, and no "
-        "change of a file on the disk changes this scene",
+        description="Files that its robots and meshes were made from, by name. They are "
+        "kept: no change of a file on the disk changes this scene",
     )
 
 

@@ -23,7 +23,7 @@ def _is_empty(members: list[str]) -> bool:
 
 
 class Steering(ResponseModel):
-    """What a car can drive."""
+    """Curves that a car can drive."""
 
     model_config = ConfigDict(from_attributes=True)
 
@@ -38,29 +38,31 @@ class Joint(ResponseModel):
 
     name: str = Field(description="Full name, `robot::joint`")
     type: domain.JointType = Field(
-        description="Whole turns are nothing only to continuous joints, and a joint that another "
-        "one follows by less is revolute"
+        description="Type of the joint. Whole turns are nothing only to continuous "
+        "joints; a joint that another one follows by less is revolute"
     )
     steering: Steering | None = Field(
-        default=None, description="How a planar joint is steered; null if it moves any way"
+        default=None, description="Steering of a planar joint; null if it moves any way"
     )
 
 
 class Limits(ResponseModel):
-    """What the joints of a group may do; null is unlimited.
+    """Limits of the joints of a group; null is unlimited.
 
-    Positions are limited per coordinate. Rates are limited per block: the Euclidean norm of the
-    block's velocity coordinates; a scalar joint is a block of its own. Joints that follow those of
-    the group keep their own limits within these.
+    Positions are limited per coordinate, rates per block by the Euclidean norm of its velocity
+    coordinates; a scalar joint is a block of its own. Joints that follow those of the group keep
+    their own limits within these.
     """
 
     lower: list[Bound] = Field(description="Smallest positions [rad or m]")
     upper: list[Bound] = Field(description="Largest positions [rad or m]")
     blocks: list[str] = Field(description="Names of the blocks, in the order of the rates")
-    velocity: list[Bound] = Field(description="Per block [rad/s or m/s]")
-    acceleration: list[Bound] = Field(description="Per block [rad/s^2 or m/s^2]")
-    jerk: list[Bound] = Field(description="Per block [rad/s^3 or m/s^3]")
-    effort: list[Bound] = Field(description="Per block [N m or N]")
+    velocity: list[Bound] = Field(description="Largest velocity per block [rad/s or m/s]")
+    acceleration: list[Bound] = Field(
+        description="Largest acceleration per block [rad/s^2 or m/s^2]"
+    )
+    jerk: list[Bound] = Field(description="Largest jerk per block [rad/s^3 or m/s^3]")
+    effort: list[Bound] = Field(description="Largest torque or force per block [N m or N]")
 
     @classmethod
     def from_domain(cls, limits: domain.JointLimits, blocks: list[str]) -> Self:
@@ -77,14 +79,16 @@ class Limits(ResponseModel):
 
 
 class Gripper(ResponseModel):
-    """How wide a group opens that is a parallel gripper: `travel` times (position - `lower`)."""
+    """Width of a group that is a parallel gripper: `travel` times (position - `lower`)."""
 
     model_config = ConfigDict(from_attributes=True)
 
     joint: str = Field(description="Full name of the joint that moves its fingers")
     lower: float = Field(description="Position of that joint where the fingers meet [m]")
-    travel: float = Field(description="By how much they part with each metre of the joint")
-    max_width: float = Field(description="How far apart they are at most [m]")
+    travel: float = Field(
+        description="Distance that the fingers part with each metre of the joint [m/m]"
+    )
+    max_width: float = Field(description="Largest distance of the fingers [m]")
 
 
 class Group(ResponseModel):
@@ -101,14 +105,14 @@ class Group(ResponseModel):
     position_names: list[str] = Field(description="A name per position coordinate, in order")
     velocity_names: list[str] = Field(description="A name per velocity coordinate, in order")
     tool_frames: list[str] = Field(description="Frames that it moves; the first is the default")
-    limits: Limits = Field(description="What its joints may do")
+    limits: Limits = Field(description="Limits of its joints")
     configurations: dict[str, list[float]] = Field(
         description="Named configurations, in the group's order [rad or m]"
     )
     positions: list[float] = Field(description="The current state [rad or m]")
     gripper: Gripper | None = Field(
         default=None,
-        description="How wide it opens, of a gripper; left out of other groups",
+        description="Width of a group that is a gripper; left out of other groups",
         exclude_if=_is_none,
     )
 
@@ -176,10 +180,10 @@ def _stacked(parts: Sequence[ResponseModel], field: str) -> list[Any]:
 
 
 class Source(ResponseModel):
-    """Where a number is from."""
+    """Source of a number."""
 
-    what: str = Field(description="Which numbers")
-    source: str = Field(description="Where they were published")
+    what: str = Field(description="Numbers that are meant")
+    source: str = Field(description="Publication that they are from")
 
 
 class Model(ResponseModel):
@@ -188,13 +192,15 @@ class Model(ResponseModel):
     model_config = ConfigDict(title="Model")
 
     name: str = Field(description="Name, as `model` of a scene's robot has it")
-    description: str = Field(description="What it is")
+    description: str = Field(description="Description of the robot")
     default_group: str = Field(description="The group that the bare robot name stands for")
-    groups: list[Group] = Field(description="What can be planned for, in a robot of this name")
+    groups: list[Group] = Field(
+        description="Groups that can be planned for, in a robot of this name"
+    )
     bodies: list[str] = Field(description="Its bodies, in a robot of this name")
-    sources: list[Source] = Field(description="Where its numbers are from")
+    sources: list[Source] = Field(description="Sources of its numbers")
     assumed: list[str] = Field(
-        description="Joints whose rate limits nobody states, so that ours are assumed"
+        description="Joints whose rate limits are assumed, because no source states them"
     )
 
     @classmethod
