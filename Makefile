@@ -147,7 +147,7 @@ sanitize: setup
 	LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libubsan.so)" \
 	ASAN_OPTIONS=detect_leaks=0 WAYPROOF_NATIVE="$$SANITIZED" \
 	$(PYTHON) -m pytest -p no:cacheprovider tests/kernel \
-	  tests/certify/clearance/test_native_clearance.py tests/refine/constraints/test_distance_query.py tests/refine/model/test_penalty_qp.py
+	  tests/certify/clearance/test_native_clearance.py tests/refine/constraints/test_distance_query.py tests/refine/model
 
 check: format lint imports types spell docs tidy
 
