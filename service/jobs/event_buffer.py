@@ -43,7 +43,9 @@ class EventBuffer:
         self._backlog: list[_Event] = []
         self._gathering: asyncio.TimerHandle | None = None
         self._writing: asyncio.Task[None] | None = None
-        self._closed = asyncio.Event()
+        self._flushes: list[asyncio.Future[None]] = []
+        self._is_closed = False
+        self._is_urgent = asyncio.Event()
         self._has_space = asyncio.Event()
         self._has_space.set()
 
@@ -56,7 +58,7 @@ class EventBuffer:
             is_update: Whether it may replace the one before it if that is of its type and there is
                 much to record.
         """
-        if self._closed.is_set():
+        if self._is_closed:
             return
         self.latest[event_type[:64]] = data
         self._backlog.append(_Event(event_type[:64], data, is_update))
@@ -69,9 +71,25 @@ class EventBuffer:
         """Wait while there is much to record."""
         await self._has_space.wait()
 
+    async def flush(self) -> None:
+        """Record at once what was taken so far, so that what is recorded next comes after it.
+
+        It ends as well where the database refuses events.
+        """
+        if self._gathering is not None:
+            self._gathering.cancel()
+            self._begin_to_write()
+        if self._writing is None or self.is_refused:
+            return
+        flushed = asyncio.get_running_loop().create_future()
+        self._flushes.append(flushed)
+        self._is_urgent.set()
+        await flushed
+
     async def close(self) -> list[PendingEvent]:
         """Take no more, wait for what is being recorded, and return what is not recorded."""
-        self._closed.set()
+        self._is_closed = True
+        self._is_urgent.set()
         if self._gathering is not None:
             self._gathering.cancel()
         if self._writing is not None:
@@ -83,8 +101,10 @@ class EventBuffer:
         self._writing = asyncio.get_running_loop().create_task(self._write())
 
     async def _write(self) -> None:
-        while self._backlog and not self._closed.is_set():
+        while self._backlog and not self._is_closed:
             events, self._backlog = self._backlog, []
+            flushes, self._flushes = self._flushes, []
+            self._is_urgent.clear()
             self._has_space.set()
             try:
                 await self._record([(event.type, event.data) for event in events])
@@ -96,8 +116,11 @@ class EventBuffer:
                     self._take_back(events)
                 else:
                     _log.exception("%d events were lost", len(events))
+            _end(flushes)
             await self._gather(_PAUSE if self.is_refused else _GATHERING)
         self._writing = None
+        _end(self._flushes)
+        self._flushes = []
 
     def _take_back(self, events: list[_Event]) -> None:
         """Hold events that the database does not take just now."""
@@ -106,9 +129,9 @@ class EventBuffer:
         self._bound()
 
     async def _gather(self, seconds: float) -> None:
-        """Let events gather for a while, or until there are no more to come."""
+        """Let events gather for a while, or until what has gathered shall be recorded."""
         with suppress(TimeoutError):
-            await asyncio.wait_for(self._closed.wait(), seconds)
+            await asyncio.wait_for(self._is_urgent.wait(), seconds)
 
     def _bound(self) -> None:
         """Hold no more than there is room for.
@@ -133,6 +156,12 @@ class EventBuffer:
             self._has_space.clear()
         else:
             self._has_space.set()
+
+
+def _end(flushes: Sequence[asyncio.Future[None]]) -> None:
+    for flushed in flushes:
+        if not flushed.done():
+            flushed.set_result(None)
 
 
 class NullSink:

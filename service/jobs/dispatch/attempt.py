@@ -154,6 +154,10 @@ class Attempt:
         if self._worker is not None:
             self._worker.control(self.controls)
 
+    async def record_events(self) -> None:
+        """Record what the run has told so far: clients may have read it already."""
+        await self._events.flush()
+
     def latest(self, event_type: str) -> dict[str, Any] | None:
         """Return the data of the last event of a type, recorded or not."""
         data = self._events.latest.get(event_type)

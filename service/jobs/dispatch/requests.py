@@ -246,6 +246,9 @@ class JobControl:
 
     async def _write_controls(self, identifier: str) -> None:
         """Record controls: a job that waits, or runs again, is told again after a restart."""
+        attempt = self._attempts.get(identifier)
+        if attempt is not None:
+            await attempt.record_events()
         changes = dict(self._unwritten.get(identifier, {}))
         if not changes:  # they were written with others
             return

@@ -56,3 +56,50 @@ def test_every_event_is_recorded_once_and_in_order_or_given_back():
         assert await buffer.close() == left
 
     asyncio.run(story())
+
+
+@pytest.mark.parametrize("is_writing", [False, True])
+def test_a_flush_records_at_once_what_was_taken_before_it(is_writing, monkeypatch):
+    monkeypatch.setattr(module, "_GATHERING", 3600.0)
+
+    async def story():
+        recorded, gate = [], asyncio.Event()
+
+        async def record(some):
+            await gate.wait()
+            recorded.extend(some)
+
+        buffer = EventBuffer(record)
+        put(buffer, *events(2))
+        if is_writing:
+            early = asyncio.create_task(buffer.flush())
+            await asyncio.sleep(0)
+            put(buffer, *events(2, first=2))
+        flush = asyncio.create_task(buffer.flush())
+        await asyncio.sleep(0.01)
+        assert not flush.done()
+        gate.set()
+        await asyncio.wait_for(flush, 10)
+        assert recorded == events(4 if is_writing else 2)
+        if is_writing:
+            await early
+        await asyncio.wait_for(buffer.flush(), 10)  # there is nothing more
+        assert await buffer.close() == []
+
+    asyncio.run(story())
+
+
+def test_a_flush_does_not_wait_for_a_database_that_refuses(monkeypatch):
+    monkeypatch.setattr(module, "is_of_database", lambda _: True)
+
+    async def story():
+        async def refuse(some):
+            raise OSError(str(some))
+
+        buffer = EventBuffer(refuse)
+        put(buffer, *events(2))
+        await asyncio.wait_for(buffer.flush(), 10)
+        await asyncio.wait_for(buffer.flush(), 10)
+        assert await buffer.close() == events(2)
+
+    asyncio.run(story())
