@@ -235,8 +235,9 @@ def test_it_goes_back_waits_at_its_beginning_and_goes_on(client, scene):
     plan = planned(client, scene, "ready")
     request = {"plan": plan["id"], "driver": "kinematic", "speed": 0.5}
     path = client.post("/v1/executions", json=request).headers["location"]
-    wait_until(client, path, lambda status: status["progress"] > 0.1)
-    assert client.post(f"{path}/speed", json={"speed": -20}).status_code == 200
+    wait_until(client, path, lambda status: status["progress"] > 0.3)
+    # Slow enough that a status is told on the way.
+    assert client.post(f"{path}/speed", json={"speed": -1}).status_code == 200
     back = wait_until(client, path, lambda status: status["path_velocity"] < -0.5)
     assert back["state"] == "executing"
     waiting = wait_until(client, path, lambda status: status["progress"] == 0)
