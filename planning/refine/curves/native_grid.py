@@ -39,7 +39,7 @@ def native_path_velocity(
 ) -> Array | None:
     """Return the largest admissible squared path velocity b [1/s^2] at the grid.
 
-    None without the kernel, or where bounds of very different size exceed its precision.
+    None without the kernel.
     """
     grid: Any = native_grid(len(points))
     if grid is None:
@@ -56,7 +56,7 @@ def native_path_velocity(
     b, _ = grid.path_velocity(
         kernel_bounds(bounds), np.ascontiguousarray(points), low, high, TOLERANCE, MAX_STEPS
     )
-    return b if np.isfinite(b).all() else None
+    return b
 
 
 def kernel_bounds(bounds: RateBounds) -> tuple[Array, Array, Array, Array]:

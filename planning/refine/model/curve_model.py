@@ -126,12 +126,11 @@ class CurveModel:
                 the velocity limit.
         """
         radii = radius * self._bounds.velocity
-        step = None
-        if self._native_steps is not None:
-            step = self._native_steps.step(
-                evaluation, radii, self._load_rows(evaluation, radii), self._distance_weights
-            )
-        return step or self.reference_step(evaluation, radius)
+        if self._native_steps is None:
+            return self.reference_step(evaluation, radius)
+        return self._native_steps.step(
+            evaluation, radii, self._load_rows(evaluation, radii), self._distance_weights
+        )
 
     def reference_step(self, evaluation: CurveEvaluation, radius: float) -> tuple[Array, float]:
         """Return the same by numpy, with the clearance objective if there is one."""

@@ -57,10 +57,8 @@ class NativeSteps:
         radii: Float64[np.ndarray, " nq"],
         load_rows: Sequence[PenaltyRows],
         distance_weights: BasisWeights,
-    ) -> tuple[Array, float] | None:
+    ) -> tuple[Array, float]:
         """Return the control points of the model's minimizer, and the predicted decrease [s].
-
-        None where rows of very different size exceed the kernel's precision.
 
         Args:
             evaluation: Evaluation of the curve around which the model is.
@@ -77,7 +75,7 @@ class NativeSteps:
             np.ascontiguousarray(distances.gradients),
             DISTANCE_PENALTY / evaluation.duration,
         )
-        points, decrease = self._grid.step(
+        step: tuple[Array, float] = self._grid.step(
             self._bounds,
             np.ascontiguousarray(evaluation.points),
             evaluation.path_velocity,
@@ -89,4 +87,4 @@ class NativeSteps:
             TOLERANCE,
             MAX_STEPS,
         )
-        return (points, decrease) if np.isfinite(decrease) else None
+        return step

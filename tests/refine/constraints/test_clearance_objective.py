@@ -129,8 +129,7 @@ def test_a_plan_pays_for_its_clearance_and_says_so():
     )
     assert plain.stages.refine.shortfall is None
     assert cautious.stages.refine.shortfall == pytest.approx(0, abs=1e-3)
-    # Both are local optima: the way around may be better than the plain one by little.
-    assert cautious.trajectory.duration > 0.99 * plain.trajectory.duration
+    assert cautious.trajectory.duration > plain.trajectory.duration
     assert cautious.certificate.proven
     assert cautious.certificate.min_clearance > plain.certificate.min_clearance + 0.02
 

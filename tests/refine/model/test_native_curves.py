@@ -62,7 +62,7 @@ def assert_same_path_velocity(points: np.ndarray, bounds: RateBounds) -> None:
     expected = minimum_time_path_velocity(grid, derivatives, constraints)
     # The solver ends within its tolerance of the sum of b, which hardly depends on one.
     np.testing.assert_allclose(found, expected, rtol=0.02, atol=1e-4 * expected.max())
-    assert duration_of(grid, found) == pytest.approx(duration_of(grid, expected), rel=5e-4)
+    assert duration_of(grid, found) == pytest.approx(duration_of(grid, expected), rel=5e-5)
     assert derivatives.max_acceleration_ratio(grid, found) <= 1 + 1e-9
     if constraints is not None:
         assert constraints.max_value(found) <= 1 + 1e-9

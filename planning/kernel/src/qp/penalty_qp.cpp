@@ -12,18 +12,23 @@ namespace wayproof {
 namespace {
 
 constexpr double to_the_wall = 0.99, unbounded = 1e300;
+// Rows whose largest entries are between these stay in the units that the model chose, in which residuals are measured.
+constexpr double small_row = 1e-3, large_row = 1e3;
+// A step as long as this leaves no residual but rounding.
+constexpr double long_step = 0.9;
 
 bool is_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double value) { return std::isfinite(value); });
 }
 
-// Divides each row by a power of two, after which its largest entry is at least 1 and below 2, and multiplies its
-// price. Where rows differ much in size, as those of jerks do, the normal equations lose the digits of the small ones.
+// Divides rows of another order of magnitude than 1 by a power of two, after which their largest entry is at least 1
+// and below 2, and multiplies their price: beside rows of jerks, say, the normal equations lose the digits of small
+// ones.
 void scale_rows(PenaltyQp& program) {
   const std::size_t num_sparse = program.starts.size() - 1;
   ProductRows& products = program.products;
   const auto scale = [&program](std::size_t k, double largest, double* values, double* end) {
-    if (!(largest > 0)) return;
+    if (!(largest > 0) || (small_row < largest && largest < large_row)) return;
     const double size = std::exp2(std::ilogb(largest));
     for (double* value = values; value != end; ++value) *value /= size;
     program.least[k] /= size;
@@ -84,12 +89,13 @@ class Search {
   PenaltySolution run(double tolerance, int max_steps) {
     const double count = 2.0 * (n + m);
     int step = 0;
-    double gap = 0, last_wrong = unbounded;
+    double gap = 0, last_wrong = unbounded, shortest = 0;
     for (;; ++step) {
       gap = (low.product() + high.product() + over.product() + under.product()) / count;
       const double wrong = residuals();
-      // Residuals that do not shrink any more are rounding: further steps would only add to it.
-      const bool is_exhausted = wrong > 0.5 * last_wrong;
+      // A step leaves the share of the residuals that it falls short of; what remains of a long one is rounding, and
+      // further steps would only add to it.
+      const bool is_exhausted = shortest > long_step && wrong > 0.5 * last_wrong;
       if ((gap < tolerance && (wrong < 10 * tolerance || is_exhausted)) || step == max_steps) break;
       last_wrong = wrong;
       factor();
@@ -103,6 +109,7 @@ class Search {
       const double p_step = std::min(1.0, to_the_wall * reach(true)),
                    d_step = std::min(1.0, to_the_wall * reach(false));
       if (!is_finite(dx)) break;
+      shortest = std::min(p_step, d_step);
       for (int i = 0; i < n; ++i) x[i] += p_step * dx[i];
       for (ComplementaryPairs* pair : {&low, &high, &over, &under}) pair->move(p_step, d_step);
     }

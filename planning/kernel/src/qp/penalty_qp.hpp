@@ -29,7 +29,8 @@ struct PenaltySolution {
   double gap = 0;  // the mean product of a slack and its multiplier where it stopped
 };
 
-// Stops once residuals and gap are below `tolerance`, relative to the cost, or after `max_steps`.
+// Stops once residuals and gap are below `tolerance`, relative to the cost, where digits are exhausted, or after
+// `max_steps`; what it returns is finite.
 PenaltySolution solve(PenaltyQp program, double tolerance, int max_steps);
 
 // What is minimised, at x.

@@ -50,7 +50,7 @@ struct MoreRows {
 
 struct ConvexStep {
   std::vector<double> points;  // control points of the minimum, [num_points][nq]
-  double decrease = 0;         // of the cost, as the model predicts it [s]; NaN if it was not found
+  double decrease = 0;         // of the cost, as the model predicts it [s]
 };
 
 // The program around the curve with control points `points` and squared path velocity b.

@@ -119,8 +119,7 @@ std::vector<double> minimum_time_path_velocity(const CurveGrid& grid, const Rate
   }
   const PenaltySolution found = solve(program, tolerance, max_steps);
   std::vector<double> b(n + 1, 0.0);
-  for (std::size_t i = 1; i < n; ++i)
-    b[i] = std::isnan(found.x[i - 1]) ? found.x[i - 1] : std::clamp(found.x[i - 1], least_share, 1.0) * upper[i];
+  for (std::size_t i = 1; i < n; ++i) b[i] = std::clamp(found.x[i - 1], least_share, 1.0) * upper[i];
   // The solver keeps bounds to its tolerance; b as a whole is divided by the largest share.
   const double share = std::max(1.0, largest_share(grid, bounds, rates, loads, b));
   for (double& value : b) value /= share;

@@ -18,7 +18,7 @@ struct LoadPlanes {
   std::vector<double> low, high;  // [n][per_interval]
 };
 
-// Returns b [n + 1], 0 at both ends, which keeps all bounds; NaN where the program was not solved.
+// Returns b [n + 1], 0 at both ends, which keeps all bounds.
 std::vector<double> minimum_time_path_velocity(const CurveGrid& grid, const RateBounds& bounds, const CurveRates& rates,
                                                const LoadPlanes& loads, double tolerance, int max_steps);
 
