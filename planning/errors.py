@@ -28,7 +28,7 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
     │   ├── NotCertified          not_certified          the checks that failed
     │   ├── ScheduleNotFound      schedule_not_found     the motions that meet, the pair, the times
     │   └── GraspMissed           grasp_missed           the object, how far each finger is from it
-    └── ExecutionFailure      an execution that was started and failed
+    └── ExecutionFailure      an execution that cannot be carried out
         ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
         ├── TrackingLost          tracking_lost          the error and its bound
         ├── Contact               contact                the pair, the force, the time
@@ -272,16 +272,16 @@ class ScheduleNotFound(PlanningFailure):
     stage = "schedule"
 
 
-class GraspMissed(GoalStageFailure):
+class ExecutionFailure(StageFailure):
+    """An execution cannot be carried out as asked, or not to its end."""
+
+    stage = "execute"
+
+
+class GraspMissed(ExecutionFailure):
     """Fingers that close do not hold the object; evidence: `object`, `width`, `distances`, ..."""
 
     code = "grasp_missed"
-
-
-class ExecutionFailure(StageFailure):
-    """An execution was started and failed."""
-
-    stage = "execute"
 
 
 class IllegalTransition(ExecutionFailure):

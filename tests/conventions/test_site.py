@@ -16,7 +16,7 @@ from docs.site.http_pages import http_pages
 from docs.site.schema_tables import SchemaTables
 from docs.site.source_pages import source_pages
 from planning import __all__ as public_names
-from planning.errors import GraspMissed, StageFailure
+from planning.errors import StageFailure
 from service.api.failures.table import EVIDENCE, failure_errors
 from service.settings import Settings
 
@@ -45,7 +45,7 @@ def test_failures_with_a_place_have_a_small_picture(pages: dict[str, str]) -> No
         error.code
         for error in failure_errors()
         if issubclass(error, StageFailure) and error.stage in {"goals", "search", "certify"}
-    } - {GraspMissed.code}  # of executions, which have no such page
+    }
     files = {file.stem: file for file in PICTURES.iterdir()}
     assert set(files) == placed
     assert placed == {*REQUESTS, *CLOSED}
