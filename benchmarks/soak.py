@@ -10,8 +10,9 @@ hold is told, with the seed, and the command ends with 1.
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -43,13 +44,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for i in range(options.executions):
             made = soak.next_round()
             wrong = list(dict.fromkeys(faults(made, cell)))
-            failure = made.execution["failure"]
-            ends[made.execution["state"] if failure is None else failure["code"]] += 1
+            ends[_end_of(made.execution)] += 1
             found, looked_at = found + len(wrong), looked_at + num_configurations(made)
             if wrong or options.verbose:
-                console.print(f"{i}: {made.execution['id']}: {made.done}", markup=False)
-                for fault in wrong[:5]:
-                    console.print(f"   {fault}", markup=False)
+                _tell(console, f"{i}: {made.execution['id']}: {made.done}", wrong)
     told = ", ".join(f"{count} {end}" for end, count in ends.most_common())
     console.print(
         f"{options.executions} executions of {options.robots} robots, seed {seed}: {told}; "
@@ -69,21 +67,31 @@ def _both(
             rounds = soak.next_rounds()
             wrong = list(dict.fromkeys(faults_of_both(rounds, cell)))
             for made in rounds.lanes.values():
-                failure = made.execution["failure"]
-                ends[made.execution["state"] if failure is None else failure["code"]] += 1
+                ends[_end_of(made.execution)] += 1
             found, refused = found + len(wrong), refused + rounds.refusals
             looked_at += len(configurations_of_both(rounds)[0])
             if wrong or options.verbose:
                 done = {robot: made.done for robot, made in rounds.lanes.items()}
-                console.print(f"{i}: {done}", markup=False)
-                for fault in wrong[:5]:
-                    console.print(f"   {fault}", markup=False)
+                _tell(console, f"{i}: {done}", wrong)
     told = ", ".join(f"{count} {end}" for end, count in ends.most_common())
     console.print(
         f"{ends.total()} executions of two robots apart, seed {seed}: {told}; {refused} refused "
         f"beside the other; {looked_at} configurations looked at; {found} faults"
     )
     return 1 if found else 0
+
+
+def _end_of(execution: Mapping[str, Any]) -> str:
+    """Return the code of an execution's failure, else its state."""
+    failure = execution["failure"]
+    return execution["state"] if failure is None else failure["code"]
+
+
+def _tell(console: Console, what: str, wrong: Sequence[str]) -> None:
+    """Print what was done, and the first faults."""
+    console.print(what, markup=False)
+    for fault in wrong[:5]:
+        console.print(f"   {fault}", markup=False)
 
 
 def parser() -> argparse.ArgumentParser:

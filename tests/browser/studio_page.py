@@ -7,7 +7,7 @@ import numpy as np
 from PIL import Image
 
 # For what hangs: on a busy machine without a graphics card the page takes its time [ms].
-_PATIENCE = 240_000
+_PATIENCE = 90_000
 # Small, for every pixel is drawn by the processor.
 _SIZE = {"width": 480, "height": 600}
 

@@ -69,12 +69,12 @@ class ContactWatch:
         scene = jobs[0].scene or ""
         if len(measured) < 2 or self._seen.get(scene) == where:
             return
-        self._seen[scene] = where
         try:
             found = await self._jobs.call(TOUCHING, _work(measured))
         except WayproofError as fault:  # a busy server: the next look comes soon
             _log.warning("robots that move at once were not looked at: %s", fault)
             return
+        self._seen[scene] = where
         for touching in found.found[:1]:
             for job, touch in _touches(touching, measured):
                 try:

@@ -27,7 +27,7 @@ from service.jobs.worker.protocol import Message, MessageKind, load_error, two_p
 from service.jobs.worker.termination import Termination
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.05, 5.0
-# So many processes in a row that died before they were ready are their forkserver's fault.
+# Processes that die in a row before they are ready, after which their forkserver is replaced.
 _MOST_STILLBORN = 3
 # What a task sends before it ends.
 _ON_THE_WAY = (MessageKind.EVENT, MessageKind.UPDATE, MessageKind.DEADLINE, MessageKind.WATCH)

@@ -240,6 +240,7 @@ def test_it_goes_back_waits_at_its_beginning_and_goes_on(client, scene):
     assert client.post(f"{path}/speed", json={"speed": -1}).status_code == 200
     back = wait_until(client, path, lambda status: status["path_velocity"] < -0.5)
     assert back["state"] == "executing"
+    assert client.post(f"{path}/speed", json={"speed": -20}).status_code == 200
     waiting = wait_until(client, path, lambda status: status["progress"] == 0)
     assert waiting["state"] == "executing"
     np.testing.assert_allclose(waiting["positions"], plan["result"]["start"], atol=1e-3)

@@ -18,6 +18,17 @@ def put(buffer, *told):
         buffer.put(kind, data)
 
 
+class Gated:
+    """Records events once a gate is open."""
+
+    def __init__(self):
+        self.recorded, self.gate = [], asyncio.Event()
+
+    async def __call__(self, some):
+        await self.gate.wait()
+        self.recorded.extend(some)
+
+
 def test_what_comes_just_before_the_end_is_given_back_without_a_wait():
     async def story():
         recorded = []
@@ -35,12 +46,7 @@ def test_what_comes_just_before_the_end_is_given_back_without_a_wait():
 
 def test_every_event_is_recorded_once_and_in_order_or_given_back():
     async def story():
-        recorded, gate = [], asyncio.Event()
-
-        async def record(some):
-            await gate.wait()
-            recorded.extend(some)
-
+        record = Gated()
         buffer = EventBuffer(record)
         put(buffer, *events(3))
         await asyncio.sleep(2 * module._GATHERING)  # they are being recorded
@@ -48,10 +54,10 @@ def test_every_event_is_recorded_once_and_in_order_or_given_back():
         closing = asyncio.create_task(buffer.close())
         await asyncio.sleep(0)
         assert not closing.done()
-        gate.set()
+        record.gate.set()
         left = await closing
-        assert [*recorded, *left] == events(5)
-        assert recorded[:3] == events(3)
+        assert [*record.recorded, *left] == events(5)
+        assert record.recorded[:3] == events(3)
         put(buffer, *events(1, first=9))  # too late
         assert await buffer.close() == left
 
@@ -63,12 +69,7 @@ def test_a_flush_records_at_once_what_was_taken_before_it(is_writing, monkeypatc
     monkeypatch.setattr(module, "_GATHERING", 3600.0)
 
     async def story():
-        recorded, gate = [], asyncio.Event()
-
-        async def record(some):
-            await gate.wait()
-            recorded.extend(some)
-
+        record = Gated()
         buffer = EventBuffer(record)
         put(buffer, *events(2))
         if is_writing:
@@ -78,9 +79,9 @@ def test_a_flush_records_at_once_what_was_taken_before_it(is_writing, monkeypatc
         flush = asyncio.create_task(buffer.flush())
         await asyncio.sleep(0.01)
         assert not flush.done()
-        gate.set()
+        record.gate.set()
         await asyncio.wait_for(flush, 10)
-        assert recorded == events(4 if is_writing else 2)
+        assert record.recorded == events(4 if is_writing else 2)
         if is_writing:
             await early
         await asyncio.wait_for(buffer.flush(), 10)  # there is nothing more
