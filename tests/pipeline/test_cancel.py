@@ -67,7 +67,8 @@ def test_a_best_so_far_that_cannot_be_proven_is_searched_for_once_more(
     problem = PlanningProblem("body", goal, search=search, refine=RefineOptions("none"), seed=seed)
     found = planning.plan(problem, world, deadline=deadline, on_progress=note)
     assert found.certificate.proven
-    assert found.stages.search.was_canceled
+    # A few seeds improve less often than that in all of their attempts.
+    assert found.stages.search.was_canceled == (len(seen) >= after)
 
 
 @pytest.mark.parametrize("goal", [(-0.21, -0.36, 0.29), (-0.2, 0.04, 0.34)])
