@@ -4,7 +4,8 @@
 and fro; meanwhile workers are killed and stopped, the server is killed and ended and started again
 on its data folder, the disk is full, the database is locked, and PostgreSQL is away. Several
 servers may work on one PostgreSQL database, and clients talk to any of them. After each round a
-checker looks at every job, every event and every row. `docs/benchmarks.md` says what must hold.
+checker looks at every job, every event and every row. `docs/explanation/benchmarks.md` says what
+must hold.
 Prints a table and every violation, and ends with 1 if there is one.
 """
 

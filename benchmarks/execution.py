@@ -3,7 +3,7 @@
 `make bench-execution`. A section is a table: a plan in each bundled scene carried out by the
 simulated driver; how long a `PATCH` of the scene takes to be answered with a verdict while a robot
 moves; the jitter of one execution while others read its events. What fails is told in the last
-column, and the command ends with 1. `docs/benchmarks.md` says more.
+column, and the command ends with 1. `docs/explanation/benchmarks.md` says more.
 """
 
 import argparse

@@ -6,8 +6,8 @@ twice with the default options: to its goal configuration, and to the pose of th
 has 5 s. The first plans of the process, which import and warm up, are not counted; loading a world
 is reported apart. Limits: Panda 2.175 (joints 1 to 4) and 2.61 rad/s, and 15, 7.5, 10, 12.5, 15,
 20, 20 rad/s^2; UR5 pi rad/s and 10 rad/s^2 for every joint. With --refine the last table has,
-problem by problem, what no motion beats; several methods share one table. `docs/benchmarks.md` says
-more.
+problem by problem, what no motion beats; several methods share one table.
+`docs/explanation/benchmarks.md` says more.
 """
 
 import argparse

@@ -5,7 +5,7 @@ obstacles. Each contender times each path in its usual way under the same limits
 along a cubic spline through the waypoints (Drake along our rounded path as well), ruckig from
 waypoint to waypoint, state to state, at rest at each. Motions are judged by samples 1 ms apart:
 ten times finer than they are usually delivered. Then curves and lines are sampled by 5 to 200
-waypoints and timed by ours. `docs/benchmarks.md` says more.
+waypoints and timed by ours. `docs/explanation/benchmarks.md` says more.
 """
 
 import argparse

@@ -4,7 +4,7 @@ Start of the server; what `?wait` takes besides the plan, one after another and 
 how late events are; polls and plans a second, by locust; plans beside a crowd of clients; durable
 jobs that do nothing; scenes of many boxes, posted and edited, within a time limit; memory. What
 fails or does not end is told as such, and the command ends with 1.
-`docs/benchmarks.md` says more.
+`docs/explanation/benchmarks.md` says more.
 """
 
 import argparse

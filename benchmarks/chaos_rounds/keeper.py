@@ -18,7 +18,7 @@ _AGAIN = 0.5
 # uvicorn ends in order, and then by the signal that it was sent.
 _AS_TOLD = (0, -signal.SIGTERM)
 _PROGRAM = "benchmarks.chaos_rounds.poisoned_server"
-# Another server has taken the database over (docs/operations.md).
+# Another server has taken the database over (docs/how-to/operations.md).
 _TAKEN = 3
 
 

@@ -40,7 +40,7 @@ def error_pages() -> Iterator[tuple[str, str]]:
         "reference/errors/index.md",
         "# Errors\n\n"
         f"A page for each code. The `type` of a problem is `{_TYPE}` and the code: its page is"
-        " the one of that name. How errors travel is in [Failures](../../failures.md).\n\n"
+        " the one of that name. How errors travel is in [Failures](../failures.md).\n\n"
         "| code | meaning |\n|---|---|\n" + "\n".join(rows) + "\n",
     )
 

@@ -23,7 +23,7 @@ def http_pages(document: Path) -> Iterator[tuple[str, str]]:
 def _operations(api: Mapping[str, Any]) -> str:
     parts = ["# HTTP", api["info"]["description"]]
     parts.append(
-        "The whole document is at `/openapi.json` of a server; [its promises](../api-policy.md) and"
+        "The whole document is at `/openapi.json` of a server; [its promises](api-policy.md) and"
         " [the errors](errors/index.md) have pages of their own. A plan's request is described"
         " [field by field](plan-request.md)."
     )
@@ -66,8 +66,9 @@ def _models(content: Mapping[str, Any]) -> str:
 def _options(schemas: Mapping[str, Any]) -> str:
     head = (
         "# The request of a plan\n\nWhat `POST /v1/plans` takes, in full; only `scene`, `group` and"
-        " `goal` are needed. Pages that explain: [goals](../goals.md), [search](../search.md),"
-        " [constraints](../constraints.md), [optimise](../optimise.md), [timing](../timing.md).\n\n"
+        " `goal` are needed. Pages that explain: [goals](../how-to/plan/goals.md),"
+        " [search](../how-to/plan/search.md), [constraints](../how-to/plan/constraints.md),"
+        " [optimise](../how-to/plan/optimise.md), [timing](../how-to/plan/timing.md).\n\n"
     )
     return head + SchemaTables(schemas).section("PlanRequest") + "\n"
 

@@ -23,11 +23,13 @@ def source_pages() -> Iterator[tuple[str, str]]:
     yield "reference/python.md", _python()
     yield (
         "reference/scene-file.md",
-        _file("Scene files", "`*.scene.yaml`", "../scenes.md", "scenes/scene.schema.json"),
+        _file("Scene files", "`*.scene.yaml`", "../how-to/scenes.md", "scenes/scene.schema.json"),
     )
     yield (
         "reference/robot-file.md",
-        _file("Robot files", "`robot.yaml`", "../your-own-robot.md", "models/robot.schema.json"),
+        _file(
+            "Robot files", "`robot.yaml`", "../how-to/your-own-robot.md", "models/robot.schema.json"
+        ),
     )
 
 
@@ -41,10 +43,9 @@ def _settings() -> str:
         rows.append(f"| `{PREFIX}{name.upper()}` | `{default}` | {field.description} |")
     return (
         "# Settings\n\nA server reads them from its environment; `wayproof config` prints them as a"
-        " server that starts now would have them. [Running the service](../operations.md) says when"
-        " to change which.\n\n| variable | default | meaning |\n|---|---|---|\n"
-        + "\n".join(rows)
-        + "\n"
+        " server that starts now would have them."
+        " [Running the service](../how-to/operations.md) says when to change which.\n\n"
+        "| variable | default | meaning |\n|---|---|---|\n" + "\n".join(rows) + "\n"
     )
 
 

@@ -23,7 +23,7 @@ from service.telemetry.logs import configure_logs
 from service.workers import start_to_import
 
 EPILOG = (
-    "Settings in the environment (docs/operations.md says what they are): "
+    "Settings in the environment (docs/how-to/operations.md says what they are): "
     f"{', '.join(f'WAYPROOF_{name.upper()}' for name in Settings.model_fields)}."
 )
 _log = logging.getLogger(__name__)

@@ -11,8 +11,18 @@ from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
 ROOT = Path(__file__).parents[2]
-HOW_TO = [ROOT / "docs" / "how-to" / name for name in ("execute.md", "show-and-replay.md")]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *HOW_TO]
+# Pages whose code tests of their own run, with a server or as commands.
+_ELSEWHERE = {"client.md", "generate-a-client.md", "live-state.md", "cli.md"}
+_FOLDERS = ("tutorial", "how-to", "reference", "explanation")
+PAGES = [
+    ROOT / "README.md",
+    *(
+        page
+        for folder in _FOLDERS
+        for page in sorted((ROOT / "docs" / folder).rglob("*.md"))
+        if page.name not in _ELSEWHERE
+    ),
+]
 
 _CURL = re.compile(r"^ *(curl (?:[^\n'\\]|'[^']*'|\\\n)*)", re.MULTILINE)
 _JSON = re.compile(r"```json\n(.*?)```", re.DOTALL)

@@ -11,7 +11,7 @@ from service.cli.app import app
 from service.settings import Settings
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
-GUIDE = DEPLOY.parent / "docs" / "deployment.md"
+GUIDE = DEPLOY.parent / "docs" / "how-to" / "deployment.md"
 FILES = [*sorted(DEPLOY.iterdir()), GUIDE]
 COMPOSE = yaml.safe_load((DEPLOY / "compose.yaml").read_text())
 OBJECTS = list(yaml.safe_load_all((DEPLOY / "kubernetes.yaml").read_text()))

@@ -1,4 +1,4 @@
-"""The files that docs/your-own-robot.md shows are what it says of them."""
+"""The files that docs/how-to/your-own-robot.md shows are what it says of them."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from service.plans.models.pose_goals import PoseGoal
 from tests.clocks import no_hurry
 from tests.conventions.guide import ROOT, values
 
-PAGE = ROOT / "docs" / "your-own-robot.md"
+PAGE = ROOT / "docs" / "how-to" / "your-own-robot.md"
 # A block of code behind a paragraph that names its file.
 FILES = dict(
     re.findall(r"`(reacher/[\w.]+)`[^`]*\n\n```\w+\n(.*?)```", PAGE.read_text(), re.DOTALL)

@@ -1,4 +1,4 @@
-"""The table of `docs/failures.md`, which is generated from the types of evidence.
+"""The table of `docs/reference/failures.md`, which is generated from the types of evidence.
 
 `python -m tests.golden.failures` writes it anew.
 """
@@ -13,7 +13,7 @@ from service.api.failures.table import EVIDENCE, HTTP_ERROR, failure_errors, pro
 from service.api.failures.union import meaning
 from service.errors import status_of
 
-FILE = Path(__file__).parents[2] / "docs" / "failures.md"
+FILE = Path(__file__).parents[2] / "docs" / "reference" / "failures.md"
 REWRITE = "python -m tests.golden.failures"
 _BEGIN, _END = "<!-- begin of the generated table -->\n", "<!-- end of the generated table -->\n"
 

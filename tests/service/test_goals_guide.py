@@ -7,7 +7,7 @@ import pytest
 import planning
 from tests.conventions.guide import ROOT, calls, values
 
-PAGE = ROOT / "docs" / "goals.md"
+PAGE = ROOT / "docs" / "how-to" / "plan" / "goals.md"
 BODIES = list(values(PAGE))
 
 

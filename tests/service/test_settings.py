@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from service.cli.app import app
 from service.settings import Settings
 
-GUIDE = Path(__file__).parents[2] / "docs" / "operations.md"
+GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "operations.md"
 
 
 def test_environment_is_read(monkeypatch, tmp_path):

@@ -1,4 +1,4 @@
-"""The steps of docs/tutorial.md, by a client that `openapi-python-client` has generated.
+"""The steps of docs/tutorial/first-motion.md, by a client of `openapi-python-client`.
 
 Called with the server's address and the scene's file; prints what it found as JSON. Type-checked
 in strict mode against the generated package: nothing of it is cast.

@@ -1,4 +1,4 @@
-// The steps of docs/tutorial.md, by types that `openapi-typescript` has generated and `openapi-fetch`.
+// The steps of docs/tutorial/first-motion.md, by types that `openapi-typescript` has generated and `openapi-fetch`.
 // Called with the server's address and the scene's file; prints what it found as JSON.
 
 import { readFile } from "node:fs/promises";

@@ -11,7 +11,7 @@ from service.api.error_responses import CODES
 from service.jobs.errors import InternalError
 from tests.golden.failures import REWRITE, with_table
 
-GUIDE = Path(__file__).parents[3] / "docs" / "failures.md"
+GUIDE = Path(__file__).parents[3] / "docs" / "reference" / "failures.md"
 
 
 def classes_below(base):

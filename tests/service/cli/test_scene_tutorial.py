@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from service.cli.app import app
 
-PAGE = Path(__file__).parents[3] / "docs" / "your-scene.md"
+PAGE = Path(__file__).parents[3] / "docs" / "tutorial" / "your-scene.md"
 BLOCKS = re.findall(r"```(yaml|sh|text)\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
