@@ -1,8 +1,9 @@
 """An attack as a document, and the same loaded: files on disk, a world, and the judge's robot.
 
-A case is JSON: `robot` (`robots.py`), `base`, `objects`, `card` (a robot.yaml) or None, and
+A case is JSON: `robot` (`draws/robots.py`), `base`, `objects`, `card` (a robot.yaml) or None, and
 `questions`, each with a `motion` and what it is held against. `kind` says who judges it. `others`
-are robots that stand beside it (`crew.py`), and `more` is the rest of the scene's document.
+are robots that stand beside it (`draws/other_robots.py`), and `more` is the rest of the scene's
+document.
 """
 
 import json
@@ -18,9 +19,9 @@ import yaml
 import planning
 from planning.domain.arrays import Array
 from planning.errors import WayproofError
-from tests.adversary.kinematics import Robot, pose_matrix, read_robot
-from tests.adversary.robots import urdf_files
-from tests.adversary.shapes import obj_text
+from tests.adversary.draws.robots import urdf_files
+from tests.adversary.draws.shapes import obj_text
+from tests.adversary.judge.kinematics import Robot, pose_matrix, read_robot
 
 type Document = dict[str, Any]
 

@@ -4,9 +4,9 @@
     python -m tests.adversary.run --kind all --seed 0 --cases 500        # many
     python -m tests.adversary.run --kind clearance --seed 17 --shrink    # cut down, and printed
     python -m tests.adversary.run --case FILE                            # one that was printed
-    python -m tests.adversary.run --kind all --cases 500 --journal FILE  # goes on where it ended
+    python -m tests.adversary.run --kind all --cases 500 --log FILE  # goes on where it ended
 
-A journal has a line for every block of seeds that is done; the same command with it does the others
+A log has a line for every block of seeds that is done; the same command with it does the others
 and tells of all. It is of one version of the code: begin another after every change.
 
 One integer makes a case again. What is wrong is told with the number of the defect that it is
@@ -25,8 +25,8 @@ from pathlib import Path
 import numpy as np
 
 from tests.adversary import service
+from tests.adversary.campaign_log import CampaignLog, blocks
 from tests.adversary.cases import Claim, Document, Outcome
-from tests.adversary.journal import Journal, blocks
 from tests.adversary.kinds import KINDS
 from tests.adversary.shrink import shrunk
 
@@ -67,10 +67,10 @@ def command(kind: str, seed: int) -> str:
     return f"python -m tests.adversary.run --kind {kind} --seed {seed}"
 
 
-def _campaign(kinds: list[str], seeds: range, journal: Path | None) -> tuple[Outcome, Counter[str]]:
+def _campaign(kinds: list[str], seeds: range, log: Path | None) -> tuple[Outcome, Counter[str]]:
     total = Outcome()
     found: Counter[str] = Counter()
-    known = Journal.read(journal)
+    known = CampaignLog.read(log)
     for kind in kinds:
         spent = 0.0
         for block in blocks(seeds):
@@ -121,7 +121,7 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=1)
     parser.add_argument("--shrink", action="store_true")
     parser.add_argument("--case", type=Path)
-    parser.add_argument("--journal", type=Path)
+    parser.add_argument("--log", type=Path)
     options = parser.parse_args()
     try:
         if options.case is not None:
@@ -130,7 +130,7 @@ def main() -> int:
             return _one(draw(options.kind, options.seed), shrink=True)
         kinds = list(KINDS) if options.kind == "all" else [options.kind]
         seeds = range(options.seed, options.seed + options.cases)
-        total, found = _campaign(kinds, seeds, options.journal)
+        total, found = _campaign(kinds, seeds, options.log)
         print(json.dumps(total.counts, indent=1))
         print(f"{len(total.wrong)} wrong, {len(total.refused)} refused though kept by far")
         for what, count in found.most_common():

@@ -17,25 +17,25 @@ from tests.profiles import PROFILE, num_cases
 CASES = {
     "clearance": 3,
     "rates": 8,
-    "jumps": 6,
+    "discontinuities": 6,
     "floats": 6,
-    "degrees": 6,
+    "polynomial_degrees": 6,
     "cars": 6,
-    "winding": 6,
+    "whole_turns": 6,
     "constraints": 4,
     "checks": 3,
     "torques": 4,
     "formats": 10,
-    "identities": 1,
+    "digests": 1,
     "plans": 1,
-    "wire": 2,
+    "http_answers": 2,
     "executions": 2,
     "neighbours": 6,
     "samples": 2,
     "stops": 4,
 }
 # A case of these takes half a second.
-CAMPAIGN = {"clearance": 240, "formats": 560, "plans": 80, "wire": 160, "samples": 160}
+CAMPAIGN = {"clearance": 240, "formats": 560, "plans": 80, "http_answers": 160, "samples": 160}
 # Seeds of one test in the campaign.
 BLOCK = 20
 

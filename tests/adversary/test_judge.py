@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 
 import planning
+from tests.adversary.campaign_log import CampaignLog, blocks
 from tests.adversary.cases import Claim, Outcome, Setting, check_of
-from tests.adversary.clearance_judge import ClearanceJudge
-from tests.adversary.distances import distance, make_solid
-from tests.adversary.journal import Journal, blocks
-from tests.adversary.kinematics import pose_matrix
-from tests.adversary.motions import around, positions, random_motion, sample_places
-from tests.adversary.peaks import all_peaks, rise
-from tests.adversary.robots import random_robot
+from tests.adversary.draws.motions import around, positions, random_motion, sample_places
+from tests.adversary.draws.robots import random_robot
+from tests.adversary.draws.shapes import random_shape
+from tests.adversary.judge.clearance_judge import ClearanceJudge
+from tests.adversary.judge.distances import distance, make_solid
+from tests.adversary.judge.kinematics import pose_matrix
+from tests.adversary.judge.peaks import all_peaks, rise
+from tests.adversary.judge.surroundings import Look, Stage
+from tests.adversary.judge.unchecked_pairs import declared
+from tests.adversary.judge.witness_points import bracket
 from tests.adversary.run import draw, judge
-from tests.adversary.shapes import random_shape
 from tests.adversary.shrink import shrunk
-from tests.adversary.surroundings import Look, Stage
-from tests.adversary.unlooked import declared
-from tests.adversary.witness import bracket
 from tests.profiles import num_cases, rng_of
 
 
@@ -137,16 +137,16 @@ def test_peaks_count_what_follows(tmp_path) -> None:
 
 
 def test_a_campaign_goes_on_where_it_ended(tmp_path) -> None:
-    file, seeds = tmp_path / "journal", range(35, 62)
+    file, seeds = tmp_path / "log", range(35, 62)
     parts = list(blocks(seeds))
     assert [number for part in parts for number in part] == list(seeds)
     outcome = Outcome([Claim("clearance", "said", 6)], [], {"asked": 4})
-    Journal.read(file).put("clearance", parts[0], outcome, 1.5)
-    with file.open("a") as journal:
-        journal.write('["clearance", 40, 60, {"outc')
-    again = Journal.read(file)
+    CampaignLog.read(file).put("clearance", parts[0], outcome, 1.5)
+    with file.open("a") as log:
+        log.write('["clearance", 40, 60, {"outc')
+    again = CampaignLog.read(file)
     assert again.get("clearance", parts[0]).outcome == outcome
     assert again.get("clearance", parts[0]).seconds == 1.5
     assert again.get("clearance", parts[1]) is None
     again.put("clearance", parts[1], Outcome(), 0.1)
-    assert set(Journal.read(file).known) == {("clearance", 35, 40), ("clearance", 40, 60)}
+    assert set(CampaignLog.read(file).known) == {("clearance", 35, 40), ("clearance", 40, 60)}
