@@ -162,10 +162,10 @@ def test_a_report_has_request_versions_certificate_and_charts(client, solved):
     captions = [picture["alt"] for picture in pictures]
     assert all(caption in text for caption in captions)
     certificate = solved["result"]["certificate"]
-    assert f"{certificate['time']:.2f} s: " in "".join(captions)
     # the robot is elsewhere at the goal, and red where it is narrowest
     assert (np.abs(shown[0] - shown[2]).max(axis=2) > 60).mean() > 0.02
     (narrowest,) = (i for i, caption in enumerate(captions) if "arrowest" in caption)
+    assert f"{certificate['time']:.2f} s" in captions[narrowest]
     others = [is_red(shown[i]).sum() for i in range(3) if i != narrowest]
     assert is_red(shown[narrowest]).sum() > max(others) + 200
 
