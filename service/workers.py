@@ -30,6 +30,7 @@ PRELOAD = (
     "service.scenes.worker",
     "service.plans.delivery.worker",
     "service.plans.delivery.failure_worker",
+    "service.plans.delivery.picture_worker",
     "service.plans.warm_up",
 )
 WARM_UP = "warm_up"

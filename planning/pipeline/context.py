@@ -7,8 +7,8 @@ from planning.domain.arrays import Array
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.goals.linear_moves import LinearMove
 from planning.domain.planner.roadmap import Roadmap
+from planning.domain.report.best_path import BestPath
 from planning.domain.report.motion_plan import Progress
-from planning.domain.report.search_report import AttemptReport
 from planning.domain.request.attempt_pool import AttemptPool
 from planning.domain.request.deadline import Deadline
 from planning.domain.request.problem import PlanningProblem
@@ -112,7 +112,8 @@ class PlanContext:
         """Deadline of retiming and certification; not canceled if the best so far is requested."""
         return refine_and_proof_deadlines(self.problem, self.deadline)[1]
 
-    def report_best(self, attempt: AttemptReport) -> None:
+    def report_best(self, best: BestPath) -> None:
         """Report the best path so far as progress."""
+        attempt = best.attempt
         detail = f"{attempt.planner} found a path of length {attempt.length:.3f}, the best so far"
-        self.report_progress(Progress("search", SEARCH_FRACTION, detail, attempt.length))
+        self.report_progress(Progress("search", SEARCH_FRACTION, detail, best))

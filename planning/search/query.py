@@ -44,8 +44,8 @@ class Query:
         options: The other options of the request.
         space_seconds: Duration of the construction of the space [s].
         max_checked_states: Checked states after which a planner without a solution gives up.
-        on_improvement: Callback with the planner's name and its best cost, at intervals while it
-            improves.
+        on_improvement: Callback with the planner's name, its best cost, and its path, shape
+            (n, nq), n = 0 where it shows none; at intervals while it improves.
     """
 
     space: SearchSpace
@@ -60,7 +60,7 @@ class Query:
     options: SearchOptions
     space_seconds: float = 0.0
     max_checked_states: float = math.inf
-    on_improvement: Callable[[str, float], None] | None = None
+    on_improvement: Callable[[str, float, Array], None] | None = None
 
     @property
     def is_canceled_keeping_best(self) -> bool:

@@ -11,7 +11,8 @@ from jaxtyping import Float64
 from planning.domain.curves.path import JointPath
 from planning.domain.planner.planner_graph import PlannerGraph
 from planning.domain.planner.roadmap import Roadmap
-from planning.domain.report.search_report import AttemptReport, SearchReport
+from planning.domain.report.best_path import BestPath
+from planning.domain.report.search_report import SearchReport
 from planning.domain.request.attempt_pool import AttemptPool
 from planning.domain.request.options import SearchOptions
 from planning.domain.value import Value
@@ -73,7 +74,7 @@ class SearchTask(Value):
     residual: Residual | None = None
     max_checked_states: float = math.inf
     clearances: Clearances | None = None
-    on_best: Callable[[AttemptReport], None] | None = None
+    on_best: Callable[[BestPath], None] | None = None
     guide: PathGuide | None = None
     roadmap: Roadmap | None = None
     pool: AttemptPool | None = None

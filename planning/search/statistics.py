@@ -6,7 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from planning.domain.arrays import Array
 from planning.domain.planner.planner_graph import PlannerGraph
+from planning.domain.report.best_path import BestPath
 from planning.domain.report.search_report import AttemptReport, RoadmapReport
 from planning.search.ompl.run_planner import Attempt
 from planning.search.query import Query
@@ -37,7 +39,7 @@ class SearchStatistics:
         shortest_reported: Least length reported so far of paths that planners were still improving.
     """
 
-    on_best: Callable[[AttemptReport], None] | None
+    on_best: Callable[[BestPath], None] | None
     straight_line: VerifiedPath | None
     best: VerifiedPath | None = None
     best_planner: str = ""
@@ -88,9 +90,9 @@ class SearchStatistics:
             self.nearest_approximation = approximation
 
     def report_improvement(
-        self, report: Callable[[AttemptReport], None], planner: str, length: float
+        self, report: Callable[[BestPath], None], planner: str, length: float, waypoints: Array
     ) -> None:
-        """Report the length of a path that a planner still improves, if it is the best so far."""
+        """Report a path that a planner still improves, if it is the best so far."""
         shortest = (
             self.shortest_reported
             if self.best is None
@@ -98,7 +100,8 @@ class SearchStatistics:
         )
         if length < shortest:
             self.shortest_reported = length
-            report(AttemptReport(planner, "improving", length, length, length, 0))
+            attempt = AttemptReport(planner, "improving", length, length, length, 0)
+            report(BestPath(attempt, waypoints))
 
     def record(self, planner: str, trial: VerificationTrial, num_states: int) -> None:
         """Record an attempt that ended."""
@@ -116,7 +119,7 @@ class SearchStatistics:
         if self.best is None or path.cost < self.best.cost:
             self.best, self.best_planner, self.graph = path, planner, trial.attempt.graph
             if self.on_best is not None:
-                self.on_best(report)
+                self.on_best(BestPath(report, path.waypoints))
 
 
 def _report(planner: str, trial: VerificationTrial, num_states: int) -> AttemptReport:

@@ -52,6 +52,12 @@ class BestPathData(EventData):
         description="Time since the worker began with the plan [s]; null where an older "
         "version told it",
     )
+    waypoints: list[list[float]] | None = Field(
+        default=None,
+        description="Configurations along the path from the start to a goal, at most 64 of its "
+        "waypoints; to look at, not to move along: nothing is proven of it, and a path that is "
+        "still improved is checked coarsely. Null where the planner tells the length only",
+    )
 
 
 class FinishedData(EventData):

@@ -16,7 +16,13 @@ from service.plans.models.plan import PlanSummary
 from service.plans.models.request import PlanRequest
 from service.plans.models.search_reports import PlannerGraph
 from service.plans.models.trajectory import Polynomial
-from service.plans.tasks import DeliveredWork, FailureWork, MotionWork, PlotWork
+from service.plans.tasks import (
+    DeliveredWork,
+    FailureWork,
+    MotionWork,
+    PictureWork,
+    PlotWork,
+)
 
 
 def _trusted(stored: dict[str, Any]) -> Polynomial:
@@ -135,6 +141,18 @@ def plot_work(job: Job, *names: str) -> PlotWork:
     request = work_of(job).request
     delivered = dict(delivered_work(job))
     return PlotWork(**delivered, names=names, retime=request.retime, margin=request.margin)
+
+
+def picture_work(job: Job) -> PictureWork:
+    """Return the motion of a plan, and where it is narrowest; raises as `motion_of`."""
+    certificate = ((job.result or {}).get("result") or {}).get("certificate") or {}
+    pair = [name for name in certificate.get("pair") or () if name]
+    return PictureWork(
+        **dict(delivered_work(job)),
+        nearest_at=certificate.get("time") if pair else None,
+        pair=pair,
+        points=certificate.get("points") or [],
+    )
 
 
 def failure_work(job: Job) -> FailureWork:

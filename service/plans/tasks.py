@@ -195,6 +195,30 @@ class Drawings(TaskModel):
     svg: dict[str, str]
 
 
+class MotionPictures(TaskModel):
+    """Pictures of a motion: what they show in words, and PNG files in base64."""
+
+    captions: list[str]
+    base64: list[str]
+
+
+NO_PICTURES = MotionPictures(captions=[], base64=[])
+
+
+class PictureWork(DeliveredWork):
+    """A delivered motion to draw in its scene.
+
+    Attributes:
+        nearest_at: When two bodies are nearest [s]; None if nothing can collide.
+        pair: Full names of those two; empty for none.
+        points: Their nearest points then, shape (2, 3) [m]; empty where they are not known.
+    """
+
+    nearest_at: float | None
+    pair: list[str]
+    points: list[list[float]]
+
+
 class FailureWork(SceneWork):
     """A plan that failed, in its scene.
 
@@ -228,6 +252,7 @@ EXPORT = Task("export_plan", ExportWork, ExportedFile)
 PLOT = Task("plot_plan", PlotWork, Drawing)
 SERIES = Task("series_of_plan", SeriesWork, Series)
 PLOT_ALL = Task("plot_all_of_plan", PlotWork, Drawings)
+PICTURES = Task("pictures_of_plan", PictureWork, MotionPictures)
 SHOW_FAILURE = Task("show_failure", FailureWork, Page)
 REPLAY = Task("replay_plan", DeliveredWork, Page)
 WARM_UP = Task("warm_up", NoWork, WarmedUp)

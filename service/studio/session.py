@@ -19,6 +19,7 @@ from service.studio.motions.motion import load_motion
 from service.studio.motions.motion_panel import MotionPanel
 from service.studio.notices import Notices
 from service.studio.plans.failure_view import place_of, show_failure
+from service.studio.plans.path_so_far import PathSoFar
 from service.studio.plans.plan_panel import PlanPanel
 from service.studio.plans.relaxations import Relaxation, relaxations_of
 from service.studio.plans.search_graph import SearchGraph
@@ -68,6 +69,7 @@ class Session:
         self._motion: MotionPanel | None = None
         self._motion_folder: viser.GuiFolderHandle | None = None
         self._graph = SearchGraph()
+        self._best = PathSoFar(self._tell)
         self._lock = threading.Lock()
         self._closed = threading.Event()
         client.gui.configure_theme(
@@ -85,6 +87,7 @@ class Session:
         """Stop what goes on, and forget the scene that was opened for this browser."""
         self._closed.set()
         self._forget()
+        self._best.close()
         if self._scenes is not None:
             self._scenes.forget()
         self._api.__exit__(None, None, None)
@@ -129,7 +132,7 @@ class Session:
         plans_tab = tabs.add_tab("Plans", viser.Icon.LIST)
         with self._plan_tab:
             goal = gui.add_folder("Goal")
-            self._plans = PlanPanel(gui, self._plan, self._pages)
+            self._plans = PlanPanel(gui, self._plan, self._pages, self._best)
             self._robot = RobotPanel(gui, self._execute, self._tell)
         self._places = Places(gui, goal, options_tab, scene_tab, plans_tab)
         self._scenes.field.on_update(lambda event: self._open_scene() if event.client else None)
@@ -276,6 +279,7 @@ class Session:
         """Take away what belongs to the scene before."""
         self._close_motion()
         self._graph.clear()
+        self._best.end()
         if self._panels is not None:
             self._panels.close()
             self._panels = None

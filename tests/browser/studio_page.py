@@ -4,6 +4,7 @@ import io
 from contextlib import contextmanager
 
 import numpy as np
+import pytest
 from PIL import Image
 
 # For what hangs: on a busy machine without a graphics card the page takes its time [ms].
@@ -41,7 +42,14 @@ class StudioPage:
         self.page.locator("[data-kind=good], [data-kind=bad]").first.wait_for()
 
     def wait_for(self, text):
-        self.page.get_by_text(text).first.wait_for()
+        """Wait for a text; if it does not come, say what stands there instead."""
+        from playwright.sync_api import TimeoutError as WaitedInVain
+
+        try:
+            self.page.get_by_text(text).first.wait_for()
+        except WaitedInVain:
+            told = [line.inner_text() for line in self.page.locator("[data-kind]").all()]
+            pytest.fail(f"{text!r} does not come; the page says {told}")
 
     def click(self, button):
         self.page.get_by_role("button", name=button, exact=True).last.click()

@@ -29,6 +29,11 @@ def newest(server, kind):
     return server.ask("GET", f"/v1/{kind}/{brief['id']}")
 
 
+def running(server):
+    """Plans that are at work now."""
+    return server.ask("GET", "/v1/plans?state=running")["items"]
+
+
 def own_scene(server):
     """The scene that the newest browser has opened."""
     return server.ask("GET", "/v1/scenes")["items"][0]["id"]
@@ -114,6 +119,23 @@ def test_options_that_are_filled_in_are_asked(studio, studio_server):
     tab.click()
     studio.click("Back to the defaults")
     studio.wait_for("all by default")
+
+
+def test_the_best_path_so_far_is_drawn_until_the_plan_has_ended(studio, studio_server):
+    studio.page.get_by_role("tab", name="Options").click()
+    studio.unfold("Search")
+    studio.set("Attempts", 1000)
+    studio.set("Allowed planning time [s]", 600)
+    studio.page.get_by_role("tab", name="Plan", exact=True).click()
+    before = is_purple(studio.settled_picture()).sum()
+    studio.click("Plan")
+    studio.wait_for("the best path so far is")
+    until(lambda: is_purple(studio.picture()).sum() > before + 30)
+    (found,) = [plan for plan in running(studio_server) if plan["best"] is not None]
+    assert len(found["best"]["waypoints"]) > 1
+    studio.click("Cancel")
+    studio.wait_for("canceled")
+    until(lambda: is_purple(studio.picture()).sum() <= before + 5)
 
 
 def test_a_failed_plan_is_red_where_it_fails_and_has_a_picture(studio, browser, studio_server):

@@ -55,8 +55,8 @@ def test_a_cancel_returns_the_path_that_is_being_improved(plane, wall, crossing,
         assert is_free(wall, plane[0], found.path.waypoints)
         np.testing.assert_array_equal(found.path.waypoints[0], task.start)
         # Collisions of the fine check are repaired: the path may be a little longer.
-        assert found.report.length <= reports[0].length * 1.5
-        assert reports[0].outcome == "improving"
+        assert found.report.length <= reports[0].attempt.length * 1.5
+        assert reports[0].attempt.outcome == "improving"
 
 
 @pytest.mark.parametrize("name", ["AORRTC"])
@@ -66,7 +66,7 @@ def test_callbacks_change_no_byte(plane, wall, soon, crossing, name):
     heard = search(*plane, wall, replace(crossing(3, planner=name), on_best=reports.append), soon)
     assert silent.path.waypoints.tobytes() == heard.path.waypoints.tobytes()
     assert silent.report == heard.report
-    lengths = [attempt.length for attempt in reports]
+    lengths = [best.attempt.length for best in reports]
     assert lengths == sorted(set(lengths), reverse=True)
 
 
@@ -90,6 +90,25 @@ def test_a_path_close_to_a_wall_is_repaired_and_not_discarded(plane, soon, cross
         found = search(*plane, wall, crossing(seed, planner=name, resolution=0.3), soon)
         assert is_free(wall, plane[0], found.path.waypoints, 0.3 / 4)
         assert wall.resolutions == {0.3, 0.3 / 4}
+
+
+@TELLING
+def test_a_path_that_is_being_improved_is_shown_as_it_is(plane, wall, soon, crossing, name):
+    """From the start to the goal, free as the planner looks, and as long as it says."""
+    reports = []
+    task = replace(crossing(4, planner=name), on_best=reports.append)
+    search(*plane, wall, task, soon)
+    improving = [best for best in reports if best.attempt.outcome == "improving"]
+    assert improving
+    for best in improving:
+        if name == "BITstar":
+            assert best.waypoints.shape == (0, 2)
+            continue
+        np.testing.assert_array_equal(best.waypoints[0], task.start)
+        assert (best.waypoints[-1] == task.goals).all(axis=1).any()
+        assert is_free(wall, plane[0], best.waypoints, 0.05)
+        steps = np.linalg.norm(np.diff(best.waypoints, axis=0), axis=1)
+        assert steps.sum() == pytest.approx(best.attempt.length)
 
 
 def test_costs_that_are_no_lengths_are_not_reported(plane, wall, soon, crossing):
@@ -132,9 +151,9 @@ def test_after_a_cancel_collisions_of_the_fine_check_are_repaired(plane, crossin
     def are_free(qs):
         return ~((np.abs(qs[:, 0]) < 0.008) & (qs[:, 1] < 0.6))
 
-    def listen(report):
-        if report.outcome == "improving":
-            reports.append(report)
+    def listen(best):
+        if best.attempt.outcome == "improving":
+            reports.append(best)
 
     reports, canceled = [], []
     for seed in range(4):

@@ -159,9 +159,13 @@ def test_every_better_path_is_reported(plane, wall, soon, crossing):
     reports = []
     task = replace(crossing(2, attempts=6), on_best=reports.append)
     found = search(*plane, wall, task, soon)
-    lengths = [attempt.length for attempt in reports]
+    lengths = [best.attempt.length for best in reports]
     assert lengths == sorted(lengths, reverse=True)
     assert lengths[-1] == found.report.length
+    for best in reports:
+        steps = np.linalg.norm(np.diff(best.waypoints, axis=0), axis=1)
+        assert steps.sum() == pytest.approx(best.attempt.length)
+    np.testing.assert_array_equal(reports[-1].waypoints, found.path.waypoints)
 
 
 def canceled_after_best(on_cancel, crossing):

@@ -279,6 +279,10 @@ class BestPath(Answer):
     """Weighted length of the path."""
     seconds: float | None = None
     """Time at which it was found, since the worker began with the plan [s]."""
+    waypoints: list[list[float]] | None = None
+    """Configurations along the path from the start to a goal, at most 64 of its waypoints; to
+    look at, not to move along: nothing is proven of it, and a path that is still improved is
+    checked coarsely. Null where the planner tells the length only."""
 
 
 class BestPathData(Answer):
@@ -294,6 +298,10 @@ class BestPathData(Answer):
     """Id of the plan, in the stream of a batch; absent in other streams."""
     seconds: float | None = None
     """Time since the worker began with the plan [s]; null where an older version told it."""
+    waypoints: list[list[float]] | None = None
+    """Configurations along the path from the start to a goal, at most 64 of its waypoints; to
+    look at, not to move along: nothing is proven of it, and a path that is still improved is
+    checked coarsely. Null where the planner tells the length only."""
 
 
 class BestSoFarEvent(Answer):

@@ -9,6 +9,7 @@ from planning.domain.curves.curve import TimedTrajectory
 from planning.domain.curves.path import JointPath
 from planning.domain.goals.goal_configurations import GoalConfigurations
 from planning.domain.planner.planner_graph import PlannerGraph
+from planning.domain.report.best_path import BestPath
 from planning.domain.report.certificate import Certificate
 from planning.domain.report.search_report import SearchReport
 from planning.domain.report.stage_reports import CertifyReport, RefineReport, RetimeReport
@@ -97,15 +98,20 @@ class Progress:
         stage: Its name.
         fraction: Of the whole plan, 0 to 1.
         detail: For a person.
-        best_length: Length of the search's best path so far; None where it has not changed.
+        best: The search's best path so far; None where it has not changed.
         until: Fraction at which the next stage begins; None if that is not known.
     """
 
     stage: str
     fraction: float
     detail: str = ""
-    best_length: float | None = None
+    best: BestPath | None = None
     until: float | None = None
+
+    @property
+    def best_length(self) -> float | None:
+        """Length of the search's best path so far; None where it has not changed."""
+        return None if self.best is None else self.best.attempt.length
 
 
 def ignore_progress(_: Progress) -> None:

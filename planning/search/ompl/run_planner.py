@@ -24,6 +24,7 @@ from planning.search.ompl.graph import (
     read_graph,
     with_query_vertices,
 )
+from planning.search.ompl.path_so_far import path_so_far
 from planning.search.ompl.planner_list import make_planner
 from planning.search.ompl.prm import is_roadmap_planner, solve_by_roadmap
 from planning.search.ompl.projected_space import ProjectedSpace
@@ -84,7 +85,7 @@ def run_planner(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) 
         query.deadline.on_expiry()
         return _setup_timeout(query, query.options.setup_time, setup_seconds)
     budget = query.deadline.within(query.options.solve_time)
-    on_improvement = query.on_improvement and partial(query.on_improvement, query.planner)
+    on_improvement = query.on_improvement and partial(_tell_path, query, planner)
     max_checked_states = query.max_checked_states
     termination = TerminationCondition(
         planner, query.oracle, budget, query.completion_deadline, max_checked_states, on_improvement
@@ -108,6 +109,15 @@ def run_planner(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) 
         no_waypoints = np.empty((0, len(query.start)))
         return Attempt(status, no_waypoints, -1, evidence, None, termination.has_given_up)
     return _report(query, fine, waypoints, status, planner)
+
+
+def _tell_path(query: Query, planner: Any, cost: float) -> None:
+    """Report the path that the planner has now."""
+    if query.on_improvement is not None:
+        waypoints = path_so_far(planner, query.space)
+        if len(waypoints):
+            waypoints = _in_planning_coordinates(query, waypoints)
+        query.on_improvement(query.planner, cost, waypoints)
 
 
 def _set_up(query: Query, edges: EdgeChecker) -> tuple[Any, Any, float]:
@@ -172,13 +182,19 @@ def _report(query: Query, fine: EdgeChecker, solution: Array, status: str, plann
         no_waypoints = np.empty((0, len(query.start)))
         return Attempt(status, no_waypoints, -1, evidence, None, has_given_up=False)
     path = np.concatenate([query.start[None], solution[1:-1], query.goals[row][None]])
-    waypoints = unwrap(path, query.space.manifold)
-    if isinstance(query.space, CarSpace):
-        waypoints = query.space.steering_paths.waypoints_through(waypoints)
+    waypoints = _in_planning_coordinates(query, path)
     graph, is_optimizing = _graph_on_request(planner, query, solution), hasattr(planner, "bestCost")
     return Attempt(
         status, waypoints, row, {}, graph, has_given_up=False, is_optimizing=is_optimizing
     )
+
+
+def _in_planning_coordinates(query: Query, path: Array) -> Array:
+    """Return a planner's path without jumps, a car's with the ends of its arcs."""
+    waypoints = unwrap(path, query.space.manifold)
+    if isinstance(query.space, CarSpace):
+        waypoints = query.space.steering_paths.waypoints_through(waypoints)
+    return waypoints
 
 
 def _graph_on_request(planner: Any, query: Query, solution: Array) -> PlannerGraph | None:

@@ -93,7 +93,7 @@ class TerminationCondition:
 
     def release_planner(self) -> None:
         """Release the planner, which may keep this condition: a reference cycle otherwise."""
-        self._best_cost = None
+        self._best_cost = self._on_improvement = None
 
     def begin_improvement(self) -> None:
         """Set the amount of work that may still be spent on improving the first solution.

@@ -4,6 +4,9 @@ import math
 import time
 from typing import Any
 
+import numpy as np
+
+from planning.domain.report.best_path import BestPath
 from planning.domain.report.motion_plan import Progress
 from service.jobs.context import TaskContext
 
@@ -13,6 +16,9 @@ _EVENT_PERIOD = 0.05
 _TIME_PERIOD = 0.5
 # A stage that uses all its time is not yet in the next one.
 _LARGEST_SHARE = 0.99
+# Of the best path so far, in each event that tells it: enough to draw it, and a few kilobytes.
+MAX_BEST_WAYPOINTS = 64
+_DECIMALS = 6
 
 
 class ProgressReporter:
@@ -45,8 +51,8 @@ class ProgressReporter:
 
     def __call__(self, progress: Progress) -> None:
         """Emit `stage` when it changes, else `progress` now and then."""
-        if progress.best_length is not None:
-            self._report_best(progress)
+        if progress.best is not None:
+            self._report_best(progress.best, progress.detail)
             return
         now = time.monotonic()
         is_new = progress.stage != self._latest.stage
@@ -85,7 +91,16 @@ class ProgressReporter:
             self._timings[stage] = round(spent, 6)
         self._begun = now
 
-    def _report_best(self, progress: Progress) -> None:
+    def _report_best(self, best: BestPath, detail: str) -> None:
         seconds = round(time.monotonic() - self._start, 6)
-        data = {"detail": progress.detail, "length": progress.best_length, "seconds": seconds}
+        data: dict[str, Any] = {"detail": detail, "length": best.attempt.length, "seconds": seconds}
+        if len(best.waypoints):
+            data["waypoints"] = _thinned(best.waypoints)
         self._context.emit("best-so-far", data)
+
+
+def _thinned(waypoints: np.ndarray[Any, np.dtype[np.float64]]) -> list[list[float]]:
+    """Return a path to look at: at most some of its waypoints, the ends among them."""
+    count = min(len(waypoints), MAX_BEST_WAYPOINTS)
+    rows = np.linspace(0, len(waypoints) - 1, count).round().astype(int)
+    return waypoints[rows].round(_DECIMALS).tolist()

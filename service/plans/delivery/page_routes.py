@@ -10,8 +10,8 @@ from service.errors import NotFinished
 from service.jobs.states import JobState
 from service.plans.delivery.report import CHARTS, report_html
 from service.plans.dependencies import PlanJob
-from service.plans.resource import failure_work, plan_resource, plot_work
-from service.plans.tasks import PLOT_ALL, SHOW_FAILURE
+from service.plans.resource import failure_work, picture_work, plan_resource, plot_work
+from service.plans.tasks import NO_PICTURES, PICTURES, PLOT_ALL, SHOW_FAILURE
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
 
@@ -35,12 +35,14 @@ async def get_failure(job: PlanJob, jobs: JobsDep) -> HTMLResponse:
     responses={200: HTML_PAGE, **problems(404, 409, 422, 429, 503)},
 )
 async def get_report(job: PlanJob, jobs: JobsDep) -> HTMLResponse:
-    """Report on a plan that has ended: request, versions, certificate, charts; for printing."""
+    """Report on a plan that has ended: request, certificate, pictures, charts; for printing."""
     if not job.state.is_final:
         evidence = {"id": job.id, "state": job.state, "failure": None}
         raise NotFinished(f"plan {job.id} is {job.state}: there is nothing to report", evidence)
     charts: dict[str, str] = {}
+    pictures = NO_PICTURES
     if job.state is JobState.SUCCEEDED:
         charts = (await jobs.call(PLOT_ALL, plot_work(job, *CHARTS))).svg
+        pictures = await jobs.call(PICTURES, picture_work(job))
     result = (job.result or {}).get("result") or {}
-    return HTMLResponse(report_html(await plan_resource(jobs, job), result, charts))
+    return HTMLResponse(report_html(await plan_resource(jobs, job), result, charts, pictures))

@@ -1,4 +1,4 @@
-"""report_html(): a plan as a page for printing: request, versions, certificate, charts."""
+"""report_html(): a plan as a page for printing: request, certificate, pictures, charts."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,6 +6,7 @@ from html import escape
 from typing import Any
 
 from service.plans.models.plan import PlanSummary
+from service.plans.tasks import MotionPictures
 
 # In this order, of a plan that succeeded.
 CHARTS = ("position", "velocity", "acceleration", "torque", "clearance", "utilisation")
@@ -21,24 +22,34 @@ th, td { text-align: left; padding: 3px 10px 3px 0;
 td.number { font-variant-numeric: tabular-nums; } .yes { color: #1d7a3a; } .no { color: #b03a2e; }
 pre { background: #f5f7f9; padding: 10px; white-space: pre-wrap; overflow-wrap: anywhere; }
 figure { margin: 1rem 0; break-inside: avoid; } figure svg { width: 100%; height: auto; }
+.pictures { display: grid; grid-template-columns: repeat(3, 1fr); gap: 0.8rem; }
+.pictures figure { margin: 0; } .pictures img { width: 100%; border: 1px solid #e4e8ec; }
+figcaption { font-size: 12px; color: #52606d; overflow-wrap: anywhere; }
 @media print {
   body { margin: 0; max-width: none; } nav { display: none; } tr { break-inside: avoid; }
 }
 """
 
 
-def report_html(plan: PlanSummary, result: Mapping[str, Any], charts: Mapping[str, str]) -> str:
+def report_html(
+    plan: PlanSummary,
+    result: Mapping[str, Any],
+    charts: Mapping[str, str],
+    pictures: MotionPictures,
+) -> str:
     """Return a page that loads nothing and runs nothing.
 
     Args:
         plan: The plan, ended.
         result: Of a plan that succeeded, as clients are given it; else empty.
         charts: Drawings (SVG) by name.
+        pictures: Of the motion in its scene; none of a plan that failed.
     """
     certificate = result.get("certificate") or {}
     plain = plan.model_dump(mode="json")
     parts = [
         _verdict(plan, certificate),
+        _pictures(pictures),
         _section("Summary", _table(_facts(plain, result))),
         _failure(plain["failure"]),
         _certificate(certificate),
@@ -68,6 +79,16 @@ def _verdict(plan: PlanSummary, certificate: Mapping[str, Any]) -> str:
         word = "proven" if proven else "not proven"
         return f'<p class="{"yes" if proven else "no"}"><strong>{word}</strong></p>'
     return f'<p class="no"><strong>{escape(str(plan.state))}</strong></p>'
+
+
+def _pictures(pictures: MotionPictures) -> str:
+    """Return the pictures beside each other, in the page itself."""
+    shown = "".join(
+        f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{content}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+        for caption, content in zip(pictures.captions, pictures.base64, strict=True)
+    )
+    return f'<div class="pictures">{shown}</div>' if shown else ""
 
 
 def _facts(plan: Mapping[str, Any], result: Mapping[str, Any]) -> list[tuple[str, Any]]:

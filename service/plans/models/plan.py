@@ -27,6 +27,12 @@ class BestPath(ResponseModel):
         default=None,
         description="Time at which it was found, since the worker began with the plan [s]",
     )
+    waypoints: list[list[float]] | None = Field(
+        default=None,
+        description="Configurations along the path from the start to a goal, at most 64 of its "
+        "waypoints; to look at, not to move along: nothing is proven of it, and a path that is "
+        "still improved is checked coarsely. Null where the planner tells the length only",
+    )
 
 
 class PlanSummary(ResponseModel):

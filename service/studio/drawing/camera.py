@@ -12,7 +12,7 @@ from service.studio.numbers import Array
 # Three quarters from the front first, then around.
 _AZIMUTHS = np.deg2rad([-40.0, 40.0, -75.0, 75.0, -110.0, 110.0, -145.0, 145.0])
 _ELEVATION = np.deg2rad(27.0)
-_DISTANCE_PER_SIZE = 0.85
+_DISTANCE_PER_SIZE = 0.72
 # The panel covers the right of the page: what is looked at is left of the middle, by this share.
 _SHIFT = 0.1
 # Around these origins [m].

@@ -8,6 +8,7 @@ import viser
 
 from service.studio import texts
 from service.studio.cell import Cell
+from service.studio.plans.path_so_far import PathSoFar
 from service.studio.plans.relaxations import Relaxation
 
 # Words for the stages of the pipeline, as they happen.
@@ -31,7 +32,11 @@ class PlanPanel:
     """The button that plans, and how far it is."""
 
     def __init__(
-        self, gui: viser.GuiApi, on_plan: Callable[[], None], pages: Callable[[], str | None]
+        self,
+        gui: viser.GuiApi,
+        on_plan: Callable[[], None],
+        pages: Callable[[], str | None],
+        best: PathSoFar,
     ) -> None:
         """Show the button.
 
@@ -39,8 +44,9 @@ class PlanPanel:
             gui: Where it is shown, in the container that is open.
             on_plan: Called when it is pressed.
             pages: Returns the URL of the server's pages; None if a browser does not get them.
+            best: Draws the best path while there is none that is proven.
         """
-        self._gui, self._pages = gui, pages
+        self._gui, self._pages, self._best = gui, pages, best
         self._button = gui.add_button("Plan", icon=viser.Icon.ROUTE, color="teal")
         self._bar = gui.add_progress_bar(0.0, animated=True, visible=False)
         self._told = gui.add_html(texts.told(""), visible=False)
@@ -75,14 +81,17 @@ class PlanPanel:
             self.offer((), lambda _: None)
             plan = cell.api.submit_plan(dict(request))
             self._running = cell, plan.id
+            self._best.begin(cell)
             for event in cell.api.plan_events(plan.id):
                 if event.type == "stage":
                     self._follow(event.data)
                 elif event.type == "best-so-far":
                     best = f"search: the best path so far is {event.data['length']:.2f} long"
                     self._tell(texts.told(best, "busy"))
+                    self._best.show(event.data.get("waypoints"))
             return self._ended(cell.api.finished_plan(plan.id))
         finally:
+            self._best.end()
             self._running = None
             self._show(is_planning=False)
             self._lock.release()

@@ -1,14 +1,20 @@
 """Pages of failures, scenes and plans: complete in themselves, and with what they are about."""
 
+import io
 import json
 import re
+from base64 import b64decode
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from planning.world.replay.replay_page import labelled
 from service.plans.delivery.failure_worker import shown_configuration
+from service.plans.delivery.picture_worker import shown_instants
 from service.plans.models.request import PlanRequest
+from service.plans.tasks import PictureWork
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +31,9 @@ def page(client, path):
     answer = client.get(path)
     assert answer.status_code == 200, answer.text
     assert answer.headers["content-type"].startswith("text/html")
-    assert not re.findall(r"""<(?:script|link|img|iframe)[^>]*(?:src|href)\s*=""", answer.text)
+    assert not re.findall(
+        r"""<(?:script|link|img|iframe)[^>]*(?:src|href)\s*=\s*(?!"data:)""", answer.text
+    )
     return answer.text
 
 
@@ -116,11 +124,13 @@ class _Text(HTMLParser):
 
     def __init__(self):
         super().__init__()
-        self.open, self.text, self.drawings = [], [], 0
+        self.open, self.text, self.drawings, self.pictures = [], [], 0, []
 
     def handle_starttag(self, tag, attrs):
         self.drawings += tag == "svg"
-        if tag not in {"meta", "path", "use", "rect", "image"}:
+        if tag == "img":
+            self.pictures.append(dict(attrs))
+        if tag not in {"meta", "path", "use", "rect", "image", "img"}:
             self.open.append(tag)
 
     def handle_endtag(self, tag):
@@ -135,11 +145,11 @@ def read(text):
     parser = _Text()
     parser.feed(text)
     assert parser.open == []
-    return " ".join(parser.text), parser.drawings
+    return " ".join(parser.text), parser.drawings, parser.pictures
 
 
 def test_a_report_has_request_versions_certificate_and_charts(client, solved):
-    text, drawings = read(page(client, f"/v1/plans/{solved['id']}/report.html"))
+    text, drawings, pictures = read(page(client, f"/v1/plans/{solved['id']}/report.html"))
     assert solved["digest"] in text
     assert drawings == 6
     for check in solved["result"]["certificate"]["checks"]:
@@ -147,11 +157,55 @@ def test_a_report_has_request_versions_certificate_and_charts(client, solved):
     for name, version in solved["versions"].items():
         assert f"{name} {version}" in text
     assert '"allowed_planning_time": 60.0' in text
+    shown = [decoded(picture["src"]) for picture in pictures]
+    assert [picture.shape for picture in shown] == [(380, 480, 3)] * 3
+    captions = [picture["alt"] for picture in pictures]
+    assert all(caption in text for caption in captions)
+    certificate = solved["result"]["certificate"]
+    # the robot is elsewhere at the goal, and red where it is narrowest
+    assert (np.abs(shown[0] - shown[2]).max(axis=2) > 60).mean() > 0.02
+    (narrowest,) = (i for i, caption in enumerate(captions) if "arrowest" in caption)
+    assert f"{certificate['time']:.2f} s" in captions[narrowest]
+    others = [is_red(shown[i]).sum() for i in range(3) if i != narrowest]
+    assert is_red(shown[narrowest]).sum() > max(others) + 200
+
+
+def decoded(address):
+    """The picture in an address of its own, shape (height, width, 3)."""
+    head, _, content = address.partition(",")
+    assert head == "data:image/png;base64"
+    return np.asarray(Image.open(io.BytesIO(b64decode(content)))).astype(int)
+
+
+def is_red(picture):
+    return (picture[..., 0] > 90) & (picture[..., 0] > 1.8 * picture[..., 1:].max(axis=2))
+
+
+@pytest.mark.parametrize(
+    ("nearest", "place", "words"),
+    [
+        (0.0, 0, "The start, 0.00 s, and narrowest: hand and post"),
+        (0.7, 1, "Narrowest, at 0.70 s: hand and post"),
+        (2.0, 2, "The goal, 2.00 s, and narrowest: hand and post"),
+        (None, None, None),
+    ],
+)
+def test_the_narrowest_place_is_marked_once(nearest, place, words):
+    pair = [] if nearest is None else ["arm::hand", "post"]
+    work = PictureWork.model_construct(nearest_at=nearest, pair=pair, points=[[0, 0, 0], [0, 0, 1]])
+    shown = shown_instants(work, 2.0)
+    times = [instant.time for _, instant in shown]
+    assert times == [0.0, nearest if place == 1 else 1.0, 2.0]
+    marked = [i for i, (_, instant) in enumerate(shown) if instant.marked]
+    assert marked == ([] if place is None else [place])
+    if place is not None:
+        assert shown[place][0] == words
+        assert shown[place][1].segment.shape == (2, 3)
 
 
 def test_a_report_of_a_failure_says_why(client, blocked):
-    text, drawings = read(page(client, f"/v1/plans/{blocked['id']}/report.html"))
-    assert drawings == 0
+    text, drawings, pictures = read(page(client, f"/v1/plans/{blocked['id']}/report.html"))
+    assert (drawings, pictures) == (0, [])
     assert blocked["failure"]["detail"] in text
 
 

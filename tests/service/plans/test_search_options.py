@@ -3,6 +3,7 @@
 import json
 import threading
 
+import numpy as np
 import pytest
 
 from planning.domain.planner.unavailable_planners import CLOSEST_PLANNERS
@@ -214,14 +215,21 @@ def test_a_cancel_gives_the_best_so_far_to_who_asked_for_it(client, plan_in):
     search = {"attempts": 100, "on_cancel": "best"}
     job = plan_in(search, wait=0).json()
     path = f"/v1/plans/{job['id']}"
-    seen = threading.Event()
+    seen, told = threading.Event(), []
     with client.stream("GET", f"{path}/events") as events:
         for line in events.iter_lines():
             if line == "event: best-so-far" and not seen.is_set():
                 seen.set()
+                told.append(client.get(path).json()["best"])
                 client.post(f"{path}/cancel")
     ended = client.get(path).json()
     assert seen.is_set()
+    (best,) = told
+    found = np.array(best["waypoints"])
+    np.testing.assert_allclose(found[0], ended["result"]["path"][0], atol=1e-6)
+    np.testing.assert_allclose(found[-1], [0.3, -0.3, 0.0], atol=1e-6)
+    assert np.linalg.norm(np.diff(found, axis=0), axis=1).sum() == pytest.approx(best["length"])
+    assert ended["best"] is None
     assert ended["state"] == "succeeded", ended["failure"]
     assert ended["result"]["stages"]["search"]["was_canceled"]
     assert ended["result"]["certificate"]["proven"]

@@ -1,13 +1,17 @@
 """What a task says of its stages, and how long those before took."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from planning.domain.report.best_path import BestPath
 from planning.domain.report.motion_plan import Progress
+from planning.domain.report.search_report import AttemptReport
 from planning.pipeline.context import StageProgress
-from service.jobs.worker.progress import ProgressReporter
+from service.jobs.worker.progress import MAX_BEST_WAYPOINTS, ProgressReporter
 from tests.clocks import FakeClock
+from tests.profiles import rng_of
 
 
 class TaskContext:
@@ -113,6 +117,26 @@ def test_the_best_path_comes_with_the_seconds_since_the_beginning(
     monkeypatch.setattr("time.monotonic", clock)
     log = ProgressReporter(context)
     clock.advance(1.5)
-    log(Progress("search", 0.15, "found", 2.5))
+    log(Progress("search", 0.15, "found", path_of(2.5, np.empty((0, 2)))))
     data = {"detail": "found", "length": 2.5, "seconds": 1.5}
     assert context.events == [("best-so-far", data)]
+
+
+@pytest.mark.parametrize("count", [2, 64, 65, 1000])
+def test_a_long_best_path_is_told_by_some_of_its_waypoints(count: int) -> None:
+    waypoints = rng_of(count).normal(size=(count, 3)).cumsum(axis=0)
+    context = TaskContext()
+    ProgressReporter(context)(Progress("search", 0.15, "found", path_of(9.0, waypoints)))
+    ((_, data),) = context.events
+    told = np.array(data["waypoints"])
+    assert len(told) == min(count, MAX_BEST_WAYPOINTS)
+    np.testing.assert_allclose(told[[0, -1]], waypoints[[0, -1]], atol=1e-6)
+    near = np.abs(told[:, None] - waypoints[None]).max(axis=2)
+    rows = near.argmin(axis=1)
+    assert near.min(axis=1).max() < 1e-6
+    assert (np.diff(rows) > 0).all()
+    assert np.diff(rows).max() <= np.ceil(count / (MAX_BEST_WAYPOINTS - 1))
+
+
+def path_of(length: float, waypoints: np.ndarray) -> BestPath:
+    return BestPath(AttemptReport("RRTstar", "improving", length, length, length, 0), waypoints)
