@@ -26,13 +26,14 @@ WayproofError                 code, detail, evidence; pickles, so it crosses pro
     │   ├── Canceled              canceled               the caller canceled the plan
     │   ├── RetimingFailed        retiming_failed        the retimer and why
     │   ├── NotCertified          not_certified          the checks that failed
-    │   ├── ScheduleNotFound      schedule_not_found     the motions that meet, the pair, the times
-    │   └── GraspMissed           grasp_missed           the object, how far each finger is from it
+    │   └── ScheduleNotFound      schedule_not_found     the motions that meet, the pair, the times
     └── ExecutionFailure      an execution that cannot be carried out
+        ├── GraspMissed           grasp_missed           the object, how far each finger is from it
         ├── IllegalTransition     illegal_transition     the state, the event, the legal ones
         ├── TrackingLost          tracking_lost          the error and its bound
         ├── Contact               contact                the pair, the force, the time
         ├── TorqueLimitReached    torque_limit_reached   the joint, its torque and bound, how long
+        ├── GraspLost             grasp_lost             the object, how far it slipped, the bound
         ├── PathBlocked           path_blocked           the check, the pair, the time, the revision
         └── DriverLost            driver_lost            the driver, why, whether the robot rests
 """
@@ -107,24 +108,21 @@ class UnknownName(InputError):
     @classmethod
     def among(cls, kind: str, name: str, known: Iterable[str]) -> "UnknownName":
         """Build the error that names the wrong thing and the right ones."""
-        names = sorted(known)
-        # Wrong case is the most frequent misspelling: names are compared without case.
+        names = sorted(known)  # compared without case, which is misspelt most
         folded = {known_name.casefold(): known_name for known_name in reversed(names)}
         nearest = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3)]
         hint = f"did you mean {nearest[0]!r}? " if nearest else ""
         several = f"{kind[:-1]}ies" if kind.endswith("dy") else f"{kind}s"  # bodies, but keys
-        return cls(
-            f"{kind} {name!r} does not exist; {hint}{several}: {names}",
-            {"kind": kind, "name": name, "known": names, "nearest": nearest},
-        )
+        text = f"{kind} {name!r} does not exist; {hint}{several}: {names}"
+        return cls(text, {"kind": kind, "name": name, "known": names, "nearest": nearest})
 
 
 class StageFailure(WayproofError):
     """Work was begun and failed in one of its stages.
 
     Attributes:
-        stage: The stage that failed, or in which the deadline or the cancel ended the work.
-        timings: Seconds per stage, including the one that failed; empty where nothing was timed.
+        stage: That failed, or in which the deadline or the cancel ended the work.
+        timings: Seconds per stage, with the one that failed; empty where nothing was timed.
     """
 
     stage: str = ""
@@ -137,8 +135,7 @@ class StageFailure(WayproofError):
     def __reduce__(self) -> tuple[Any, ...]:
         return *super().__reduce__(), {"stage": self.stage, "timings": self.timings}
 
-    # Not Self, which beartype knows in decorated classes only.
-    def in_stage[F: "StageFailure"](self: F, stage: str) -> F:  # noqa: PYI019
+    def in_stage[F: "StageFailure"](self: F, stage: str) -> F:  # noqa: PYI019  (beartype)
         """Return the same failure with its stage set."""
         self.stage = stage
         return self
@@ -236,10 +233,7 @@ class NoPathFound(PlanningFailure):
 
 
 class DeadlineExceeded(PlanningFailure):
-    """The allowed time ran out; evidence: `allowed` [s], `during`.
-
-    Its stage, as that of a cancel, is the one that was running.
-    """
+    """The allowed time ran out in the stage that was running; evidence: `allowed` [s], `during`."""
 
     code = "deadline_exceeded"
     stage = "search"
@@ -306,6 +300,12 @@ class TorqueLimitReached(ExecutionFailure):
     """A joint was at its torque limit for too long; evidence: `joint`, `torque`, `bound`, ..."""
 
     code = "torque_limit_reached"
+
+
+class GraspLost(ExecutionFailure):
+    """An object slipped out of its gripper; evidence: `object`, `frame`, `slip`, `bound`, ..."""
+
+    code = "grasp_lost"
 
 
 class PathBlocked(ExecutionFailure):

@@ -77,7 +77,7 @@ async def open_services(
     lock = DispatcherLock(engine)
     grasps = GraspKeeper()
     dispatcher = Dispatcher(store, lock, queues, on_taken=on_taken, observer=observer)
-    dispatcher.on_success = grasps.keep
+    dispatcher.conclusion = grasps
     if settings.engine == "inline":
         await to_thread.run_sync(import_tasks)
     scenes = SceneStore(engine, settings.folder, _library(settings))

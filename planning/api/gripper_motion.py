@@ -84,6 +84,10 @@ def _position(world: World, group: JointGroup, gripper: Gripper, command: Grippe
         return gripper.position(command.width)
     name = command.grasp.name
     edit_scene(world.scene, [command.grasp], world.library)  # says what cannot be attached
+    thing = next(each for each in world.scene.objects if each.name == name)
+    if command.grasp.grip is not None and thing.mass is None:
+        message = f"object {name!r} is to be held by contact, so it needs a `mass`"
+        raise ProblemInvalid(message, {"field": "grasp", "object": name})
     closing = close_on(world, group, gripper, name, command.gap)
     require_between(gripper, name, closing, command.reach)
     return closing.position

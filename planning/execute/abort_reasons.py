@@ -3,7 +3,8 @@
 import numpy as np
 
 from planning.domain.robot.joints import Joint, JointLimits
-from planning.errors import Contact, DriverLost, TorqueLimitReached, TrackingLost
+from planning.domain.scene.held_pose import HeldPose
+from planning.errors import Contact, DriverLost, GraspLost, TorqueLimitReached, TrackingLost
 from planning.execute.driver import Measurement
 
 # A torque is at its limit from this share of it on.
@@ -24,6 +25,16 @@ def contact_failure(measured: Measurement, time: float) -> Contact:
         "time": time,
     }
     return Contact(message, evidence)
+
+
+def grasp_failure(held: HeldPose, time: float) -> GraspLost:
+    """Return the failure of an object that slipped, at a time along the trajectory [s]."""
+    message = (
+        f"{held.name!r} slipped by {1000 * held.slip:.2f} mm in the gripper, where "
+        f"{1000 * held.bound:.2f} mm are tolerated, at {time:.3f} s"
+    )
+    evidence = {"object": held.name, "frame": held.frame, "slip": held.slip, "bound": held.bound}
+    return GraspLost(message, {**evidence, "time": time})
 
 
 def tracking_failure(error: float, bound: float, time: float) -> TrackingLost:

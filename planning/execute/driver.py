@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.geometry.touching_pair import TouchingPair
+from planning.domain.scene.held_pose import HeldPose
 from planning.domain.value import Value
 
 
@@ -41,6 +42,7 @@ class Measurement(Value):
         contacts: Body pairs in contact since the previous measurement, deepest first.
         torques: Torques or forces of the joints' motors [N m or N], shape (nv,); None where they
             are not known.
+        held: Where the objects are that are held by contact, where that is measured.
     """
 
     time: float
@@ -48,6 +50,7 @@ class Measurement(Value):
     v: Float64[np.ndarray, " nv"]
     contacts: tuple[TouchingPair, ...] = ()
     torques: Float64[np.ndarray, " nv"] | None = None
+    held: tuple[HeldPose, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from planning.domain.value import Value
 from planning.errors import ExecutionFailure, ProblemInvalid
 from planning.execute.abort_reasons import (
     contact_failure,
+    grasp_failure,
     saturated_block,
     torque_failure,
     tracking_failure,
@@ -223,6 +224,7 @@ class Execution(Value):
             desired=self.desired,
             tracking_error=self.tracking_error(measured.q),
             contacts=measured.contacts,
+            held=measured.held,
             failure=self.failure,
             ahead=None if self.ahead is None else self.ahead.time,
             behind=None if self.behind is None else self.trajectory.duration - self.behind.time,
@@ -254,6 +256,10 @@ class Execution(Value):
         if error > self.tolerances.tracking:
             lost = tracking_failure(error, self.tolerances.tracking, self.time)
             return self.fail(lost, held=measured.q)
+        if self.failure is None:
+            for held in measured.held:
+                if held.is_lost:
+                    return self.fail(grasp_failure(held, self.time))
         if saturated_block(measured, self.limits) is None:
             return replace(self, saturated_since=None)
         since = measured.time if self.saturated_since is None else self.saturated_since

@@ -5,6 +5,7 @@ from typing import Protocol, runtime_checkable
 
 from planning.domain.arrays import Array
 from planning.domain.geometry.touching_pair import TouchingPair
+from planning.domain.scene.held_pose import HeldPose
 from planning.execute.abort_reasons import driver_lost
 from planning.execute.driver import DriverTraits, Measurement, Setpoint
 
@@ -30,6 +31,11 @@ class SimulatedGroup(Protocol):
     @property
     def torques(self) -> Array:
         """Torques or forces of the group's motors now, shape (nv,)."""
+        ...
+
+    @property
+    def held(self) -> tuple[HeldPose, ...]:
+        """Where the objects are that are held by contact."""
         ...
 
     def command(self, q: Array, v: Array, vdot: Array) -> None:
@@ -68,7 +74,8 @@ class SimulatedDriver:
         self._require_running()
         simulation = self._simulation
         contacts = tuple(simulation.advance_to(time))
-        return Measurement(time, simulation.q, simulation.v, contacts, simulation.torques)
+        torques, held = simulation.torques, simulation.held
+        return Measurement(time, simulation.q, simulation.v, contacts, torques, held)
 
     def stop(self) -> None:
         """End: the simulation stands still where it is."""

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from planning.domain.geometry.touching_pair import TouchingPair
+from planning.domain.scene.held_pose import HeldPose
 from planning.domain.value import Value
 from planning.errors import ExecutionFailure
 from planning.execute.states import ExecutionState
@@ -31,6 +32,7 @@ class ExecutionStatus(Value):
         failure: Reason of an abort, or None.
         ahead: Place that it does not pass forwards, time along the trajectory [s]; None for none.
         behind: Place that it does not pass backwards [s]; None for none.
+        held: Where the objects are that are held by contact, where that is measured.
     """
 
     state: ExecutionState
@@ -47,3 +49,4 @@ class ExecutionStatus(Value):
     failure: ExecutionFailure | None
     ahead: float | None = None
     behind: float | None = None
+    held: tuple[HeldPose, ...] = ()

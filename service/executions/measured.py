@@ -55,6 +55,7 @@ def told(motion: Motion, event: LoggedEvent) -> Motion:
         positions=by_joint(motion.joints, event.data["positions"]),
         velocities=velocities and by_joint(motion.joints, velocities, are_velocities=True),
         number=event.number,
+        held=event.data.get("held", ()),
         updated_at=datetime.fromisoformat(event.at),
     )
 

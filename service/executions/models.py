@@ -23,6 +23,7 @@ from service.api.models import (
     ResponseModel,
     Timings,
 )
+from service.executions.gripping.held import HeldStatus
 from service.executions.requests import ExecutionTerms
 from service.plans.models.trajectory import Polynomial
 
@@ -120,6 +121,11 @@ class ExecutionStatus(ResponseModel):
         description="Time along the motion that it does not pass on the way back [s]; "
         "null for none",
     )
+    held: list[HeldStatus] = Field(
+        default=[],
+        description="Objects that are held by contact and moved along, where the driver measures "
+        "them",
+    )
 
     @classmethod
     def from_domain(
@@ -145,6 +151,7 @@ class ExecutionStatus(ResponseModel):
             contacts=contacts,
             ahead=status.ahead,
             behind=status.behind,
+            held=[HeldStatus.from_domain(held) for held in status.held],
         )
 
 

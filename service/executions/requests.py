@@ -148,6 +148,10 @@ class ExecutionRequest(ExecutionTerms):
         if self.when_busy == "wait" and self.on_not_certified == "replan":
             message = "on_not_certified: what waits is proven when it begins, and not planned anew"
             raise ValueError(message)
+        grasp = None if self.gripper is None else self.gripper.grasp
+        if grasp is not None and grasp.by == "contact" and self.driver != "simulated":
+            message = "gripper.grasp.by: only the driver `simulated` has contacts that hold objects"
+            raise ValueError(message)
         if self.on_conflict == "replan" and (self.plans is not None or self.gripper is not None):
             message = "on_conflict: only one motion can be planned anew, not several as one, nor "
             message += "that of a gripper"

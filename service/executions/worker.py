@@ -16,6 +16,7 @@ from planning.errors import Canceled, PathBlocked
 from planning.errors import Contact as TouchFailure
 from planning.execute import status as domain
 from planning.execute.abort_reasons import tracking_failure
+from planning.execute.driver import Driver
 from planning.execute.execution import Execution
 from planning.execute.runner import Runner
 from planning.execute.states import ExecutionState
@@ -23,6 +24,7 @@ from planning.execute.tolerances import FINGER_TOLERANCES, Tolerances
 from planning.world.mechanics.grippers import gripper_of
 from service.executions.drivers.drivers import driver_of, sampling_reserve
 from service.executions.drivers.jitter import JitterLog
+from service.executions.gripping.settling import Settling
 from service.executions.models import Contact, ExecutionStatus, SamplingReserve
 from service.executions.motions.followed_motions import FollowedMotions
 from service.executions.tasks import (
@@ -62,15 +64,20 @@ def execute(work: ExecutionWork, context: TaskContext) -> ExecutionOutcome:
         with watch.stage("load"):
             world = stack.enter_context(borrow_world(work))
         with watch.stage("execute"):
-            runner, sampling = _runner(world, work)
+            runner, driver, sampling = _runner(world, work)
             stack.callback(runner.stop)
-            status = _carried_out(runner, context, work.speed)
+            settling = Settling(world, work, driver)
+            status = _carried_out(runner, context, work.speed, settling)
     return ExecutionOutcome(status=status, timings=watch.seconds_by_name, sampling=sampling)
 
 
-def _carried_out(runner: Runner, context: TaskContext, speed: float) -> ExecutionStatus:
+def _carried_out(
+    runner: Runner, context: TaskContext, speed: float, settling: Settling
+) -> ExecutionStatus:
     """Return the last status of an execution that has reached its end; raises as `execute`."""
-    status = follow(runner, context, speed)
+    status = follow(runner, context, speed, settling=settling)
+    if settling.failure is not None:
+        raise settling.failure
     if runner.execution.failure is not None:
         raise runner.execution.failure
     if runner.execution.state is ExecutionState.CANCELED:
@@ -79,7 +86,7 @@ def _carried_out(runner: Runner, context: TaskContext, speed: float) -> Executio
     return status
 
 
-def _runner(world: World, work: ExecutionWork) -> tuple[Runner, SamplingReserve | None]:
+def _runner(world: World, work: ExecutionWork) -> tuple[Runner, Driver, SamplingReserve | None]:
     trajectory = work.trajectory.to_domain()
     group = world.group(work.group)
     world = _with_force(world, group, work)
@@ -92,7 +99,7 @@ def _runner(world: World, work: ExecutionWork) -> tuple[Runner, SamplingReserve 
         runner.stop()
         raise tracking_failure(error, START_TOLERANCE, 0.0)
     runner.set_speed(work.speed)
-    return runner, sampling
+    return runner, driver, sampling
 
 
 def _with_force(world: World, group: JointGroup, work: ExecutionWork) -> World:
@@ -112,6 +119,7 @@ def follow(
     speed: float,
     clock: Callable[[], float] | None = None,
     wait: Callable[[float], object] | None = None,
+    settling: Settling | None = None,
 ) -> ExecutionStatus:
     """Tick until the execution has ended and return its last status.
 
@@ -124,6 +132,7 @@ def follow(
         speed: That the runner has.
         clock: Shows the time [s]; None for that of the process.
         wait: Waits for a number of seconds.
+        settling: What is measured once the motion has ended; None for nothing more.
     """
     # Not a default of the parameter: that would be whatever clock was there at the import.
     clock = clock or time.monotonic
@@ -140,6 +149,8 @@ def follow(
         until = now + TICK
         measured = log.enter(runner.tick(now, lambda until=until: clock() < until))
         status = measured.model_copy(update={"motion": motions.number})
+        if runner.is_done and settling is not None:
+            status = settling.settled(status, runner.status.driver_time)
         state = runner.execution.state
         if state is not sent_state or now - sent_at > _EVENT_PERIOD:
             sent_state, sent_at = state, now

@@ -7,6 +7,7 @@ from pydantic import Field, Json
 
 from service.api.events import EventId
 from service.api.models import ResponseModel
+from service.executions.gripping.held import MeasuredPose
 from service.scenes import live as domain
 
 type JointPositions = Annotated[
@@ -83,6 +84,22 @@ class HeldObject(ResponseModel):
 
     object: str = Field(description="Name of the object")
     frame: str = Field(description="Frame of a robot that it is attached to")
+    by: Literal["weld", "contact"] = Field(
+        default="weld", description="How it is held: welded, or by the friction of fingers"
+    )
+    pose: MeasuredPose | None = Field(
+        default=None,
+        description="Pose in that frame: as measured while its robot moves, else as the latest "
+        "revision has it",
+    )
+    slip: float | None = Field(
+        default=None,
+        description="Largest distance of a corner of its bounding box from where it was proven to "
+        "be held, as measured while its robot moves [m]; null where nothing is measured",
+    )
+    is_lost: bool = Field(
+        default=False, description="Whether it has left its place in the gripper that moves"
+    )
 
 
 class GripperState(ResponseModel):

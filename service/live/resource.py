@@ -2,6 +2,9 @@
 
 from collections.abc import Mapping
 
+from planning.domain.scene.scene import SceneObject
+from planning.world.documents.scene_document import ObjectDocument
+from service.executions.gripping.held import HeldStatus, MeasuredPose
 from service.live.models import GripperState, HeldObject, LiveState, RobotState
 from service.scenes import live as domain
 from service.scenes.models.summary import Group
@@ -16,8 +19,9 @@ def live_state(
     Args:
         record: Its latest revision.
         robots: Where its robots are, by name.
-        held: What they hold.
+        held: What they hold in that revision.
     """
+    held = _measured(held, robots)
     return LiveState(
         scene=record.id,
         revision=record.revision,
@@ -53,7 +57,29 @@ def _gripper_state(
 def held_objects(record: SceneRecord) -> list[HeldObject]:
     """Return what robots hold in a revision."""
     return [
-        HeldObject(object=thing["name"], frame=thing["attached"]["frame"])
+        _held_object(ObjectDocument.model_validate(thing).value())
         for thing in record.document["objects"]
         if thing.get("attached") is not None
+    ]
+
+
+def _held_object(thing: SceneObject) -> HeldObject:
+    attached = thing.attached
+    return HeldObject(
+        object=thing.name,
+        frame="" if attached is None else attached.frame,
+        by="weld" if attached is None or attached.grip is None else "contact",
+        pose=MeasuredPose.of(thing.pose),
+    )
+
+
+def _measured(held: list[HeldObject], robots: Mapping[str, domain.RobotState]) -> list[HeldObject]:
+    """Return what robots hold, where it was measured last."""
+    told = [HeldStatus.model_validate(one) for state in robots.values() for one in state.held]
+    known = {one.object: one for one in told}
+    return [
+        each
+        if (one := known.get(each.object)) is None
+        else each.model_copy(update={"pose": one.pose, "slip": one.slip, "is_lost": one.is_lost})
+        for each in held
     ]

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import StrEnum
+from typing import Any
 
 from planning.domain.robot.joints import Joint, JointType
 from service.scenes.models.summary import Group
@@ -85,6 +86,7 @@ class Motion:
         positions: Measured, by robot and joint; None before it began.
         velocities: Measured [rad/s or m/s], by robot and joint, as far as they are known.
         number: Of the event that said so; 0 before there was one.
+        held: Objects that are held by contact, as measured (JSON).
     """
 
     execution: str
@@ -96,6 +98,7 @@ class Motion:
     positions: Mapping[str, JointPositions] | None = None
     velocities: Mapping[str, JointPositions] | None = None
     number: int = 0
+    held: Sequence[Mapping[str, Any]] = ()
 
 
 @dataclass(frozen=True)
@@ -111,6 +114,7 @@ class RobotState:
         updated_at: When they were last told (UTC).
         ended: The last execution whose end is known of.
         execution: That moves it, or waits to.
+        held: Objects that it holds by contact, as measured while it moves (JSON).
     """
 
     robot: str
@@ -121,6 +125,7 @@ class RobotState:
     updated_at: datetime
     ended: str | None = None
     execution: str | None = None
+    held: Sequence[Mapping[str, Any]] = ()
 
 
 def live_states(
@@ -175,6 +180,7 @@ def moved_by(motion: Motion, state: RobotState) -> RobotState:
         status=RobotStatus.MOVING,
         source=ExecutionSource(motion.execution),
         updated_at=motion.updated_at,
+        held=motion.held,
     )
 
 

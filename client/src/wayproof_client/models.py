@@ -196,6 +196,9 @@ class AttachmentDocument(Answer):
 
     frame: str
     """Frame that the object follows: `robot::link`, or a frame with one as ancestor."""
+    grip: GripDocument | None = None
+    """Contact that holds it; none for a weld. Plans and proofs take it to be welded either way,
+    and a simulated robot may lose what is held by contact."""
     touch: list[str] | None = None
     """Bodies that it may touch; by default those that move rigidly with the frame and those
     that they carry outside the robot's default group, such as fingers."""
@@ -864,7 +867,7 @@ class DeadlineEvidence(Answer):
 
 
 class DeadlineExceededFailure(Answer):
-    """The allowed time ran out."""
+    """The allowed time ran out in the stage that was running."""
 
     code: Literal["deadline_exceeded"]
     """Stable machine-readable name of the kind."""
@@ -881,7 +884,7 @@ class DeadlineExceededFailure(Answer):
 
 
 class DeadlineExceededProblem(Answer):
-    """The allowed time ran out."""
+    """The allowed time ran out in the stage that was running."""
 
     code: Literal["deadline_exceeded"]
     """Stable machine-readable name of the kind."""
@@ -1245,6 +1248,8 @@ class ExecutionStatus(Answer):
     scene clears the way; null for none."""
     behind: float | None = None
     """Time along the motion that it does not pass on the way back [s]; null for none."""
+    held: list[HeldStatus] = Field(default=[], validate_default=True)
+    """Objects that are held by contact and moved along, where the driver measures them."""
     jitter: Jitter | None = None
     """Delays of the controller's ticks so far; null if not recorded."""
     lateness: float | None = None
@@ -1373,6 +1378,7 @@ type Failure = Annotated[
         | TrackingLostFailure
         | ContactFailure
         | TorqueLimitReachedFailure
+        | GraspLostFailure
         | PathBlockedFailure
         | DriverLostFailure
         | WorkerCrashedFailure
@@ -1764,14 +1770,25 @@ class Grasp(Answer):
 
     object: str
     """Name of the object; it must be `movable`, and between the fingers."""
+    by: Literal["weld", "contact"] | str = "weld"
+    """`weld`: it follows the frame as if welded to it; `contact`: a simulated robot holds it by
+    friction alone, between fingers that press with `force`, and may lose it (`grasp_lost`).
+    Plans and proofs take it to be welded where it is held. `contact` needs the `simulated`
+    driver, and an object with a `mass`."""
     frame: str | None = None
     """Frame that the object follows from then on; null for the first tool frame of the gripper."""
+    friction: float = 0.5
+    """Of `contact`: coefficient of Coulomb friction a of the object; that of a contact is 2ab /
+    (a + b), where the b of the finger is 1 unless its description says otherwise."""
     gap: float = 0.0002
     """Distance that the nearest finger keeps from the object [m]. The grasp is a weld, not a
     contact, and a simulated robot that touches something is stopped."""
     reach: float = 0.002
     """Largest distance of any finger from the object [m]; beyond it the object is not held
     (`grasp_missed`)."""
+    slip: float = 0.005
+    """Of `contact`: largest distance by which the object may move in the gripper before it
+    counts as lost [m]. Proofs know nothing of it: bodies may come that much nearer to it."""
     touch: list[str] | None = None
     """Bodies that the object may touch then; null for those of `attach`: the fingers, and
     bodies that move rigidly with the frame."""
@@ -1788,6 +1805,38 @@ class GraspEvidence(Answer):
     """Name of the object."""
     width: float
     """Distance of the fingers where they have closed [m]."""
+
+
+class GraspLostEvidence(Answer):
+    """Object that slipped in its gripper, and how far."""
+
+    bound: float
+    """Largest slip that is tolerated [m]."""
+    frame: str
+    """Frame that it is attached to."""
+    object: str
+    """Name of the object."""
+    slip: float
+    """Largest distance of a corner of its bounding box from where it was held [m]."""
+    time: float
+    """Time along the motion [s]."""
+
+
+class GraspLostFailure(Answer):
+    """An object slipped out of its gripper."""
+
+    code: Literal["grasp_lost"]
+    """Stable machine-readable name of the kind."""
+    detail: str
+    """What went wrong, for a person."""
+    evidence: GraspLostEvidence
+    """Facts behind it [SI units, radians]."""
+    stage: AnyStage
+    """The stage that gave up, or in which the time ran out or the cancel came: a name in
+    `timings`, for example `goals`; `worker` if it is not known; or empty."""
+    timings: Timings = Field(default={}, validate_default=True)
+    """Seconds per stage, of those that ended and of the one that failed; empty where nothing
+    was timed."""
 
 
 class GraspMissedFailure(Answer):
@@ -1826,6 +1875,20 @@ class GraspMissedProblem(Answer):
     """What is wrong in the body, at most 20; absent where no place of it is."""
 
 
+class GripDocument(Answer):
+    """Contact by which a gripper holds an object: friction, and nothing else."""
+
+    force: float
+    """Force that presses each finger on the object [N]."""
+    gripper: str
+    """Group that is a gripper, `robot::group`."""
+    friction: float = 0.5
+    """Coefficient of Coulomb friction a of the object; that of a contact is 2ab / (a + b),
+    where the b of the finger is 1 unless its description says otherwise."""
+    slip: float = 0.005
+    """Largest distance by which the object may move in the gripper before it counts as lost [m]."""
+
+
 class Gripper(Answer):
     """Width of a group that is a parallel gripper: `travel` times (position - `lower`)."""
 
@@ -1850,7 +1913,8 @@ class GripperRequest(Answer):
     """Id of a scene; it moves in its latest revision."""
     force: float | None = None
     """Largest force of the motor of the fingers' joint [N], where a driver has forces: one that
-    needs more is stopped (`torque_limit_reached`); null for the joint's own limit."""
+    needs more is stopped (`torque_limit_reached`); null for the joint's own limit. With a grasp
+    by `contact`, the force that presses each finger on the object."""
     grasp: Grasp | None = None
     """Close on an object; once the fingers rest it is attached as `attach` does it, where it
     was measured to be."""
@@ -1922,6 +1986,34 @@ class HeldObject(Answer):
     """Frame of a robot that it is attached to."""
     object: str
     """Name of the object."""
+    by: Literal["weld", "contact"] | str = "weld"
+    """How it is held: welded, or by the friction of fingers."""
+    is_lost: bool = False
+    """Whether it has left its place in the gripper that moves."""
+    pose: MeasuredPose | None = None
+    """Pose in that frame: as measured while its robot moves, else as the latest revision has it."""
+    slip: float | None = None
+    """Largest distance of a corner of its bounding box from where it was proven to be held, as
+    measured while its robot moves [m]; null where nothing is measured."""
+
+
+class HeldStatus(Answer):
+    """An object that a gripper holds by contact, as measured."""
+
+    bound: float
+    """Largest `slip` that does not count as a loss [m]."""
+    frame: str
+    """Frame of the robot that it is attached to."""
+    is_lost: bool
+    """Whether it has left its place in the gripper."""
+    object: str
+    """Name of the object."""
+    pose: MeasuredPose
+    """Pose of the object in that frame."""
+    slip: float
+    """Largest distance of a corner of its bounding box from where it was proven to be held [m]."""
+    world_pose: MeasuredPose
+    """Pose of the object in the world."""
 
 
 class HostEvidence(Answer):
@@ -2585,6 +2677,15 @@ class MarginDocument(Answer):
     bodies: list[str]
     margin: float
     """Distance that they keep [m]."""
+
+
+class MeasuredPose(Answer):
+    """A measured rigid transform."""
+
+    position: list[float]
+    """x, y, z [m]."""
+    quaternion: list[float]
+    """[w, x, y, z], of length 1."""
 
 
 class MediaTypeEvidence(Answer):
@@ -5812,6 +5913,8 @@ class StatusData(Answer):
     scene clears the way; null for none."""
     behind: float | None = None
     """Time along the motion that it does not pass on the way back [s]; null for none."""
+    held: list[HeldStatus] = Field(default=[], validate_default=True)
+    """Objects that are held by contact and moved along, where the driver measures them."""
     jitter: Jitter | None = None
     """Delays of the controller's ticks so far; null if not recorded."""
     lateness: float | None = None

@@ -30,6 +30,8 @@ class AttachOperation(TypedDict):
 
     frame: str
     """`robot::link`, or a frame that hangs on one."""
+    grip: NotRequired[GripDocument | None]
+    """Contact that holds it in simulations; null for a weld."""
     keep: NotRequired[bool]
     """Whether the object stays where it is in the world at the scene's positions."""
     object: str
@@ -48,6 +50,9 @@ class AttachmentDocument(TypedDict):
 
     frame: str
     """Frame that the object follows: `robot::link`, or a frame with one as ancestor."""
+    grip: NotRequired[GripDocument | None]
+    """Contact that holds it; none for a weld. Plans and proofs take it to be welded either way,
+    and a simulated robot may lose what is held by contact."""
     touch: NotRequired[Sequence[str] | None]
     """Bodies that it may touch; by default those that move rigidly with the frame and those
     that they carry outside the robot's default group, such as fingers."""
@@ -327,8 +332,16 @@ type Goal = (
 class Grasp(TypedDict):
     """Close on an object, and hold it from then on."""
 
+    by: NotRequired[Literal["weld", "contact"]]
+    """`weld`: it follows the frame as if welded to it; `contact`: a simulated robot holds it by
+    friction alone, between fingers that press with `force`, and may lose it (`grasp_lost`).
+    Plans and proofs take it to be welded where it is held. `contact` needs the `simulated`
+    driver, and an object with a `mass`."""
     frame: NotRequired[str | None]
     """Frame that the object follows from then on; null for the first tool frame of the gripper."""
+    friction: NotRequired[float]
+    """Of `contact`: coefficient of Coulomb friction a of the object; that of a contact is 2ab /
+    (a + b), where the b of the finger is 1 unless its description says otherwise."""
     gap: NotRequired[float]
     """Distance that the nearest finger keeps from the object [m]. The grasp is a weld, not a
     contact, and a simulated robot that touches something is stopped."""
@@ -337,9 +350,26 @@ class Grasp(TypedDict):
     reach: NotRequired[float]
     """Largest distance of any finger from the object [m]; beyond it the object is not held
     (`grasp_missed`)."""
+    slip: NotRequired[float]
+    """Of `contact`: largest distance by which the object may move in the gripper before it
+    counts as lost [m]. Proofs know nothing of it: bodies may come that much nearer to it."""
     touch: NotRequired[Sequence[str] | None]
     """Bodies that the object may touch then; null for those of `attach`: the fingers, and
     bodies that move rigidly with the frame."""
+
+
+class GripDocument(TypedDict):
+    """Contact by which a gripper holds an object: friction, and nothing else."""
+
+    force: float
+    """Force that presses each finger on the object [N]."""
+    friction: NotRequired[float]
+    """Coefficient of Coulomb friction a of the object; that of a contact is 2ab / (a + b),
+    where the b of the finger is 1 unless its description says otherwise."""
+    gripper: str
+    """Group that is a gripper, `robot::group`."""
+    slip: NotRequired[float]
+    """Largest distance by which the object may move in the gripper before it counts as lost [m]."""
 
 
 class GripperRequest(TypedDict):
@@ -347,7 +377,8 @@ class GripperRequest(TypedDict):
 
     force: NotRequired[float | None]
     """Largest force of the motor of the fingers' joint [N], where a driver has forces: one that
-    needs more is stopped (`torque_limit_reached`); null for the joint's own limit."""
+    needs more is stopped (`torque_limit_reached`); null for the joint's own limit. With a grasp
+    by `contact`, the force that presses each finger on the object."""
     grasp: NotRequired[Grasp | None]
     """Close on an object; once the fingers rest it is attached as `attach` does it, where it
     was measured to be."""

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from planning.domain.geometry.pose import Pose
 from planning.domain.geometry.shapes import Shape
+from planning.domain.scene.grip import Grip
 from planning.domain.scene.kept_files import KeptFiles
 from planning.domain.value import Value, digest
 
@@ -42,10 +43,12 @@ class Attachment(Value):
         frame: The frame F that the object follows: a robot's, or one with a robot's as ancestor.
         touch: Bodies that it may touch; None for those that move rigidly with F and those that
             they carry on joints outside the robot's default group, such as fingers.
+        grip: Contact that holds the object; None for a weld.
     """
 
     frame: str
     touch: tuple[str, ...] | None = None
+    grip: Grip | None = None
 
 
 @dataclass(frozen=True, eq=False)

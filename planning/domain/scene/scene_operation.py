@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from planning.domain.geometry.pose import Pose
+from planning.domain.scene.grip import Grip
 from planning.domain.scene.scene import SceneObject
 from planning.domain.value import Value
 
@@ -38,12 +39,14 @@ class AttachObject(Value):
         frame: The frame F that it follows from now on.
         touch: Bodies that it may touch; None for the default of `Attachment`.
         pose: X_FO; None for its present pose.
+        grip: Contact that holds the object; None for a weld.
     """
 
     name: str
     frame: str
     touch: tuple[str, ...] | None = None
     pose: Pose | None = None
+    grip: Grip | None = None
 
 
 @dataclass(frozen=True, eq=False)

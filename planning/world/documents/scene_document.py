@@ -12,6 +12,7 @@ from pydantic import (
 
 from planning.domain.geometry.pose import Pose
 from planning.domain.geometry.shapes import HalfSpace
+from planning.domain.scene.grip import Grip
 from planning.domain.scene.scene import (
     Attachment,
     NamedConfiguration,
@@ -104,6 +105,29 @@ class RobotDocument(StrictModel):
         return SceneRobot(self.name, self.model, self.base.value(), positions, self.weld)
 
 
+class GripDocument(StrictModel):
+    """Contact by which a gripper holds an object: friction, and nothing else."""
+
+    gripper: Path_ = Field(description="Group that is a gripper, `robot::group`")
+    force: Annotated[Positive, Field(le=1e5)] = Field(
+        description="Force that presses each finger on the object [N]"
+    )
+    friction: Annotated[Positive, Field(le=10)] = Field(
+        default=0.5,
+        description="Coefficient of Coulomb friction a of the object; that of a contact is "
+        "2ab / (a + b), where the b of the finger is 1 unless its description says otherwise",
+    )
+    slip: Annotated[Distance, Field(gt=0, le=1)] = Field(
+        default=0.005,
+        description="Largest distance by which the object may move in the gripper before it counts "
+        "as lost [m]",
+    )
+
+    def value(self) -> Grip:
+        """Return the domain's grip."""
+        return Grip(self.gripper, self.force, self.friction, self.slip)
+
+
 class AttachmentDocument(StrictModel):
     """Attachment of an object to a robot."""
 
@@ -118,9 +142,16 @@ class AttachmentDocument(StrictModel):
         ),
     )
 
+    grip: GripDocument | None = Field(
+        default=None,
+        description="Contact that holds it; none for a weld. Plans and proofs take it to be welded "
+        "either way, and a simulated robot may lose what is held by contact",
+    )
+
     def value(self) -> Attachment:
         """Return the domain's attachment."""
-        return Attachment(self.frame, None if self.touch is None else tuple(self.touch))
+        touch = None if self.touch is None else tuple(self.touch)
+        return Attachment(self.frame, touch, None if self.grip is None else self.grip.value())
 
 
 class ObjectDocument(StrictModel):

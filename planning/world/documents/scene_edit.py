@@ -134,7 +134,8 @@ def _attach(operation: AttachObject, scene: Scene, robots: RobotCache) -> Scene:
     if pose is None:
         x_wf = robots.frame_pose(scene, root.root) @ root.pose
         pose = x_wf.inverse @ thing.pose
-    attached = replace(thing, pose=pose, attached=Attachment(operation.frame, operation.touch))
+    how = Attachment(operation.frame, operation.touch, operation.grip)
+    attached = replace(thing, pose=pose, attached=how)
     edited = _with_object(scene, attached)
     root_ancestor(attached.name, parents(edited))  # raises if it is its own ancestor
     return edited

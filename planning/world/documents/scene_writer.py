@@ -1,7 +1,7 @@
 """scene_document(): write a scene as a scene document."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from pydantic import ValidationError
@@ -18,7 +18,7 @@ from planning.domain.geometry.shapes import (
     Shape,
     Sphere,
 )
-from planning.domain.scene.scene import Scene, SceneFrame, SceneObject, SceneRobot
+from planning.domain.scene.scene import Attachment, Scene, SceneFrame, SceneObject, SceneRobot
 from planning.world.documents.scene_document import ObjectDocument, SceneDocument
 from planning.world.documents.scene_file import parse_scene
 
@@ -110,17 +110,21 @@ def _robot(robot: SceneRobot) -> dict[str, Any]:
 
 
 def _object(thing: SceneObject) -> dict[str, Any]:
-    attached = thing.attached and {"frame": thing.attached.frame, "touch": thing.attached.touch}
     return {
         "name": thing.name,
         "shape": _shape(thing.shape),
         "pose": _pose(thing.pose),
         "movable": thing.movable,
         "color": None if thing.color is None else thing.color.tolist(),
-        "attached": attached,
+        "attached": thing.attached and _attachment(thing.attached),
         "mass": thing.mass,
         "center_of_mass": None if thing.center_of_mass is None else thing.center_of_mass.tolist(),
     }
+
+
+def _attachment(attached: Attachment) -> dict[str, Any]:
+    held = {"frame": attached.frame, "touch": attached.touch}
+    return held if attached.grip is None else {**held, "grip": asdict(attached.grip)}
 
 
 def _frame(frame: SceneFrame) -> dict[str, Any]:

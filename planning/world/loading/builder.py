@@ -49,6 +49,7 @@ def build_diagram(
     stored: StoredScene,
     static_names: frozenset[str] = frozenset(),
     *,
+    loose_names: frozenset[str] = frozenset(),
     time_step: float = 0.001,
     kernel: bool = True,
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
@@ -57,6 +58,8 @@ def build_diagram(
     Args:
         stored: The scene, with its files.
         static_names: Names of the objects that are kept outside of Drake's model.
+        loose_names: Names of attached objects that float in their frames, and whose contacts with
+            the bodies that they may touch count: for simulation.
         time_step: Of the plant [s]; matters only to simulation.
         kernel: Whether the native kernel may decide collisions where it is certain.
 
@@ -68,7 +71,7 @@ def build_diagram(
     """
     scene = stored.scene
     builder: Any = RobotDiagramBuilder(time_step=time_step)
-    build = Build(builder, builder.plant(), static_names)
+    build = Build(builder, builder.plant(), static_names, loose_names)
     build.frames["world"] = build.plant.world_frame()
     build.bodies["world"] = build.plant.world_body().index()
     for i, robot in enumerate(scene.robots):
@@ -228,12 +231,17 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
 def _attach(
     build: Build, scene: Scene, static_frames: Mapping[str, RigidTransform]
 ) -> dict[str, str]:
-    """Weld every attached object to its frame and return the robot of each."""
+    """Weld every attached object to its frame, or let it float in it; return the robot of each."""
     owners = validate_owners(scene, {*build.frames, *static_frames})
     for thing in scene.objects:
         if thing.attached is not None:
             frame, body = build.frames[thing.attached.frame], build.frames[thing.name]
-            build.plant.WeldFrames(frame, body, RigidTransform(thing.pose.matrix))
+            x_fo = RigidTransform(thing.pose.matrix)
+            if thing.name in build.loose_names:
+                joint = build.plant.AddJoint(QuaternionFloatingJoint(thing.name, frame, body))
+                joint.SetDefaultPose(x_fo)
+            else:
+                build.plant.WeldFrames(frame, body, x_fo)
     return owners
 
 

@@ -68,7 +68,8 @@ def allow_attached_contacts(build: Build, scene: Scene) -> None:
                 path = f"objects.{i}.attached.touch.{k}"
                 raise SceneInvalid(f"{path}: {fault.detail}", {"path": path, **fault.evidence})
             if name != thing.name:
-                _exclude(build, (name, thing.name))
+                if thing.name not in build.loose_names:
+                    _exclude(build, (name, thing.name))
                 evidence = f"{thing.name} is attached to {thing.attached.frame} and may touch it"
                 build.unchecked[frozenset((name, thing.name))] = ("held", evidence)
 

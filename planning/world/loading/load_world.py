@@ -1,7 +1,7 @@
 """load_world(): load a scene into Drake as a World, ready for queries."""
 
 from planning.domain.scene.scene import Scene
-from planning.errors import SceneInvalid, UnknownName
+from planning.errors import ProblemInvalid, SceneInvalid, UnknownName
 from planning.world.collision.box_pairs import box_pairs_of
 from planning.world.collision.half_spaces import has_moving_half_space
 from planning.world.collision.unchecked_pairs import unchecked_pairs
@@ -14,6 +14,7 @@ from planning.world.loading.builder import build_diagram
 from planning.world.loading.model_reuse import reuse_model
 from planning.world.loading.scene_build import LoadedRobot
 from planning.world.loading.static_build import MAX_OBJECTS_IN_MODEL, static_object_names
+from planning.world.mechanics.grippers import require_gripper
 from planning.world.models.model_library import ModelLibrary
 from planning.world.world import World
 
@@ -64,6 +65,7 @@ def load_world(
             stored.scene, chosen, *(shared or _build(stored, static_names, kernel=kernel))
         )
         _validate_margin_bodies(stored.scene, world.drake)
+        _validate_grips(world)
         if shared is None:
             _precompute(world)
         return world
@@ -104,6 +106,21 @@ def _precompute(world: World) -> None:
         world.collision_oracle(group, world.margins())
         if group.tool_frames:
             kernel_chain(world.drake, group, world.state, group.tool_frames[0])
+
+
+def _validate_grips(world: World) -> None:
+    """Raise unless everything that holds an object by contact is a gripper."""
+    for i, thing in enumerate(world.scene.objects):
+        grip = None if thing.attached is None else thing.attached.grip
+        if grip is None:
+            continue
+        try:
+            require_gripper(world, world.group(grip.gripper))
+        except (UnknownName, ProblemInvalid) as fault:
+            path = f"objects.{i}.attached.grip.gripper"
+            raise SceneInvalid(
+                f"{path}: {fault.detail}", {"path": path, **fault.evidence}
+            ) from None
 
 
 def _validate_margin_bodies(scene: Scene, model: DrakeModel) -> None:

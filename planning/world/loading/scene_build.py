@@ -28,15 +28,17 @@ class LoadedRobot:
 class Build:
     """Mutable state of the builder.
 
-    `files` has the parsed description of each robot; `static_names` the names of objects outside of
-    the plant, `static_names_added` those already processed; `unchecked` the reason and the evidence
-    of every pair of bodies, by both full names, that collision checks leave out; `warnings` are
-    those of the scene's summary.
+    `loose_names` has the objects that are not welded to the frame that they are attached to but
+    float in it. `files` has the parsed description of each robot; `static_names` the names of
+    objects outside of the plant, `static_names_added` those already processed; `unchecked` the
+    reason and the evidence of every pair of bodies, by both full names, that collision checks leave
+    out; `warnings` are those of the scene's summary.
     """
 
     builder: Any
     plant: MultibodyPlant
     static_names: frozenset[str] = frozenset()
+    loose_names: frozenset[str] = frozenset()
     static_names_added: set[str] = field(default_factory=set)
     robots: list[LoadedRobot] = field(default_factory=list)
     files: dict[Path, ModelFile] = field(default_factory=dict)

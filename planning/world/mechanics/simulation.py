@@ -9,6 +9,7 @@ Modelling, Planning and Control, section 8.5.2),
 so every joint's error obeys e'' + Kd e' + Kp e = 0 for any mass of the robot, unless the effort
 limits clip tau, or dry friction is not that of the desired velocity. It is computed anew in every
 step of the plant. Joints that follow the group's are controlled with them; all others are held.
+Objects that are held by contact are free bodies, and a force closes their grippers (`Grips`).
 """
 
 import numpy as np
@@ -20,8 +21,11 @@ from planning.domain.arrays import Array
 from planning.domain.geometry.touching_pair import TouchingPair, worst_of_each
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.domain.robot.manifold import Manifold
+from planning.domain.scene.held_pose import HeldPose
 from planning.errors import ModelInvalid, TrackingLost
 from planning.world.mechanics.contact_probe import ContactProbe
+from planning.world.mechanics.grip_world import grip_world, gripped_objects
+from planning.world.mechanics.grips import Grips
 from planning.world.mechanics.joint_friction import JointFriction
 from planning.world.world import World
 
@@ -29,6 +33,8 @@ from planning.world.world import World
 # plant's time step must stay well below 1.
 BANDWIDTH = 40.0
 CONTACT_DEPTH = 1e-4
+# Times after which fingers have closed on what they hold, and it hangs still in them [s].
+_CLOSING_TIME, _HANGING_TIME = 0.15, 0.15
 
 
 class Simulation:
@@ -59,11 +65,15 @@ class Simulation:
             contact_depth: Smallest penetration that counts as contact [m].
 
         Raises:
-            ModelInvalid: The robot cannot be simulated: a joint moves no mass.
+            ModelInvalid: The robot cannot be simulated: a joint moves no mass, or an object that
+                is held by contact has none.
         """
         self.group = group
-        self._model = world.drake
         limits = world.limits(group)
+        held = gripped_objects(world, group)
+        world = grip_world(world, held) if held else world
+        self._grips = Grips(world, held) if held else None
+        self._model = world.drake
         self._block_members, self._effort = _block_members(limits), limits.effort
         self._manifold = Manifold(group.joints)
         self._kp, self._kd = bandwidth**2, 2 * bandwidth
@@ -77,6 +87,8 @@ class Simulation:
         self._context = plant.GetMyMutableContextFromRoot(self._root)
         plant.SetPositions(self._context, self._model.embed(self.group, start, world.state))
         plant.SetVelocities(self._context, np.zeros(plant.num_velocities()))
+        # The controller knows the robot, and takes what it holds to be where proofs have it.
+        self._known = self._context if not held else plant.CreateDefaultContext()
         inertia = plant.CalcMassMatrix(self._context)
         self._validate_masses(inertia)
         self._friction = JointFriction(world, inertia, plant.time_step())
@@ -91,6 +103,8 @@ class Simulation:
         self._simulator.Initialize()
         self._v_desired = self._vdot_desired = self._error = np.zeros(len(self._in_v))
         self._torques = np.zeros(len(self._in_v))
+        if self._grips is not None:
+            self._close_on(self._grips)
 
     @property
     def time(self) -> float:
@@ -107,6 +121,10 @@ class Simulation:
         """Measured positions of all joints of the scene, shape (num_positions,)."""
         return self._model.plant.GetPositions(self._context)
 
+    def state_of(self, group: JointGroup) -> Array:
+        """Return the measured positions of another group, shape (nq,)."""
+        return self.state[self._model.position_indices(group)]
+
     @property
     def v(self) -> Array:
         """Measured velocities of the group, shape (nv,)."""
@@ -116,6 +134,11 @@ class Simulation:
     def torques(self) -> Array:
         """Torques or forces of the group's motors in the last step [N m or N], shape (nv,)."""
         return self._torques
+
+    @property
+    def held(self) -> tuple[HeldPose, ...]:
+        """Where the objects are that are held by contact."""
+        return () if self._grips is None else self._grips.poses(self._context)
 
     def command(
         self,
@@ -145,8 +168,22 @@ class Simulation:
         first, last = round(self.time / step), round(time / step)
         for i in range(first + 1, last + 1):
             self._step_to(i * step)
-            contacts += self._contact_probe.touching(self._context, self.state)
+            touching = self._contact_probe.touching(self._context, self.state)
+            if touching and self._grips is not None:
+                touching = self._grips.counted(touching, self._context)
+            contacts += touching
         return worst_of_each(contacts)
+
+    def _close_on(self, grips: Grips) -> None:
+        """Close the grippers on what they hold, and let it hang; it is time 0 then."""
+        step = self._model.plant.time_step()
+        grips.lock(self._context)
+        for i in range(1, round((_CLOSING_TIME + _HANGING_TIME) / step) + 1):
+            if i == round(_CLOSING_TIME / step):
+                grips.unlock(self._context)
+            self._step_to(i * step)
+        self._root.SetTime(0.0)
+        self._simulator.Initialize()
 
     def _step_to(self, time: float) -> None:
         period = time - self.time
@@ -162,12 +199,15 @@ class Simulation:
         self._v_desired = self._v_desired + 2 * half
 
     def _apply_control(self) -> None:
-        plant, context = self._model.plant, self._context
-        v = plant.GetVelocities(context)
+        plant, context = self._model.plant, self._known
+        v = plant.GetVelocities(self._context)
+        if self._grips is not None:
+            plant.SetPositionsAndVelocities(context, plant.GetPositionsAndVelocities(self._context))
+            self._grips.hold_still(context)
         vdot = np.zeros(plant.num_velocities())
         feedback = self._kd * (self._v_desired - v[self._in_v]) + self._kp * self._error
         vdot[self._in_v] = self._vdot_desired + feedback
-        self._set_other_accelerations(plant.GetPositions(context), v, vdot)
+        self._set_other_accelerations(self.state, v, vdot)
         plant.CalcForceElementsContribution(context, self._forces)
         tau = plant.CalcInverseDynamics(context, vdot, self._forces)
         v_desired = np.zeros(len(v))
@@ -176,6 +216,8 @@ class Simulation:
         tau[self._in_v] *= self._effort_factors(tau[self._in_v])
         followers, bounds = self._follower_limits
         tau[followers] = np.clip(tau[followers], -bounds, bounds)
+        if self._grips is not None:
+            self._grips.apply(tau)
         self._torques = tau[self._in_v]
         self._tau.GetMutableData().set_value(tau + self._friction.torques(v))
 
@@ -217,6 +259,7 @@ class Simulation:
         joint at its position limit, as in closed grippers.
         """
         controlled = {*self._in_v.tolist(), *(c.follower_velocity for c in self._followers)}
+        controlled |= frozenset() if self._grips is None else self._grips.fingers
         plant = self._model.plant
         in_q: list[int] = []
         in_v: list[int] = []

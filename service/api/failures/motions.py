@@ -194,20 +194,6 @@ class ScheduleEvidence(TypedDict):
 
 
 @with_config(OPEN)
-class GraspEvidence(TypedDict):
-    """Why fingers do not hold an object."""
-
-    object: str
-    """Name of the object"""
-    width: float
-    """Distance of the fingers where they have closed [m]"""
-    distances: list[float | None]
-    """Distance between the object and each finger then [m]; null beyond 5 cm"""
-    bound: float
-    """Largest distances that are allowed [m]"""
-
-
-@with_config(OPEN)
 class CertificateEvidence(TypedDict):
     """Why no motion passed the certifier; of executions, why the plan's does not by now."""
 

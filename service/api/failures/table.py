@@ -8,7 +8,7 @@ from typing import Any
 from planning import errors as planning_errors
 from planning.errors import InputError, StageFailure, WayproofError
 from service import errors as service_errors
-from service.api.failures import goals, inputs, jobs, motions, refusals
+from service.api.failures import goals, grasps, inputs, jobs, motions, refusals
 from service.api.failures.parts import NoEvidence
 from service.jobs import errors as job_errors
 
@@ -40,12 +40,13 @@ _STAGES: dict[type[WayproofError], Any] = {
     planning_errors.Canceled: motions.CancelEvidence,
     planning_errors.RetimingFailed: motions.RetimingEvidence,
     planning_errors.ScheduleNotFound: motions.ScheduleEvidence,
-    planning_errors.GraspMissed: motions.GraspEvidence,
+    planning_errors.GraspMissed: grasps.GraspEvidence,
     planning_errors.NotCertified: motions.CertificateEvidence,
     planning_errors.IllegalTransition: motions.TransitionEvidence,
     planning_errors.TrackingLost: motions.TrackingEvidence,
     planning_errors.Contact: motions.ContactEvidence,
     planning_errors.TorqueLimitReached: motions.TorqueEvidence,
+    planning_errors.GraspLost: grasps.GraspLostEvidence,
     planning_errors.PathBlocked: motions.PathBlockedEvidence,
     planning_errors.DriverLost: motions.DriverLostEvidence,
 }
@@ -108,6 +109,7 @@ _NEVER_PROBLEMS = {
     planning_errors.TrackingLost,
     planning_errors.Contact,
     planning_errors.TorqueLimitReached,
+    planning_errors.GraspLost,
     planning_errors.PathBlocked,
     planning_errors.DriverLost,
     job_errors.ServerRestarted,

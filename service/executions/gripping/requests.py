@@ -1,10 +1,12 @@
 """Requests to open and to close grippers."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
 from planning import AttachObject, DetachObject, GripperCommand
+from planning.domain.scene.grip import Grip
+from service.api.fingerprint import ADDED
 from service.api.models import (
     GROUP,
     BodyName,
@@ -38,6 +40,25 @@ class Grasp(RequestModel):
         default=None,
         description="Bodies that the object may touch then; null for those of `attach`: "
         "the fingers, and bodies that move rigidly with the frame",
+    )
+    by: Annotated[Literal["weld", "contact"], ADDED] = Field(
+        default="weld",
+        description="`weld`: it follows the frame as if welded to it; `contact`: a simulated "
+        "robot holds it by friction alone, between fingers that press with `force`, and may lose "
+        "it (`grasp_lost`). Plans and proofs take it to be welded where it is held. `contact` "
+        "needs the `simulated` driver, and an object with a `mass`",
+    )
+    friction: Annotated[Annotated[Real, Field(gt=0, le=10)], ADDED] = Field(
+        default=0.5,
+        description="Of `contact`: coefficient of Coulomb friction a of the object; that of a "
+        "contact is 2ab / (a + b), where the b of the finger is 1 unless its description says "
+        "otherwise",
+    )
+    slip: Annotated[Annotated[Real, Field(ge=0.0001, le=1)], ADDED] = Field(
+        default=0.005,
+        description="Of `contact`: largest distance by which the object may move in the gripper "
+        "before it counts as lost [m]. Proofs know nothing of it: bodies may come that much "
+        "nearer to it",
     )
     gap: Annotated[Real, Field(ge=0.0001, le=0.01)] = Field(
         default=0.0002,
@@ -79,8 +100,15 @@ class GripperRequest(RequestModel):
         default=None,
         description="Largest force of the motor of the fingers' joint [N], where a driver has "
         "forces: one that needs more is stopped (`torque_limit_reached`); null for the joint's own "
-        "limit",
+        "limit. With a grasp by `contact`, the force that presses each finger on the object",
     )
+
+    @model_validator(mode="after")
+    def _contact_has_force(self) -> Self:
+        if self.grasp is not None and self.grasp.by == "contact" and self.force is None:
+            message = "force: an object that is held by contact needs a `force` that presses it"
+            raise ValueError(message)
+        return self
 
     @model_validator(mode="after")
     def _one_goal(self) -> Self:
@@ -106,7 +134,15 @@ class GripperRequest(RequestModel):
         if self.grasp is None:
             return None
         touch = None if self.grasp.touch is None else tuple(self.grasp.touch)
-        return AttachObject(self.grasp.object, self.grasp.frame or tool_frame, touch)
+        frame = self.grasp.frame or tool_frame
+        return AttachObject(self.grasp.object, frame, touch, grip=self.grip)
+
+    @property
+    def grip(self) -> Grip | None:
+        """Contact by which an object is held in the end; None for a weld, or for none."""
+        if self.grasp is None or self.grasp.by == "weld" or self.force is None:
+            return None
+        return Grip(self.group, self.force, self.grasp.friction, self.grasp.slip)
 
     def to_domain(self, tool_frame: str) -> GripperCommand:
         """Return the command for the domain.

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import logging
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
@@ -11,6 +11,7 @@ from typing import Any
 
 from planning.errors import Canceled, WayproofError
 from service.jobs.dispatch.attempt_end import AttemptEnd, StopRequest
+from service.jobs.dispatch.conclusion import Conclusion
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.dispatch.spans import run_traced
@@ -27,10 +28,6 @@ from service.telemetry.ids import JOB, bind_ids, bound_ids
 # How long to wait before the start of a job is written again after the database refused it [s].
 _RETRY_PERIOD = 5.0
 _log = logging.getLogger(__name__)
-
-
-async def _nothing(_: Job) -> None:
-    pass
 
 
 class Attempt:
@@ -56,7 +53,7 @@ class Attempt:
         recorder: JobRecorder,
         scheduler: Scheduler,
         controls: Mapping[str, Any],
-        on_success: Callable[[Job], Awaitable[None]] = _nothing,
+        conclusion: Conclusion,
     ) -> None:
         """Prepare to run a queued job.
 
@@ -65,10 +62,9 @@ class Attempt:
             recorder: Writes what happens to it.
             scheduler: Has workers.
             controls: That are set.
-            on_success: Awaited when its task has returned, before its end is recorded; what it
-                raises is the failure of the job.
+            conclusion: What is done before its end is recorded.
         """
-        self._on_success = on_success
+        self._conclusion = conclusion
         self.job = job
         self.controls = dict(controls)
         self.has_begun = False
@@ -215,16 +211,21 @@ class Attempt:
         return is_queued_again
 
     async def _concluded(self, outcome: Outcome) -> Outcome:
-        """Return the outcome once what depends on its success is done, or why that failed."""
-        if not isinstance(outcome, Returned):
+        """Return the outcome once what follows from it is done, or why that failed."""
+        if not self._conclusion.concerns(self.job, self.latest):
             return outcome
+        await self._events.flush()  # else a server that comes after would not know what was done
+        has_succeeded = isinstance(outcome, Returned)
         try:
-            await self._on_success(self.job)
+            await self._conclusion.conclude(self.job, self.latest, has_succeeded=has_succeeded)
         except WayproofError as fault:
-            return Raised(fault)
+            if has_succeeded:
+                return Raised(fault)
+            _log.warning("what follows from %s could not be done: %s", self.job.id, fault)
         except Exception as fault:  # noqa: BLE001  (no job may stay unfinished)
             _log.exception("what follows from %s could not be done", self.job.id)
-            return Raised(InternalError(f"what follows failed: {type(fault).__name__}"))
+            if has_succeeded:
+                return Raised(InternalError(f"what follows failed: {type(fault).__name__}"))
         return outcome
 
     async def _bring_artifacts(self, worker: Worker) -> bool:

@@ -1,11 +1,12 @@
 """Attempts: the jobs of a dispatcher that wait or run here, each until it has ended."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
 from service.jobs.dispatch.attempt import Attempt
+from service.jobs.dispatch.conclusion import Conclusion
 from service.jobs.dispatch.observer import Observer
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.dispatch.scheduling.scheduler import Scheduler
@@ -22,7 +23,7 @@ class Attempts(dict[str, Attempt]):
         recorder: JobRecorder,
         scheduler: Scheduler,
         observer: Observer,
-        on_success: Callable[[Job], Awaitable[None]],
+        conclusion: Callable[[], Conclusion],
     ) -> None:
         """Have none yet.
 
@@ -30,13 +31,13 @@ class Attempts(dict[str, Attempt]):
             recorder: Of what happens to jobs.
             scheduler: Where they run.
             observer: Hears of each job that ended here.
-            on_success: Awaited when the task of a job has returned, before its end is recorded.
+            conclusion: Returns what is done before the end of a job is recorded.
         """
         super().__init__()
         self._recorder = recorder
         self._scheduler = scheduler
         self._observer = observer
-        self._on_success = on_success
+        self._conclusion = conclusion
 
     def enqueue(self, job: Job, controls: Mapping[str, Any], place: Place | None = None) -> None:
         """Run a queued job of the table when it has a worker."""
@@ -46,7 +47,7 @@ class Attempts(dict[str, Attempt]):
         self, job: Job, controls: Mapping[str, Any], place: Place | None = None
     ) -> Attempt:
         """Run a job when it has a worker; if its process dies it keeps its place in the queue."""
-        attempt = Attempt(job, self._recorder, self._scheduler, controls, self._on_success)
+        attempt = Attempt(job, self._recorder, self._scheduler, controls, self._conclusion())
         self[job.id] = attempt
         own = place or self._scheduler.next_place(job.queue)
 

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, aclosing
 from typing import Any, Literal
 
@@ -10,6 +10,7 @@ from service.errors import ServerStopping
 from service.jobs.dispatch.attempt import Attempt
 from service.jobs.dispatch.attempts import Attempts
 from service.jobs.dispatch.calls import Call, CallResult, Calls
+from service.jobs.dispatch.conclusion import Conclusion, NoConclusion
 from service.jobs.dispatch.leadership.join import join
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.leadership.lock_watch import LockWatch, Standby
@@ -32,10 +33,6 @@ _log = logging.getLogger(__name__)
 
 
 def _nothing() -> None:
-    pass
-
-
-async def _nothing_follows(_: Job) -> None:
     pass
 
 
@@ -76,7 +73,7 @@ class Dispatcher:
         self.is_taken = self._is_stopping = False
         self.leads = asyncio.Event()
         self._on_taken = on_taken
-        self.on_success: Callable[[Job], Awaitable[None]] = _nothing_follows
+        self.conclusion: Conclusion = NoConclusion()
         self._observer = observer or Observer()
         self._timeouts = timeouts or DatabaseTimeouts()
         self._store = store
@@ -131,17 +128,18 @@ class Dispatcher:
         """Make what belongs to the running event loop."""
         store, scheduler, within = self._store, self._scheduler, self._timeouts.record
         recorder = self._recorder = JobRecorder(store, self._bus, self.give_up)
-        attempts = self._attempts = Attempts(recorder, scheduler, self._observer, self._conclude)
+        attempts = self._attempts = Attempts(
+            recorder, scheduler, self._observer, lambda: self.conclusion
+        )
         self._shutdown = Shutdown(attempts, scheduler)
         self._waits = JobWaits(attempts, self._bus, store)
         self._control = JobControl(attempts, recorder, scheduler, within)
         self._submission = JobSubmission(recorder, attempts, scheduler, within)
-        self._recovery = Recovery(recorder, self._lock, scheduler, attempts.enqueue)
+        self._recovery = Recovery(
+            recorder, self._lock, scheduler, attempts.enqueue, self.conclusion
+        )
         self._uptake = Uptake(recorder, self._bus, attempts, self._control, self._recovery)
         self.waiting = JobRelease(recorder, self._recovery.take_up, self._uptake.note)
-
-    async def _conclude(self, job: Job) -> None:
-        await self.on_success(job)
 
     async def _lead(self) -> None:
         """Take up what the table has, and run every job from now on."""

@@ -5,7 +5,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, Strict, model_validator
 
 from planning.domain.scene import scene_operation as domain
-from planning.world.documents.scene_document import ObjectDocument, PoseDocument
+from planning.world.documents.scene_document import GripDocument, ObjectDocument, PoseDocument
+from service.api.fingerprint import ADDED
 from service.api.models import WHOLE, Boolean, Coordinate, Name, Positions, RequestModel
 
 type BodyNames = Annotated[list[Name], Field(min_length=2, max_length=2)]
@@ -86,6 +87,10 @@ class AttachOperation(RequestModel):
         description="X_FO, pose of the object in the frame; required "
         "without `keep`, and not allowed with it",
     )
+    grip: Annotated[GripDocument | None, ADDED] = Field(
+        default=None,
+        description="Contact that holds it in simulations; null for a weld",
+    )
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
@@ -98,7 +103,8 @@ class AttachOperation(RequestModel):
         """Return the operation for the domain."""
         touch = None if self.touch is None else tuple(self.touch)
         pose = None if self.pose is None else self.pose.value()
-        return domain.AttachObject(self.object, self.frame, touch, pose)
+        grip = None if self.grip is None else self.grip.value()
+        return domain.AttachObject(self.object, self.frame, touch, pose, grip)
 
 
 class DetachOperation(RequestModel):

@@ -79,7 +79,9 @@ def test_a_can_is_held_once_the_fingers_have_closed_on_it_and_let_go_of_after(
     assert 0.040 < held["width"] < 0.0408
     assert held["width"] == pytest.approx(2 * closed["status"]["positions"][0])
     assert held["holds"] == ["can"]
-    assert state_of(client, scene)["attached"] == [{"object": "can", "frame": "arm::tcp"}]
+    (attached,) = state_of(client, scene)["attached"]
+    assert (attached["object"], attached["frame"]) == ("can", "arm::tcp")
+    assert (attached["by"], attached["slip"]) == ("weld", None)
     np.testing.assert_allclose(can_in_world(client, scene), before, atol=1e-9)
     assert state_of(client, scene)["revision"] == 2
     succeeded(client, scene, driver, width=0.05, release="can")

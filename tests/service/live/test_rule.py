@@ -104,8 +104,8 @@ def step(client, scene, model, kind, robot, place):
 def check(client, scene, model):
     told = whole(client, scene)
     assert told["revision"] == model.revision
-    held = [] if model.held is None else [{"object": "post", "frame": f"{model.held[0]}::body"}]
-    assert told["attached"] == held
+    held = [] if model.held is None else [("post", f"{model.held[0]}::body")]
+    assert [(each["object"], each["frame"]) for each in told["attached"]] == held
     shown = client.get(f"/v1/scenes/{scene}").json()
     for robot, group in zip(told["robots"], shown["groups"], strict=True):
         name = robot["robot"]

@@ -200,7 +200,8 @@ def test_what_is_picked_is_attached_where_the_gripper_is(client):
     home = client.get(f"/v1/scenes/{scene}?revision=1").json()["document"]["robots"]
     after = edited(client, scene, {"op": "attach", "object": "can", "frame": "arm::tcp"})
     assert after["document"]["robots"] == home  # the state is not the description
-    assert whole(client, scene)["attached"] == [{"object": "can", "frame": "arm::tcp"}]
+    (held,) = whole(client, scene)["attached"]
+    assert (held["object"], held["frame"], held["by"]) == ("can", "arm::tcp", "weld")
     (can,) = [each for each in after["document"]["objects"] if each["name"] == "can"]
     assert np.linalg.norm(can["pose"]["position"]) < 0.1
     lift = {"type": "line", "displacement": {"vector": [0, 0, 0.1]}}
