@@ -1,10 +1,9 @@
 """Workers: what their processes import before they run anything. Light: no web, no Drake."""
 
 import importlib
-import multiprocessing.forkserver
 from collections.abc import Mapping, Sequence
 
-from service.jobs.worker.forkserver import forkserver
+from service.jobs.worker.forkserver import start_forkserver
 
 # What the forkserver imports once, so that every worker has Drake and OMPL from its birth.
 # What draws is left out: matplotlib takes a second, and few ask for a plot.
@@ -33,6 +32,19 @@ PRELOAD = (
     "service.plans.delivery.picture_worker",
     "service.plans.warm_up",
 )
+# What the server needs of that as well: models, numpy, and no Drake.
+COMMON = (
+    "service.jobs.worker.main",
+    "service.catalog.tasks",
+    "service.executions.tasks",
+    "service.executions.proofs.tasks",
+    "service.executions.watching.tasks",
+    "service.plans.tasks",
+    "service.queries.tasks",
+    "service.regions.tasks",
+    "service.trajectories.tasks",
+    "yaml",
+)
 WARM_UP = "warm_up"
 
 
@@ -48,8 +60,7 @@ def start_to_import() -> None:
 
     It has no effect once the forkserver runs.
     """
-    forkserver(PRELOAD)
-    multiprocessing.forkserver.ensure_running()
+    start_forkserver(PRELOAD, COMMON)
 
 
 def serves_with_processes(arguments: Sequence[str], environment: Mapping[str, str]) -> bool:

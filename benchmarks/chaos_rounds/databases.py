@@ -3,12 +3,13 @@
 import shutil
 import subprocess
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
 from sqlalchemy import Engine, create_engine, text
+from sqlalchemy.exc import DBAPIError
 
 from benchmarks.chaos_rounds.disk import SmallDisk
 from benchmarks.serving.server import pause
@@ -38,6 +39,10 @@ class Database(Protocol):
         """Return a context in which another connection has locked it."""
         ...
 
+    def read_only(self) -> Any:
+        """Return a context in which it can be read alone."""
+        ...
+
     def away(self) -> Any:
         """Return a context in which it does not run; it always does if it is a file."""
         ...
@@ -59,7 +64,8 @@ class Sqlite:
     def __init__(self, data: Path, disk: SmallDisk) -> None:
         """Expect it where a server makes it."""
         self.disk = disk
-        self._engine = create_engine(f"sqlite:///{data / 'wayproof.sqlite'}")
+        self._file = data / "wayproof.sqlite"
+        self._engine = create_engine(f"sqlite:///{self._file}")
 
     @property
     def environment(self) -> Mapping[str, str]:
@@ -74,6 +80,15 @@ class Sqlite:
             connection.exec_driver_sql("BEGIN IMMEDIATE")
             yield
             connection.exec_driver_sql("ROLLBACK")
+
+    @contextmanager
+    def read_only(self) -> Iterator[None]:
+        """Have its file and its log immutable.
+
+        Not its index, which is mapped into memory: to write there would be a SIGBUS.
+        """
+        with self.disk.read_only([self._file, self._file.with_name(f"{self._file.name}-wal")]):
+            yield
 
     @contextmanager
     def away(self) -> Iterator[None]:
@@ -117,6 +132,15 @@ class Postgresql:
             yield
 
     @contextmanager
+    def read_only(self) -> Iterator[None]:
+        """Have it refuse to write, as a standby does."""
+        self._refuse_writes(is_so=True)
+        try:
+            yield
+        finally:
+            _until_it_works(lambda: self._refuse_writes(is_so=False), DBAPIError)
+
+    @contextmanager
     def away(self) -> Iterator[None]:
         """End it and all its connections, and start it again."""
         self._cluster.stop()
@@ -136,16 +160,13 @@ class Postgresql:
 
     def _start_again(self) -> None:
         """Start it as soon as it can write what it has to: while the disk is full it cannot."""
-        until = time.monotonic() + _STARTS_WITHIN
-        while True:
-            try:
-                self._cluster.start()
-            except subprocess.CalledProcessError:
-                if time.monotonic() > until:
-                    raise
-                pause(_AGAIN)
-            else:
-                return
+        _until_it_works(self._cluster.start, subprocess.CalledProcessError)
+
+    def _refuse_writes(self, *, is_so: bool) -> None:
+        with self._engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+            setting = "default_transaction_read_only"
+            connection.execute(text(f"ALTER SYSTEM SET {setting} = {'on' if is_so else 'off'}"))
+            connection.execute(text("SELECT pg_reload_conf()"))
 
     def _keep_tables(self, cluster: Path, folder: Path) -> None:
         """Have new tables on the small disk; what a transaction writes ahead is not on it."""
@@ -160,3 +181,16 @@ class Postgresql:
 def _rows(engine: Engine, query: str) -> list[tuple[Any, ...]]:
     with engine.connect() as connection:
         return [tuple(row) for row in connection.execute(text(query))]
+
+
+def _until_it_works(work: Callable[[], None], fault: type[Exception]) -> None:
+    until = time.monotonic() + _STARTS_WITHIN
+    while True:
+        try:
+            work()
+        except fault:
+            if time.monotonic() > until:
+                raise
+            pause(_AGAIN)
+        else:
+            return

@@ -1,9 +1,13 @@
-"""SmallDisk: a folder that can be full: a small file system in memory, else a limit on files."""
+"""SmallDisk: a folder that can be full, and whose files can be made read-only.
+
+It is ext4 in a file, where that may be mounted, or else a file system in memory, or else a limit on
+the size of files.
+"""
 
 import os
 import resource
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -22,14 +26,16 @@ class SmallDisk:
         """Make it; `close` takes it away."""
         folder.mkdir(parents=True)
         self.folder = folder
-        size = f"size={megabytes}m"
-        mount = ["mount", "-t", "tmpfs", "-o", size, "wayproof-chaos", str(folder)]
-        try:
-            done = subprocess.run(mount, check=False, capture_output=True)
-        except FileNotFoundError:
-            self.is_real = False
-        else:
-            self.is_real = done.returncode == 0
+        image = folder.with_suffix(".ext4")
+        in_memory = ["mount", "-t", "tmpfs", "-o", f"size={megabytes}m", "wayproof-chaos"]
+        # In memory, a file that is open can be written although it is immutable.
+        self.is_real = (
+            _works(["truncate", "-s", f"{megabytes}M", str(image)])
+            and _works(["mkfs.ext4", "-q", "-m", "0", str(image)])
+            and _works(["mount", "-o", "loop", str(image), str(folder)])
+        ) or _works([*in_memory, str(folder)])
+        # What serves PostgreSQL's tables is another user.
+        folder.chmod(0o755)
 
     @contextmanager
     def full(self, pid: int | None, *, is_limit: bool) -> Iterator[None]:
@@ -50,6 +56,16 @@ class SmallDisk:
             with _limited(pid):
                 yield
         else:
+            yield
+
+    @contextmanager
+    def read_only(self, files: Sequence[Path]) -> Iterator[None]:
+        """Have nothing written to some files for a while, not even by root or where they are open.
+
+        Raises:
+            OSError: A file is gone, or the file system knows no immutable files.
+        """
+        with _immutable(files):
             yield
 
     def close(self) -> None:
@@ -82,3 +98,23 @@ def _limited(pid: int) -> Iterator[None]:
     finally:
         with suppress(ProcessLookupError):
             resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
+
+
+@contextmanager
+def _immutable(files: Sequence[Path]) -> Iterator[None]:
+    """Set the flag of chattr(1), and clear it."""
+    names = [str(file) for file in files]
+    try:
+        if not _works(["chattr", "+i", *names]):
+            message = f"cannot be made immutable: {names}"
+            raise OSError(message)
+        yield
+    finally:
+        _works(["chattr", "-i", *names])
+
+
+def _works(command: Sequence[str]) -> bool:
+    try:
+        return subprocess.run(command, check=False, capture_output=True).returncode == 0
+    except FileNotFoundError:
+        return False

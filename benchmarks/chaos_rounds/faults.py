@@ -34,6 +34,7 @@ class FaultKind(StrEnum):
     SERVER_TOLD = "server TERM"
     SERVER_HURRIED = "server TERM, -9"
     DISK_FULL = "disk full"
+    READ_ONLY = "read-only"
     LOCKED = "locked"
     AWAY = "database away"
 
@@ -53,6 +54,7 @@ _WEIGHTS = {
     FaultKind.SERVER_TOLD: 2,
     FaultKind.SERVER_HURRIED: 1,
     FaultKind.DISK_FULL: 3,
+    FaultKind.READ_ONLY: 2,
     FaultKind.LOCKED: 3,
     FaultKind.AWAY: 1,
 }
@@ -65,6 +67,7 @@ _LASTS = {
     # Robots need a second to come to rest.
     FaultKind.SERVER_HURRIED: (0.0, 1.5),
     FaultKind.DISK_FULL: (0.5, 12.0),
+    FaultKind.READ_ONLY: (0.5, 8.0),
     FaultKind.LOCKED: (0.5, 14.0),
     FaultKind.AWAY: (0.0, 3.0),
 }
@@ -214,7 +217,7 @@ class Havoc:
                 stack.enter_context(lock)
             try:
                 stack.enter_context(self._trouble(fault))
-            except (DBAPIError, ProcessLookupError):  # the database, or the server, is away
+            except (DBAPIError, OSError):  # the database, or the server, is away
                 return
             self.done[fault.kind] += 1
             self._end.wait(fault.lasts)
@@ -227,6 +230,8 @@ class Havoc:
             case FaultKind.DISK_FULL:
                 pid = self._keeper(fault).pid
                 return self._database.disk.full(pid, is_limit=fault.choice < _LIMITED)
+            case FaultKind.READ_ONLY:
+                return self._database.read_only()
             case FaultKind.LOCKED:
                 return _forgiving(self._database.locked)
             case _:

@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks.chaos import main, parser, table
 from benchmarks.chaos_rounds import keeper
+from benchmarks.chaos_rounds.disk import SmallDisk
 from benchmarks.chaos_rounds.faults import FaultKind, draw, kinds_of, stopped
 from benchmarks.chaos_rounds.fleet import Fleet
 from benchmarks.chaos_rounds.journal import Journal, Violation
@@ -86,6 +87,25 @@ def test_a_process_is_stopped_and_goes_on_and_its_end_is_seen() -> None:
         process.send(signal.SIGKILL)
         assert child.wait() == -signal.SIGKILL
         assert not process.is_alive
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root makes files immutable")
+def test_what_is_read_only_takes_nothing_even_where_it_is_open(tmp_path) -> None:
+    disk = SmallDisk(tmp_path / "disk", 16)
+    try:
+        if not (tmp_path / "disk.ext4").exists() or not disk.is_real:
+            pytest.skip("no file system may be mounted here")
+        path = disk.folder / "file"
+        with path.open("wb", buffering=0) as file:
+            assert file.write(b"a") == 1
+            with disk.read_only([path]), pytest.raises(PermissionError):
+                file.write(b"b")
+            assert file.write(b"c") == 1
+        assert path.read_bytes() == b"ac"
+        with pytest.raises(OSError, match="gone"), disk.read_only([disk.folder / "gone"]):
+            pass
+    finally:
+        disk.close()
 
 
 class Ended:

@@ -1,4 +1,4 @@
-"""A forkserver whose children die, or that says nothing, is replaced; who lives by it goes on."""
+"""A forkserver begins as a copy; one whose children die, or that says nothing, is replaced."""
 
 import os
 import subprocess
@@ -6,6 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
+
+from tests.service.jobs.worker.test_process_worker import is_alive
+from tests.service.servers import until
 
 # In a process of its own: there is one forkserver for each, and what it has imported stays.
 BEGIN = """
@@ -74,14 +77,67 @@ async def told():
     await first.close()
     await second.close()
 """
+# Begun where `wayproof serve` begins it: before anything else, in a process of one thread.
+IT_IS_A_COPY = """
+from pathlib import Path
+from service.jobs.worker.forkserver import start_forkserver
+from service.workers import COMMON
+
+async def told():
+    own = os.listdir("/proc/self/task")
+    assert len(own) == 1, own  # a fork has no other threads
+    assert not {"pydrake", "ompl", "fastapi"} & set(sys.modules)
+    copy, own = (Path(f"/proc/{pid}/cmdline").read_bytes() for pid in (first, os.getpid()))
+    assert copy == own
+    worker = await opened(TASKS)
+    assert forkserver_pid() == first
+    pid = await pid_of(worker)
+    os.kill(first, signal.SIGKILL)
+    while is_alive(first) or is_alive(pid):
+        await asyncio.sleep(0.01)
+    await worker.ready()
+    assert forkserver_pid() != first and await pid_of(worker) != pid
+    await worker.close()
+
+if __name__ == "__main__":
+    start_forkserver(TASKS, COMMON)
+    first = forkserver_pid()
+    start_forkserver(TASKS, COMMON)
+    assert forkserver_pid() == first
+"""
+# Its end is that of the last process which can ask it for another one, however that ends.
+IT_IS_LEFT = """
+from service.jobs.worker.forkserver import start_forkserver
+from service.workers import COMMON
+
+if __name__ == "__main__":
+    start_forkserver(TASKS, COMMON)
+    print(forkserver_pid(), flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
 
 
-@pytest.mark.parametrize("story", [CHILDREN_DIE, IT_HANGS], ids=["children_die", "it_hangs"])
+@pytest.mark.parametrize(
+    "story",
+    [CHILDREN_DIE, IT_HANGS, IT_IS_A_COPY],
+    ids=["children_die", "it_hangs", "it_is_a_copy"],
+)
 def test_a_bad_forkserver_is_replaced(story, tmp_path):
+    ended = told(BEGIN + story + END, tmp_path)
+    assert ended.stdout == "done\n", ended.stderr[-2000:]
+
+
+def test_a_copy_ends_with_the_process_that_it_is_a_copy_of(tmp_path):
+    ended = told(BEGIN + IT_IS_LEFT, tmp_path)
+    until(lambda: not is_alive(int(ended.stdout)))
+
+
+def told(story, tmp_path):
+    """Run a script in a process of its own."""
     script = tmp_path / "story.py"
-    script.write_text(BEGIN + story + END, encoding="utf-8")
+    script.write_text(story, encoding="utf-8")
     variables = {"BAD_FORKSERVER": str(tmp_path / "mark"), "PYTHONPATH": str(Path.cwd())}
-    ended = subprocess.run(
+    return subprocess.run(
         [sys.executable, str(script)],
         env={**os.environ, **variables},
         capture_output=True,
@@ -89,4 +145,3 @@ def test_a_bad_forkserver_is_replaced(story, tmp_path):
         timeout=200,
         check=False,
     )
-    assert ended.stdout == "done\n", ended.stderr[-2000:]
