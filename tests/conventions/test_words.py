@@ -22,7 +22,7 @@ WORDS = {
     "crowd": "clique samples",
     "sighting": "closest approach",
     "spot": "witness point",
-    "nearness": "distance query",
+    "z_values": "distance query",
     "judge": "checker, check",
     "course": "trace state, path",
     "halt": "stop",
