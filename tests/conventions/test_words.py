@@ -22,7 +22,7 @@ WORDS = {
     "crowd": "clique samples",
     "sighting": "closest approach",
     "spot": "witness point",
-    "z_values": "distance query",
+    "nearness": "distance query",
     "judge": "checker, check",
     "course": "trace state, path",
     "halt": "stop",

@@ -29,7 +29,7 @@ def path_so_far(planner: Any, space: SearchSpace) -> Array:
     if isinstance(planner, og.RRTstar):
         states = _states_in_tree(planner)
     elif isinstance(planner, og.AORRTC) and planner.getProblemDefinition().hasExactSolution():
-        states = planner.getProblemDefinition().getSolutionPath().getStates()
+        states = _states_of_solution(planner.getProblemDefinition())
     else:
         states = []
     rows = [space.read(state) for state in states]
@@ -47,3 +47,9 @@ def _states_in_tree(planner: Any) -> list[Any]:
         (parent,) = tree.getIncomingEdges(chain[-1])
         chain.append(parent)
     return [tree.getVertex(row).getState() for row in reversed(chain)]
+
+
+def _states_of_solution(definition: Any) -> list[Any]:
+    """Return the states of the best path that a planner has put into its problem definition."""
+    found: list[Any] = definition.getSolutionPath().getStates()
+    return found

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from service.studio import texts
 from service.studio.motions.checks import words_of
 from service.studio.motions.motion import Motion
-from service.studio.motions.z_values import Nearness
+from service.studio.motions.nearness import Nearness
 from service.studio.motions.plot import with_cursor
 from service.studio.motions.series import Bounds, Series, SeriesAnswer
 from service.studio.motions.trace import BY_LIMIT, clearance_colors, legend, limit_colors
