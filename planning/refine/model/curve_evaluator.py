@@ -52,7 +52,8 @@ class CurveEvaluator:
 
     def evaluate(self, points: Float64[np.ndarray, "k nq"]) -> CurveEvaluation:
         """Return the evaluation of a curve."""
-        return self._with_distances(points, *path_velocity_along(points, self._bounds))
+        qs = self.distance_weights.apply(points)
+        return self._with_distances(points, qs, *path_velocity_along(points, self._bounds))
 
     def evaluate_trial(
         self, points: Float64[np.ndarray, "k nq"], current: CurveEvaluation, merit: float
@@ -76,16 +77,14 @@ class CurveEvaluator:
         first = _nearest_instants(current.distances, changes)
         if distance_penalty(self._distance_query.within(qs[first], 0.0)) > rest:
             return None
-        return self._with_distances(points, path_velocity, loads)
+        return self._with_distances(points, qs, path_velocity, loads)
 
     def _with_distances(
-        self, points: Array, path_velocity: Array, loads: LoadEvaluation | None
+        self, points: Array, qs: Array, path_velocity: Array, loads: LoadEvaluation | None
     ) -> CurveEvaluation:
-        """Return the evaluation of a curve with a path velocity and loads."""
+        """Return the evaluation of a curve at instants with configurations qs."""
         duration = duration_of(self._grid, path_velocity)
-        distances = self._distance_query.within(
-            self.distance_weights.apply(points), _INFLUENCE_DISTANCE
-        )
+        distances = self._distance_query.within(qs, _INFLUENCE_DISTANCE)
         if self._clearance_objective is None:
             return CurveEvaluation(
                 points, path_velocity, duration, distances, None, duration, loads
@@ -101,7 +100,8 @@ class CurveEvaluator:
 def _nearest_instants(distances: DistanceRows, changes: Float64[np.ndarray, "m nq"]) -> Indices:
     """Return the instants with the least signed margins after a step, to first order, in order."""
     samples = distances.sample_indices
-    predicted = distances.signed_margins + (distances.gradients * changes[samples]).sum(axis=1)
+    increases = np.einsum("mj,mj->m", distances.gradients, changes[samples])
+    predicted = distances.signed_margins + increases
     least = np.full(len(changes), np.inf)
     np.minimum.at(least, samples, predicted)
     count = max(1, int(_FIRST_SHARE * len(changes)))
