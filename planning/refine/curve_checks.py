@@ -44,11 +44,7 @@ class Auditor:
         A violation is a pair of bodies below its distance, or a broken path constraint. The
         intervals are in order; none means that every sample is free.
         """
-        num_intervals = int(
-            np.clip(np.ceil(curve_length(curve) / _SAMPLE_SPACING), _MIN_SAMPLES, _MAX_SAMPLES)
-        )
-        s = np.linspace(0.0, 1.0, num_intervals + 1)
-        positions = curve.positions(s)
+        s, positions = _dense_samples(curve)
         free = self._padded_oracle.are_free(positions)
         free[0] = self._end_oracle.is_free(positions[0])
         free[-1] = self._end_oracle.is_free(positions[-1])
@@ -63,10 +59,7 @@ def satisfies_predicates(curve: JointSpline, predicates: tuple[PredicateConstrai
     """Return whether predicates accept all samples of the curve, coarse subsets of them first."""
     if not predicates:
         return True
-    num_intervals = int(
-        np.clip(np.ceil(curve_length(curve) / _SAMPLE_SPACING), _MIN_SAMPLES, _MAX_SAMPLES)
-    )
-    positions = curve.positions(np.linspace(0.0, 1.0, num_intervals + 1))
+    _, positions = _dense_samples(curve)
     subsets = [positions[begin::_NUM_SUBSETS] for begin in range(_NUM_SUBSETS)]
     return all(
         bool(predicate.are_satisfied(subset).all())
@@ -84,5 +77,19 @@ def is_within_limits(curve: JointSpline, limits: JointLimits) -> bool:
 
 def curve_length(curve: JointSpline) -> float:
     """Return the curve's joint-space length (radians and metres weigh the same)."""
-    positions = curve.positions(np.linspace(0.0, 1.0, _MIN_SAMPLES + 1))
+    return _length(curve.positions(np.linspace(0.0, 1.0, _MIN_SAMPLES + 1)))
+
+
+def _dense_samples(curve: JointSpline) -> tuple[Array, Array]:
+    """Return path parameters, shape (m,), and configurations there, (m, nq), densely."""
+    s = np.linspace(0.0, 1.0, _MIN_SAMPLES + 1)
+    positions = curve.positions(s)
+    num_intervals = min(int(np.ceil(_length(positions) / _SAMPLE_SPACING)), _MAX_SAMPLES)
+    if num_intervals > _MIN_SAMPLES:
+        s = np.linspace(0.0, 1.0, num_intervals + 1)
+        positions = curve.positions(s)
+    return s, positions
+
+
+def _length(positions: Array) -> float:
     return float(np.linalg.norm(np.diff(positions, axis=0), axis=1).sum())

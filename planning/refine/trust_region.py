@@ -38,6 +38,10 @@ class StepModel[X, E: Evaluation](Protocol):
         """Return the evaluation of an iterate."""
         ...
 
+    def evaluate_trial(self, points: X, current: E, merit: float, /) -> E | None:
+        """Return the evaluation of a step from `current`, or None if its merit is above `merit`."""
+        ...
+
     def step(self, evaluation: E, radius: float, /) -> tuple[X, float]:
         """Return the model's minimizer in a box, and the predicted decrease of the merit."""
         ...
@@ -69,7 +73,11 @@ class TrustRegion[X, E: Evaluation]:
             if predicted_decrease < _MIN_PREDICTED_DECREASE * self.current.merit_scale:
                 return
             self.num_steps += 1
-            trial = self._model.evaluate(points)
+            worst = self.current.merit - _ACCEPT_RATIO * predicted_decrease
+            trial = self._model.evaluate_trial(points, self.current, worst)
+            if trial is None:
+                self._radius *= _SHRINK_FACTOR
+                continue
             ratio = (self.current.merit - trial.merit) / predicted_decrease
             if ratio < _SHRINK_RATIO:
                 self._radius *= _SHRINK_FACTOR

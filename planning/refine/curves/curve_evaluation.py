@@ -57,8 +57,9 @@ class CurveEvaluation:
         It is `objective` plus the penalties of short distances and of excessive static loads.
         """
         static_load_penalty = 0.0 if self.loads is None else self.loads.penalty
-        return (
-            self.objective
-            + static_load_penalty
-            + DISTANCE_PENALTY * float(np.maximum(-self.distances.signed_margins, 0.0).sum())
-        )
+        return self.objective + static_load_penalty + distance_penalty(self.distances)
+
+
+def distance_penalty(distances: DistanceRows) -> float:
+    """Return the penalty of distances that are too short [s]."""
+    return DISTANCE_PENALTY * float(np.maximum(-distances.signed_margins, 0.0).sum())

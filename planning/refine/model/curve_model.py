@@ -18,25 +18,21 @@ from planning.domain.robot.joints import JointLimits
 from planning.refine.constraints.clearance_objective import ClearanceCost
 from planning.refine.constraints.distance_query import DistanceQuery, DistanceRows
 from planning.refine.constraints.rate_bounds import RateBounds
-from planning.refine.curves.bspline_basis import BasisWeights, basis_weights
 from planning.refine.curves.curve_evaluation import DISTANCE_PENALTY, CurveEvaluation
 from planning.refine.curves.native_grid import native_grid
 from planning.refine.curves.path_velocity import (
     NormalizedDerivatives,
     both_ends,
     duration_gradient,
-    duration_of,
     path_grid,
 )
+from planning.refine.model.curve_evaluator import CurveEvaluator
 from planning.refine.model.distance_rows import distance_rows, reachable_distances
-from planning.refine.model.load_evaluation import path_velocity_along
 from planning.refine.model.native_steps import NativeSteps
 from planning.refine.model.path_velocity_constraints import RATE_PENALTY
 from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows
 from planning.refine.model.variable_layout import make_variable_layout
 
-# Signed margin above which pairs are ignored [m].
-_INFLUENCE_DISTANCE = 0.1
 # Proximal weight: cost of moving one control point by half of the box's side, in durations. Many
 # sets of control points describe the same motion; the nearest one is chosen.
 _PROXIMAL_WEIGHT = 1e-4
@@ -74,7 +70,6 @@ class CurveModel:
         clearance_objective: ClearanceCost | None = None,
     ) -> None:
         """Build the model, with distances at instants evenly in (0, 1)."""
-        self._distance_query = distance_query
         self._clearance_objective = clearance_objective
         self._limits = limits
         self._bounds = bounds
@@ -83,10 +78,9 @@ class CurveModel:
         self._layout = make_variable_layout(
             num_control_points, len(bounds.velocity), num_shortfalls
         )
-        self._num_control_points = num_control_points
-        self.parameters = np.linspace(0.0, 1.0, num_samples + 2)[1:-1]
-        self._distance_weights: BasisWeights = basis_weights(num_control_points, self.parameters)
-        self._clearance_weights = self._distance_weights
+        self._evaluator = CurveEvaluator(
+            distance_query, bounds, num_control_points, num_samples, clearance_objective
+        )
         grid = native_grid(num_control_points)
         self._native_steps = (
             None
@@ -96,26 +90,17 @@ class CurveModel:
 
     def add_samples(self, parameters: Float64[np.ndarray, " m"]) -> None:
         """Add instants at which distances are kept; earlier evaluations are outdated then."""
-        self.parameters = np.concatenate([self.parameters, parameters])
-        self._distance_weights = basis_weights(self._num_control_points, self.parameters)
+        self._evaluator.add_samples(parameters)
 
     def evaluate(self, points: Float64[np.ndarray, "k nq"]) -> CurveEvaluation:
         """Return the evaluation of a curve."""
-        path_velocity, loads = path_velocity_along(points, self._bounds)
-        duration = duration_of(self._grid, path_velocity)
-        distances = self._distance_query.within(
-            self._distance_weights.apply(points), _INFLUENCE_DISTANCE
-        )
-        if self._clearance_objective is None:
-            return CurveEvaluation(
-                points, path_velocity, duration, distances, None, duration, loads
-            )
-        qs = self._clearance_weights.apply(points)
-        clearances = self._clearance_objective.distance_query.within(qs, _INFLUENCE_DISTANCE)
-        objective = duration + self._clearance_objective.cost(clearances, len(qs))
-        return CurveEvaluation(
-            points, path_velocity, duration, distances, clearances, objective, loads
-        )
+        return self._evaluator.evaluate(points)
+
+    def evaluate_trial(
+        self, points: Float64[np.ndarray, "k nq"], current: CurveEvaluation, merit: float
+    ) -> CurveEvaluation | None:
+        """Return the evaluation of a step from a curve, or None if its merit is above `merit`."""
+        return self._evaluator.evaluate_trial(points, current, merit)
 
     def step(self, evaluation: CurveEvaluation, radius: float) -> tuple[Array, float]:
         """Return the control points of the model's minimizer, and the predicted decrease [s].
@@ -129,14 +114,14 @@ class CurveModel:
         if self._native_steps is None:
             return self.reference_step(evaluation, radius)
         return self._native_steps.step(
-            evaluation, radii, self._load_rows(evaluation, radii), self._distance_weights
+            evaluation, radii, self._load_rows(evaluation, radii), self._evaluator.distance_weights
         )
 
     def reference_step(self, evaluation: CurveEvaluation, radius: float) -> tuple[Array, float]:
         """Return the same by numpy, with the clearance objective if there is one."""
         radii = radius * self._bounds.velocity
         program = self._make_program(evaluation, radii)
-        x = program.solve()
+        x = program.solve_by_active_products()
         points = evaluation.points.copy()
         points[1:-1] += x[self._layout.control_points[1:-1]] * radii
         points[1:-1] = np.clip(points[1:-1], self._limits.lower, self._limits.upper)
@@ -168,7 +153,7 @@ class CurveModel:
         distances = distance_rows(
             self._layout.control_points,
             evaluation.distances,
-            self._distance_weights,
+            self._evaluator.distance_weights,
             radii,
             DISTANCE_PENALTY / evaluation.duration,
         )
@@ -287,7 +272,11 @@ class CurveModel:
     ) -> PenaltyRows:
         """Return rows of target distances minus the shortfall variables, over the distance."""
         rows = distance_rows(
-            self._layout.control_points, clearances, self._clearance_weights, radii, penalty
+            self._layout.control_points,
+            clearances,
+            self._evaluator.clearance_weights,
+            radii,
+            penalty,
         ).expanded
         active = reachable_distances(clearances, radii)
         shortfalls = self._layout.shortfalls[clearances.sample_indices[active]]

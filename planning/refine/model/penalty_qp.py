@@ -6,7 +6,7 @@ The native kernel has an interior-point solver for it; without the kernel Clarab
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -23,6 +23,8 @@ MAX_STEPS = 40
 _NO_PRODUCTS = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0)), np.zeros((0, 0))
 # Rows per block: Drake takes dense blocks, which are mostly zeros if they are large.
 _BLOCK_SIZE = 64
+# Share of the largest change of a product row that minimizers rarely exceed.
+_LIKELY_SHARE = 0.25
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,16 @@ class ProductRows:
             columns.reshape(size), values.reshape(size), self.lower_bounds, self.penalty
         )
 
+    def selected(self, which: Any) -> "ProductRows":
+        """Return the selected rows."""
+        return ProductRows(
+            self.columns[which],
+            self.weights[which],
+            self.slopes[which],
+            self.lower_bounds[which],
+            self.penalty,
+        )
+
 
 @dataclass(frozen=True)
 class PenaltyQp:
@@ -135,6 +147,25 @@ class PenaltyQp:
         """Return the objective at x."""
         smooth_cost = float(self.c @ x + self.q @ (x * x) / 2)
         return smooth_cost + sum(rows.penalty_at(x) for rows in self._expanded_rows)
+
+    def solve_by_active_products(self) -> Array:
+        """Return the minimizer, shape (n,), by programs of those product rows that are broken.
+
+        A row that the minimizer without it does not break costs nothing there: without all such
+        rows the minimizer is the same. The box is to be that of -1 to 1, in which a row is likely
+        to be broken if a share of the largest change of a_k . x would break it.
+        """
+        products = self.products
+        if products is None:
+            return self.solve()
+        largest_changes = np.abs(products.slopes).sum(axis=1)
+        takes_part = -products.lower_bounds < _LIKELY_SHARE * largest_changes
+        while True:
+            x = replace(self, products=products.selected(takes_part)).solve()
+            broken = ~takes_part & (products.expanded.violations(x) > 0)
+            if not broken.any():
+                return x
+            takes_part |= broken
 
     @property
     def _expanded_rows(self) -> tuple[PenaltyRows, ...]:

@@ -92,6 +92,12 @@ class MotionModel:
         merit = cost + _DISTANCE_PENALTY * excess + _BOUND_PENALTY * float(sum(violations))
         return MotionEvaluation(motion, cost, merit, distances)
 
+    def evaluate_trial(
+        self, motion: SplineMotion, _current: MotionEvaluation, _merit: float
+    ) -> MotionEvaluation:
+        """Return the evaluation of a step, whatever its merit."""
+        return self.evaluate(motion)
+
     def step(self, evaluation: MotionEvaluation, radius: float) -> tuple[SplineMotion, float]:
         """Return the model's minimizer, and the predicted decrease of the merit.
 

@@ -10,6 +10,7 @@ from planning.refine.constraints.distance_buffers import DistanceBuffers
 from planning.refine.constraints.distance_query import DistanceQuery, make_distance_query
 from planning.world.loading.load_world import load_world
 from planning.world.world import World
+from tests.profiles import num_cases
 
 REACH = 0.15
 BOTH = pytest.mark.parametrize("kernel", [True, False])
@@ -58,6 +59,30 @@ def test_the_kernel_and_drake_find_the_same_nearest_pairs(place):
     differs = np.abs(slopes - other_slopes)[apart].max(axis=1)
     assert np.mean(differs < 1e-3) > 0.9
     assert (theirs[~apart] < 0).all()
+
+
+@pytest.mark.parametrize("step", [0.002, 0.05, 1.0])
+def test_pairs_that_rest_between_configurations_are_not_lost(place, step):
+    # Configurations alone have none before them from which a pair could be known to be far.
+    world, group = place
+    query = distance_query_of(world, group, kernel=True)
+    rng = np.random.default_rng(9)
+    first, *others = configurations(world, group, num_cases(6))
+    limits = world.limits(group)
+    low, high = np.maximum(limits.lower, -3), np.minimum(limits.upper, 3)
+    for start in [first, *others]:
+        moves = rng.normal(scale=step, size=(80, len(start)))
+        qs = np.clip(start + np.cumsum(moves, axis=0), low, high)
+        together = query.within(qs, REACH)
+        alone = [query.within(q[None], REACH) for q in qs]
+        counts = [len(rows.signed_margins) for rows in alone]
+        np.testing.assert_array_equal(
+            together.sample_indices, np.repeat(np.arange(len(qs)), counts)
+        )
+        margins = np.concatenate([rows.signed_margins for rows in alone])
+        # Of shapes that overlap, the depth depends on the direction from which it is sought.
+        apart = margins > 0
+        np.testing.assert_allclose(together.signed_margins[apart], margins[apart], atol=1e-8)
 
 
 @BOTH

@@ -10,6 +10,8 @@ from planning.refine.constraints.distance_query import make_distance_query
 from planning.refine.constraints.rate_bounds import RateBounds
 from planning.refine.curves.bspline_fit import fit_control_points, unwrapped_waypoints
 from planning.refine.model.curve_model import CurveModel
+from planning.refine.trust_region import TrustRegion
+from tests.profiles import num_cases
 
 NUM_INSTANTS = 60
 
@@ -75,3 +77,42 @@ def test_a_violated_distance_is_repaired(thin_wall):
     before = model.evaluate(low)
     after = model.evaluate(model.step(before, 0.05)[0])
     assert after.distances.signed_margins.min() > before.distances.signed_margins.min()
+
+
+@pytest.mark.parametrize("objective", [None, ClearanceObjective(0.08, 5.0)])
+def test_only_trials_above_the_merit_are_left_out(case, objective):
+    model, points, bounds = model_of(case, objective)
+    rng = np.random.default_rng(4)
+    current, outcomes = model.evaluate(points), set[bool]()
+    for scale in np.geomspace(0.001, 0.5, num_cases(12)):
+        trial = points.copy()
+        trial[1:-1] += scale * bounds.velocity * rng.uniform(-1, 1, trial[1:-1].shape)
+        whole = model.evaluate(trial)
+        for merit in whole.merit * np.array([0.3, 0.9, 1 - 1e-6, 1 + 1e-6, 3.0]):
+            found = model.evaluate_trial(trial, current, merit)
+            outcomes.add(found is None)
+            if found is None:
+                assert whole.merit > merit
+            else:
+                assert found.merit == whole.merit
+                np.testing.assert_array_equal(found.path_velocity, whole.path_velocity)
+                np.testing.assert_array_equal(found.distances.gradients, whole.distances.gradients)
+    assert outcomes == {True, False}
+
+
+class WholeTrials:
+    """A model all of whose trials are evaluated."""
+
+    def __init__(self, model: CurveModel) -> None:
+        self.evaluate, self.step = model.evaluate, model.step
+
+    def evaluate_trial(self, points, current, merit):
+        return self.evaluate(points)
+
+
+def test_a_descent_goes_the_same_way_with_trials_left_out(case):
+    model, points, _ = model_of(case)
+    descents = [TrustRegion(m, model.evaluate(points)) for m in (model, WholeTrials(model))]
+    with_trials_left_out, whole = ([e.points for e in d.run(15)] for d in descents)
+    assert descents[0].num_steps == descents[1].num_steps
+    np.testing.assert_array_equal(with_trials_left_out, whole)

@@ -116,6 +116,23 @@ def test_rows_of_products_are_those_with_all_their_entries(seed: int, num_rows: 
     np.testing.assert_allclose(compact.solve(), expanded.solve(), atol=1e-6)
 
 
+@settings(max_examples=num_cases(6))
+@given(seed=st.integers(0, 2**32 - 1), num_rows=st.integers(1, 60))
+def test_products_that_are_not_broken_can_be_left_out(seed: int, num_rows: int) -> None:
+    rng = np.random.default_rng(seed)
+    products = random_products(seed, 15, num_rows)
+    largest_changes = np.abs(products.slopes).sum(axis=1)
+    # Some rows hold with a little to spare, so that steps break them; some with much.
+    margins = rng.uniform(-0.2, 1.2, num_rows) * largest_changes
+    products = replace(products, lower_bounds=-margins)
+    box = np.ones(15)
+    program = replace(
+        random_program(seed, 15, 30), products=products, lower=-box, upper=box, q=0.01 * box
+    )
+    whole, active = program.solve(), program.solve_by_active_products()
+    assert program.cost(active) == pytest.approx(program.cost(whole), rel=1e-5, abs=1e-5)
+
+
 def resized(program: PenaltyQp, sizes: np.ndarray) -> PenaltyQp:
     """Return the program with rows in other units, at the same price for the same violation."""
     rows = [part.selected([k]) for part in program.rows for k in range(len(part.lower_bounds))]

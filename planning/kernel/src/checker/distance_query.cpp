@@ -1,6 +1,9 @@
 #include "checker/distance_query.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 #include "model/gjk.hpp"
@@ -28,6 +31,19 @@ std::vector<Source> sources(const Tree& tree, const Group& group) {
   return found;
 }
 
+// More than the rounding of distances and of motions that are added up, as these are near 1 m [m].
+constexpr double rounding = 1e-9;
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+// At least what any point of a shape moves by from one pose to another: by its centre, and about it. Points at the
+// distance r of it move by at most r |R' - R| (spectral norm), which is the Frobenius norm over sqrt(2) for rotations.
+double motion_bound(const Shape& shape, const Transform& X, Vec3 center, const Transform& X_next, Vec3 center_next) {
+  if (shape.kind == ShapeKind::half_space) return inf;
+  double square = 0;
+  for (std::size_t k = 0; k < X.R.m.size(); ++k) square += (X_next.R.m[k] - X.R.m[k]) * (X_next.R.m[k] - X.R.m[k]);
+  return norm(center_next - center) + shape.core_radius() * std::sqrt(square) / std::numbers::sqrt2;
+}
+
 Vec3 unit(int i) { return {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0}; }
 
 }  // namespace
@@ -39,6 +55,9 @@ struct DistanceQuery::Workspace {
   std::vector<Vec3> centers;
   std::vector<Screw> screws;
   std::vector<Vec3> directions;  // last separating direction of each moved pair
+  // Bounds on how far each geometry has moved since the first configuration, and on how far the two of each moved pair
+  // must have moved together before the pair can be within reach.
+  std::vector<double> moved, far_until;
 };
 
 DistanceQuery::DistanceQuery(std::shared_ptr<const Scene> scene, Group group)
@@ -103,16 +122,20 @@ void DistanceQuery::slope(const MovedPair& moved, const Workspace& w, Vec3 n, Ve
 void DistanceQuery::look(const MovedPair& moved, double reach, Workspace& w, std::int64_t configuration,
                          DistanceRows& rows) const {
   const Pair pair = scene_->pairs[moved.pair];
+  const auto index = static_cast<std::size_t>(&moved - moved_.data());
+  const double so_far = w.moved[pair.a] + w.moved[pair.b];
+  if (so_far < w.far_until[index]) return;
+  const auto is_far = [&](double lower) { w.far_until[index] = so_far + (lower - reach) - rounding; };
   const Vec3 between = w.centers[pair.a] - w.centers[pair.b];
-  const double far = reach + moved.bound;
-  if (dot(between, between) >= far * far && far >= 0) return;
+  const double far = reach + moved.bound, square = dot(between, between);
+  if (square >= far * far && far >= 0) return is_far(std::sqrt(square) - moved.bound);
   const Shape &a = scene_->geometries[pair.a].shape, &b = scene_->geometries[pair.b].shape;
   const Transform &X_WA = w.X_WG[pair.a], &X_WB = w.X_WG[pair.b];
-  Vec3& direction = w.directions[&moved - moved_.data()];
+  Vec3& direction = w.directions[index];
   ClosestPoints met = closest_points(a, X_WA, b, X_WB, reach, direction);
   direction = met.separation.direction;
   double distance = met.separation.lower;
-  if (distance >= reach) return;
+  if (distance >= reach) return is_far(distance);
   const bool has_half_space = a.kind == ShapeKind::half_space || b.kind == ShapeKind::half_space;
   Vec3 n = direction, shift;
   if (!has_half_space && distance <= 0) {
@@ -133,16 +156,21 @@ void DistanceQuery::look(const MovedPair& moved, double reach, Workspace& w, std
 
 DistanceRows DistanceQuery::within(std::span<const double> qs, std::size_t count, std::span<const double> reach) const {
   const Tree& tree = scene_->tree;
-  Workspace w{group_.state, X_WL_, {}, {}, {}, std::vector<Vec3>(moved_.size())};
-  w.X_WG.resize(scene_->geometries.size()), w.centers.resize(scene_->geometries.size()), w.screws.resize(rates_.size());
+  const std::size_t num_geometries = scene_->geometries.size();
+  Workspace w{group_.state, X_WL_, {}, {}, {}, std::vector<Vec3>(moved_.size()), {}, {}};
+  w.X_WG.resize(num_geometries), w.centers.resize(num_geometries), w.screws.resize(rates_.size());
+  w.moved.resize(num_geometries), w.far_until.assign(moved_.size(), -inf);
   DistanceRows rows;
   for (std::size_t i = 0; i < count; ++i) {
     group_.embed(tree, qs.data() + i * static_cast<std::size_t>(num_positions()), w.full.data());
     group_.place(tree, w.full.data(), w.X_WL.data());
-    for (std::size_t g = 0; g < scene_->geometries.size(); ++g) {
+    for (std::size_t g = 0; g < num_geometries; ++g) {
       if (i && !scene_->is_moved(group_, static_cast<int>(g))) continue;
-      w.X_WG[g] = scene_->pose(static_cast<int>(g), w.X_WL.data());
-      w.centers[g] = w.X_WG[g] * scene_->geometries[g].shape.center;
+      const Shape& shape = scene_->geometries[g].shape;
+      const Transform X_WG = scene_->pose(static_cast<int>(g), w.X_WL.data());
+      const Vec3 center = X_WG * shape.center;
+      if (i) w.moved[g] += motion_bound(shape, w.X_WG[g], w.centers[g], X_WG, center);
+      w.X_WG[g] = X_WG, w.centers[g] = center;
     }
     for (std::size_t k = 0; k < rates_.size(); ++k) {
       const Link& link = tree.links[rates_[k].link];

@@ -36,19 +36,23 @@ double moved_product(const double* s, const double* z, const double* ds, const d
   return sum_of(sums);
 }
 
+// The least -x / dx of those with dx < 0. Most are longer than one found before, which a product tells without a
+// division.
 WAYPROOF_MULTIVERSION
 double reach(const double* x, const double* dx, std::size_t count) {
-  double least[lanes];
-  for (std::size_t l = 0; l < lanes; ++l) least[l] = no_end;
+  double least = no_end;
+  const auto shorten = [&](std::size_t i) {
+    if (dx[i] < 0) least = std::min(least, -x[i] / dx[i]);
+  };
   std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      const double step = -x[i + l] / dx[i + l], end = dx[i + l] < 0 ? step : no_end;
-      least[l] = end < least[l] ? end : least[l];
-    }
-  for (; i < count; ++i)
-    if (dx[i] < 0) least[0] = std::min(least[0], -x[i] / dx[i]);
-  return *std::min_element(least, least + lanes);
+  for (; i + lanes <= count; i += lanes) {
+    int shorter = 0;
+    for (std::size_t l = 0; l < lanes; ++l) shorter |= x[i + l] + least * dx[i + l] < 0;
+    if (!shorter) continue;
+    for (std::size_t l = 0; l < lanes; ++l) shorten(i + l);
+  }
+  for (; i < count; ++i) shorten(i);
+  return least;
 }
 
 WAYPROOF_MULTIVERSION

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "refine/active_distances.hpp"
+
 namespace wayproof {
 namespace {
 
@@ -122,17 +124,15 @@ void set_cost_and_box(const CurveGrid& grid, const CurveColumns& columns, const 
     }
 }
 
-// Distances that a step within the box could make too short.
+// Appends the rows of distances that take part.
 void add_distances(const CurveColumns& columns, const StepBox& box, const DistanceMargins& margins,
-                   PenaltyQp& program) {
+                   const std::vector<char>& takes_part, PenaltyQp& program) {
   const std::size_t nq = box.radii.size();
   ProductRows& rows = program.products;
   rows.num_weights = four, rows.num_slopes = nq;
   for (std::size_t m = 0; m < margins.margin.size(); ++m) {
+    if (!takes_part[m]) continue;
     const double* gradient = &margins.gradient[m * nq];
-    double reach = 0;
-    for (std::size_t j = 0; j < nq; ++j) reach += std::abs(gradient[j] * box.radii[j]);
-    if (!(margins.margin[m] < reach)) continue;
     const auto instant = static_cast<std::size_t>(margins.instant[m]);
     for (std::size_t k = 0; k < four; ++k) {
       rows.columns.push_back(columns.points[(static_cast<std::size_t>(margins.first_point[instant]) + k) * nq]);
@@ -156,7 +156,8 @@ void add_more(const MoreRows& more, PenaltyQp& program) {
 
 PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const CurveColumns& columns,
                      const ModelWeights& weights, const StepBox& box, const std::vector<double>& points,
-                     const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins) {
+                     const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins,
+                     const std::vector<char>& takes_part) {
   PenaltyQp program;
   program.num_variables = columns.num_variables;
   program.starts.push_back(0);
@@ -166,7 +167,7 @@ PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const Curv
   for (std::size_t i = 1; i < grid.intervals(); ++i) around.velocity_rows(i);
   for (std::size_t i = 0; i < grid.intervals() && !bounds.jerk.empty(); ++i) around.jerk_rows(i);
   add_more(more, program);
-  add_distances(columns, box, margins, program);
+  add_distances(columns, box, margins, takes_part, program);
   return program;
 }
 
@@ -174,9 +175,14 @@ ConvexStep convex_step(const CurveGrid& grid, const RateBounds& bounds, const Cu
                        const ModelWeights& weights, const StepBox& box, const std::vector<double>& points,
                        const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins,
                        double tolerance, int max_steps) {
-  const PenaltyQp program = program_of(grid, bounds, columns, weights, box, points, b, more, margins);
-  const PenaltySolution found = solve(program, tolerance, max_steps);
   const std::size_t nq = bounds.coordinates();
+  std::vector<char> takes_part = likely_rows(box, margins);
+  PenaltyQp program;
+  PenaltySolution found;
+  do {
+    program = program_of(grid, bounds, columns, weights, box, points, b, more, margins, takes_part);
+    found = solve(program, tolerance, max_steps);
+  } while (add_broken(columns, box, margins, found.x, takes_part));
   ConvexStep step{points, 0};
   for (std::size_t i = 1; i + 1 < grid.num_points; ++i)
     for (std::size_t j = 0; j < nq; ++j) {

@@ -53,10 +53,12 @@ struct ConvexStep {
   double decrease = 0;         // of the cost, as the model predicts it [s]
 };
 
-// The program around the curve with control points `points` and squared path velocity b.
+// The program around the curve with control points `points` and squared path velocity b; of the margins, those that
+// take part.
 PenaltyQp program_of(const CurveGrid& grid, const RateBounds& bounds, const CurveColumns& columns,
                      const ModelWeights& weights, const StepBox& box, const std::vector<double>& points,
-                     const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins);
+                     const std::vector<double>& b, const MoreRows& more, const DistanceMargins& margins,
+                     const std::vector<char>& takes_part);
 
 ConvexStep convex_step(const CurveGrid& grid, const RateBounds& bounds, const CurveColumns& columns,
                        const ModelWeights& weights, const StepBox& box, const std::vector<double>& points,
