@@ -13,6 +13,7 @@ from service.api.middleware.client_disconnect import call_for_client
 from service.executions.gripping.grasp_keeper import GraspKeeper
 from service.executions.measured import keep_end, open_motions
 from service.executions.proofs.verdicts import judge
+from service.executions.replanning.new_plan import Terms as PlanningTerms
 from service.executions.replanning.replanner import Replanner
 from service.executions.waiting_line import WaitingLine
 from service.executions.watching.contact_watch import ContactWatch
@@ -98,7 +99,7 @@ async def open_services(
             scenes.on_delete = jobs.on_delete = sweeper.ask
             retention = Retention(store, settings.retention_days, sweeper.ask)
             retain = _once_leading(dispatcher, retention.run)
-            line = _once_leading(dispatcher, WaitingLine(scenes, jobs).run)
+            line = _once_leading(dispatcher, WaitingLine(scenes, PlanningTerms(jobs, settings)).run)
             watch = _once_leading(dispatcher, ContactWatch(jobs).run)
             async with _meanwhile(sweeper.run(), retain, line, watch, delivery.run()), replanner:
                 yield jobs, scenes, webhooks

@@ -86,7 +86,8 @@ class ExecutionTerms(RequestModel):
         description="Action if the plan's motion does not begin where the robot is, or is "
         "not proven in the latest revision: `refuse` answers 409; `replan` "
         "waits for a new plan from where the robot is to the same "
-        "configuration (`replanned`), and answers 409 if there is none",
+        "configuration (`replanned`), and answers 409 if there is none. With `when_busy: "
+        "wait` that is done once its robots are free; without a plan it ends with the refusal",
     )
     when_busy: Annotated[Literal["refuse", "wait"], ADDED] = Field(
         default="refuse",
@@ -144,9 +145,6 @@ class ExecutionRequest(ExecutionTerms):
     def _policies_fit(self) -> Self:
         if self.plan is None and self.on_not_certified == "replan":
             message = "on_not_certified: only one plan can be made anew"
-            raise ValueError(message)
-        if self.when_busy == "wait" and self.on_not_certified == "replan":
-            message = "on_not_certified: what waits is proven when it begins, and not planned anew"
             raise ValueError(message)
         grasp = None if self.gripper is None else self.gripper.grasp
         if grasp is not None and grasp.by == "contact" and self.driver != "simulated":

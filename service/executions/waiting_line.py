@@ -1,26 +1,27 @@
 """WaitingLine: executions that wait for their robots begin, in their order, once these are free.
 
-Each is proven then, from where the robots are then; what cannot be carried out any more ends with
-the reason. The record is the table: a server that leads takes the line up where the last one left
-it.
+Each is proven then, from where the robots are then; what cannot be carried out any more is planned
+anew if it asks for that, and keeps its place meanwhile, or ends with the reason. The record is the
+table: a server that leads takes the line up where the last one left it.
 """
 
 import asyncio
 import logging
 from dataclasses import replace
 
-from planning.errors import WayproofError
-from service.errors import status_of
+from planning.errors import NotCertified, WayproofError
+from service.errors import StartMismatch, status_of
 from service.executions.drivers.controllers import check_driven
 from service.executions.motions.requested_motion import asked_motion
 from service.executions.proofs.admission import Place, proven_work
+from service.executions.replanning.plans_in_line import PlansInLine
 from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, WaitingExecution
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, JobSpec, JobSummary
-from service.jobs.service import JobService
 from service.jobs.store.database import is_of_database
 from service.jobs.store.entries import Entries
+from service.plans.submit import PlanTerms
 from service.scenes.job_spec import spec_of
 from service.scenes.store.scene_store import SceneStore
 
@@ -34,10 +35,11 @@ _log = logging.getLogger(__name__)
 class WaitingLine:
     """Has what waits begin; of the server that leads."""
 
-    def __init__(self, scenes: SceneStore, jobs: JobService) -> None:
-        """Read the records of scenes and of executions."""
+    def __init__(self, scenes: SceneStore, terms: PlanTerms) -> None:
+        """Read the records of scenes and of executions, and plan by `terms`."""
         self._scenes = scenes
-        self._jobs = jobs
+        self._jobs = terms.jobs
+        self._plans = PlansInLine(terms, scenes)
 
     async def run(self) -> None:
         """Look after the line until canceled."""
@@ -55,7 +57,10 @@ class WaitingLine:
         if self._jobs.is_stopping:
             return False
         waiting = await self._jobs.waiting.jobs()
+        self._plans.keep([job.id for job in waiting])
         for job in waiting:
+            if self._plans.is_planning(job.id):
+                continue
             entries = await self._jobs.entries(EXECUTE.queue, job.scene or "")
             if entries.is_free_for(job.id):
                 await self._begin(job, entries)
@@ -75,6 +80,7 @@ class WaitingLine:
         except WayproofError as fault:
             if status_of(fault) in _TRANSIENT:
                 _log.warning("%s is proven later: %s", job.id, fault)
+                self._plans.forget(job.id)
                 return
             await self._jobs.waiting.refuse(job.id, fault)
             with self._scenes.latest.changing(job.scene or ""):
@@ -83,7 +89,7 @@ class WaitingLine:
     async def _proven(self, job: JobSummary, entries: Entries) -> tuple[JobSpec, int]:
         """Return what is carried out, and the revision that it is proven in, from where robots are.
 
-        Raises as `proven_work`.
+        Raises as `proven_work`; `Overtaken` as well while the motion is planned anew.
         """
         scenes, jobs = self._scenes, self._jobs
         whole = await jobs.job(EXECUTE.queue, job.id)  # lists have no motion of one's own
@@ -98,6 +104,14 @@ class WaitingLine:
         group = asked.group_in(record)
         check_driven(request.driver, group)
         place = Place(record, group, entries, work.address)
-        proven = await proven_work(asked, work.request, place, scenes=scenes, jobs=jobs)
+        asked, replanned = self._plans.made(job.id) or (asked, None)
+        try:
+            proven = await proven_work(asked, work.request, place, scenes=scenes, jobs=jobs)
+        except (NotCertified, StartMismatch) as fault:
+            if request.on_not_certified == "refuse" or replanned is not None:
+                raise
+            self._plans.begin(job.id, asked, fault)
+            raise Overtaken from None
+        proven = proven.model_copy(update={"replanned": replanned})
         spec = spec_of(EXECUTE, proven, record, IdempotencyKey(None, {}))
         return replace(spec, follows=entries.number, robots=proven.held_robots), record.revision

@@ -54,11 +54,14 @@ class Server:
 
 
 @contextmanager
-def server(folder, log=subprocess.DEVNULL, port=0, **environment):
-    """A server that keeps its records in `folder`, and may write its log to an open file."""
+def server(folder, log=subprocess.DEVNULL, port=0, module="service", **environment):
+    """A server that keeps its records in `folder`, and may write its log to an open file.
+
+    `module` is what runs instead of the service's own.
+    """
     announce = folder / "announce.json"
     announce.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "service", "serve", "--port", str(port), "--leashed"]
+    command = [sys.executable, "-m", module, "serve", "--port", str(port), "--leashed"]
     command += ["--data-dir", str(folder / "state"), "--announce", str(announce)]
     # Beside other tests, plans that let everything else go before would hardly go on.
     chosen = os.environ | {"WAYPROOF_NICENESS": "0"} | environment

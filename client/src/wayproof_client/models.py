@@ -1287,7 +1287,8 @@ class ExecutionTerms(Answer):
     on_not_certified: Literal["refuse", "replan"] | str = "refuse"
     """Action if the plan's motion does not begin where the robot is, or is not proven in the
     latest revision: `refuse` answers 409; `replan` waits for a new plan from where the robot is
-    to the same configuration (`replanned`), and answers 409 if there is none."""
+    to the same configuration (`replanned`), and answers 409 if there is none. With `when_busy:
+    wait` that is done once its robots are free; without a plan it ends with the refusal."""
     plan: str | None = None
     """Id of a plan that succeeded; null for several, and for a motion of one's own."""
     plans: list[str] | None = None
