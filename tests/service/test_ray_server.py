@@ -6,7 +6,7 @@ import json
 import pytest
 from sqlalchemy import text
 
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from tests.service.jobs.postgres import cluster as database_cluster
 from tests.service.jobs.remote.machines import KINDS, cluster, end_clusters
 from tests.service.servers import ARM, endless, request_of, server, until
