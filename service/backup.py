@@ -19,7 +19,7 @@ from sqlalchemy import make_url
 
 from service.errors import BackupImpossible, BackupInvalid, RecordsExist
 from service.jobs.errors import DatabaseTooNew
-from service.jobs.store.schema import NEWEST
+from service.jobs.store.sql.schema import NEWEST
 from service.settings import Settings
 
 # The first revision that has everything in the database.

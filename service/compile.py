@@ -15,7 +15,7 @@ from service.workers import PRELOAD
 _MORE = (
     "service.cli.server",
     "service.cli.app",
-    "service.jobs.store.migrations.upgrade",
+    "service.jobs.store.sql.migrations.upgrade",
     "service.plans.delivery.charts",
     "trimesh",
     "trimesh.exchange.obj",

@@ -28,8 +28,8 @@ from service.jobs.hosts.ray_hosts import RayHosts
 from service.jobs.hosts.remote_host import RemoteHost
 from service.jobs.job import LoggedEvent
 from service.jobs.service import JobService
-from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import keep_off_loops, open_engine
 from service.jobs.task_calls import CallTerms
 from service.jobs.worker.assignment import Worker
 from service.jobs.worker.main import Terms

@@ -17,7 +17,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from service.jobs.errors import DatabaseTaken
 from service.jobs.store.deletion import ENDED, delete_job, named_by_open
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.tables import jobs
+from service.jobs.store.sql.tables import jobs
 from service.scenes.store.records import scenes
 
 # Between two sweeps [s].

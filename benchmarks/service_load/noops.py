@@ -11,8 +11,8 @@ from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.job import JobSpec
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from service.jobs.task import Task, TaskModel
 from service.jobs.worker.process_worker import ProcessWorker
 

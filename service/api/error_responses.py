@@ -22,7 +22,7 @@ from service.api.strict_route import CarriedRefusal, body_schema
 from service.errors import DiskFull, Refusal, RequestInvalid, UnreadableBody, problem_of
 from service.errors import status_of as status_of_error
 from service.jobs.errors import RETRY_AFTER, DatabaseUnavailable
-from service.jobs.store.database import is_of_database
+from service.jobs.store.sql.database import is_of_database
 
 MEDIA_TYPE = "application/problem+json"
 _MAX_FAULTS = 20

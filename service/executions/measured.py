@@ -18,7 +18,7 @@ from service.jobs.job import FINISHED, JobSummary, LoggedEvent
 from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.jobs.store.queries import read_last_event
-from service.jobs.store.tables import summaries
+from service.jobs.store.sql.tables import summaries
 from service.scenes.job_spec import PREFIXES
 from service.scenes.live import Motion, by_joint, joint_types
 from service.scenes.store.live_rows import write_measured

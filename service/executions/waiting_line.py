@@ -19,8 +19,8 @@ from service.executions.requests import ExecutionRequest
 from service.executions.tasks import EXECUTE, WaitingExecution
 from service.jobs.errors import Overtaken
 from service.jobs.job import IdempotencyKey, JobSpec, JobSummary
-from service.jobs.store.database import is_of_database
 from service.jobs.store.entries import Entries
+from service.jobs.store.sql.database import is_of_database
 from service.plans.submit import PlanTerms
 from service.scenes.job_spec import spec_of
 from service.scenes.store.scene_store import SceneStore

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from service.jobs.errors import DatabaseTaken
 from service.jobs.job import PendingEvent
 from service.jobs.json_text import Encoded
-from service.jobs.store.database import is_of_database
+from service.jobs.store.sql.database import is_of_database
 
 _MAX_BACKLOG = 256
 # Events that come so soon after another one are recorded with it [s]. A quick plan has ended by

@@ -16,7 +16,7 @@ from service.errors import UnknownResource
 from service.executions.measured import STATUS, open_motions, told
 from service.jobs.errors import UnknownJob
 from service.jobs.service import JobService
-from service.jobs.store.database import is_of_database
+from service.jobs.store.sql.database import is_of_database
 from service.live.models import HeldObject
 from service.live.resource import held_objects, live_state
 from service.scenes.live import Motion, RobotState, moved_by

@@ -14,7 +14,7 @@ from time import monotonic
 from anyio import to_thread
 from sqlalchemy.exc import SQLAlchemyError
 
-from service.jobs.store.database import keep_off_loops, open_engine
+from service.jobs.store.sql.database import keep_off_loops, open_engine
 from service.security.keys import ApiKey, KeyStore, find_key
 
 # How old what is known may be, and how long a request waits for something newer [s].

@@ -18,7 +18,7 @@ from sqlalchemy import Column, Engine, MetaData, Row, String, Table, insert, sel
 from planning.errors import ProblemInvalid, UnknownName
 from service.errors import KeyExists
 from service.jobs.dispatch.leadership.leader import DispatcherLock
-from service.jobs.store.schema import NEWEST, bring_up_to_date, refuse_newer
+from service.jobs.store.sql.schema import NEWEST, bring_up_to_date, refuse_newer
 from service.security.scopes import Scope
 
 _TEXT = re.compile(r"wp_([0-9a-f]{12})_([A-Za-z0-9_-]{43})")

@@ -13,9 +13,9 @@ from sqlalchemy import Connection, Engine, delete, exists, func, insert, literal
 
 from service.errors import UnknownResource
 from service.jobs.job import LoggedEvent
-from service.jobs.store.database import set_durability
-from service.jobs.store.tables import events
-from service.jobs.store.tables import jobs as jobs_table
+from service.jobs.store.sql.database import set_durability
+from service.jobs.store.sql.tables import events
+from service.jobs.store.sql.tables import jobs as jobs_table
 from service.webhooks.event_types import type_of
 from service.webhooks.message import Message
 from service.webhooks.records import Notice, WebhookRecord, notices, webhook_of, webhooks

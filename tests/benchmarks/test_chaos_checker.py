@@ -16,8 +16,8 @@ from benchmarks.chaos_rounds.records import check_files, check_rows
 from planning.errors import Canceled
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.job import JobSpec
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 
 CERTIFICATE = {"proven": True, "checks": [{"name": "clearance", "passed": True}]}
 TRAJECTORY = {"times": [0.0, 1.0, 2.0], "positions": [[0.0], [0.5], [1.0]]}

@@ -1,7 +1,10 @@
 """What schemathesis needs of us: a late import, a way to ask, and what every answer must be."""
 
 import functools
+import threading
 import warnings
+
+MOST_TRIES = 4
 
 
 @functools.cache
@@ -27,7 +30,19 @@ def checks():
 
 
 def ask(client, case):
-    """The answer to a case."""
+    """The answer to a case; asked again while a busy machine's database does not take it in time.
+
+    So a client does, which the answer tells when (`Retry-After`).
+    """
+    for _ in range(MOST_TRIES):
+        answer = asked(client, case)
+        if answer.status_code != 503 or answer.json()["code"] != "database_unavailable":
+            break
+        threading.Event().wait(int(answer.headers["retry-after"]))
+    return answer
+
+
+def asked(client, case):
     sent = case.as_transport_kwargs(base_url="http://testserver")
     sent.pop("cookies", None)
     if isinstance(sent.get("data"), bytes | str):

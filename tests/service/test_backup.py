@@ -17,9 +17,9 @@ from service.cli.app import app
 from service.jobs.artifacts import Artifact
 from service.jobs.errors import DatabaseTooNew
 from service.jobs.job import JobSpec
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.schema import NEWEST, stored_revision
+from service.jobs.store.sql.database import open_engine
+from service.jobs.store.sql.schema import NEWEST, stored_revision
 from service.security.keys import KeyStore, find_key
 from service.security.scopes import Scope
 from service.settings import Settings

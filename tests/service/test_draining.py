@@ -8,8 +8,8 @@ import httpx
 import pytest
 
 from service.jobs.states import JobState
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from tests.profiles import num_cases, only_campaign
 from tests.service.servers import ARM, PLAIN, endless, request_of, server, until
 from tests.service.test_stopping import Motion, held, workers_of

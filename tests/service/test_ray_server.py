@@ -2,11 +2,12 @@
 
 import hashlib
 import json
+import signal
 
 import pytest
 from sqlalchemy import text
 
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from tests.service.jobs.postgres import cluster as database_cluster
 from tests.service.jobs.remote.machines import KINDS, cluster, end_clusters
 from tests.service.servers import ARM, endless, request_of, server, until
@@ -25,18 +26,21 @@ def database():
 @pytest.fixture(scope="module")
 def on_ray(tmp_path_factory, database):
     machines = cluster(2)
-    engine = {
+    folder = tmp_path_factory.mktemp("ray")
+    with server(folder, **engine(machines), WAYPROOF_DATABASE_URL=database.url) as running:
+        yield running
+    end_clusters()
+
+
+def engine(machines):
+    return {
         "WAYPROOF_ENGINE": "ray",
         "WAYPROOF_RAY_ADDRESS": machines.address,
         "WAYPROOF_RAY_HOSTS": "2",
         "WAYPROOF_PLAN_SLOTS": "1",
         "WAYPROOF_QUERY_SLOTS": "1",
         "WAYPROOF_EXECUTION_SLOTS": "1",
-        "WAYPROOF_DATABASE_URL": database.url,
     }
-    with server(tmp_path_factory.mktemp("ray"), **engine) as running:
-        yield running
-    end_clusters()
 
 
 def digest_of(running, scene):
@@ -60,6 +64,15 @@ def test_a_plan_that_hangs_is_canceled_on_its_machine(on_ray):
         lambda: (now := on_ray.ask("GET", f"/v1/plans/{job['id']}"))["state"] == "canceled" and now
     )
     assert ended["failure"]["code"] == "canceled"
+
+
+def test_a_server_that_waits_for_its_plans_ends_in_its_own_time(on_ray, tmp_path):
+    """Ray has a handler of its own for the signal, which would abort it after three seconds."""
+    with server(tmp_path, **engine(cluster(2)), WAYPROOF_DRAIN_SECONDS="6") as running:
+        job = running.ask("POST", "/v1/plans", endless(running.client))
+        until(lambda: running.ask("GET", f"/v1/plans/{job['id']}")["stage"])
+        running.process.terminate()
+        assert running.process.wait(120) in {0, -signal.SIGTERM}
 
 
 def test_a_plan_outlives_the_machine_that_made_it(on_ray, database):

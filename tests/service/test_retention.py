@@ -9,8 +9,8 @@ from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded
 from service.jobs.store.deletion import _EVENTS_AT_ONCE
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.schema import bring_up_to_date
-from service.jobs.store.tables import bodies, events, jobs, makers, summaries
+from service.jobs.store.sql.schema import bring_up_to_date
+from service.jobs.store.sql.tables import bodies, events, jobs, makers, summaries
 from service.retention import Retention
 from service.scenes.store.records import scenes
 

@@ -14,7 +14,7 @@ from planning.errors import WayproofError
 from service.cli.options import AsJson
 from service.cli.output import console, print_json
 from service.cli.serve import settings_of
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from service.security.keys import ApiKey, KeyStore, NewKey
 from service.security.scopes import Scope
 

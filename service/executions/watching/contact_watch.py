@@ -19,7 +19,7 @@ from service.executions.watching.tasks import TOUCHING, MeasuredGroup, Touching,
 from service.jobs.job import JobSummary
 from service.jobs.service import JobService
 from service.jobs.states import JobState
-from service.jobs.store.database import is_of_database
+from service.jobs.store.sql.database import is_of_database
 
 # Between two looks at measured positions, and between two at what runs [s].
 _PERIOD, _LOOK = 0.05, 0.25

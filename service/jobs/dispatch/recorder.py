@@ -12,9 +12,9 @@ from functools import partial
 from service.jobs.errors import DatabaseTaken
 from service.jobs.event_bus import EventBus
 from service.jobs.job import LoggedEvent, PendingEvent
-from service.jobs.store.database import is_of_database
 from service.jobs.store.group_commit import GroupCommit
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import is_of_database
 from service.jobs.store.transitions import Transition
 
 # Before what the database refused is written again [s].

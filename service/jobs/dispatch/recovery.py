@@ -14,7 +14,7 @@ from service.jobs.dispatch.scheduling.scheduler import Scheduler
 from service.jobs.errors import InternalError, ServerRestarted
 from service.jobs.job import CONTROLS, Job
 from service.jobs.states import JobState
-from service.jobs.store.database import ask
+from service.jobs.store.sql.database import ask
 from service.jobs.store.transitions import Transition
 
 # Type of the events that say how far a task is.

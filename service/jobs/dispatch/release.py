@@ -7,8 +7,8 @@ from typing import Any
 from planning.errors import WayproofError
 from service.jobs.dispatch.recorder import JobRecorder
 from service.jobs.job import Job, JobSpec, JobSummary
-from service.jobs.store.database import ask
 from service.jobs.store.release import release
+from service.jobs.store.sql.database import ask
 
 
 class JobRelease:

@@ -18,8 +18,8 @@ from service.jobs.errors import DatabaseTaken, DatabaseUnavailable
 from service.jobs.event_bus import EventBus
 from service.jobs.job import CONTROLS, FINISHED, LoggedEvent
 from service.jobs.states import JobState
-from service.jobs.store.database import ask
 from service.jobs.store.queries import JobMark
+from service.jobs.store.sql.database import ask
 
 # Jobs that are read at once: each may be megabytes.
 _AT_ONCE = 50

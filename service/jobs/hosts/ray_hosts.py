@@ -9,6 +9,8 @@ import asyncio
 import contextlib
 import importlib
 import os
+import signal
+import threading
 from collections.abc import AsyncGenerator, Awaitable
 from contextlib import asynccontextmanager
 from typing import Any
@@ -73,7 +75,9 @@ class RayHosts:
 
     async def _join(self) -> Any:
         async with self._joining:
-            return await asyncio.to_thread(_joined, self._address)
+            ray = await asyncio.to_thread(_joined, self._address)
+            _take_back_sigterm()
+            return ray
 
     async def _free_node(self, ray: Any) -> dict[str, Any]:
         while True:
@@ -123,6 +127,17 @@ def _joined(address: str) -> Any:
             message = f"the cluster at {address} cannot be joined: {fault}"
             raise ConnectionLost(message) from fault
     return ray
+
+
+def _take_back_sigterm() -> None:
+    """Have SIGTERM come to this process alone again, as it did before it joined.
+
+    Ray puts a handler of native code before it, which aborts the process 3 s later, whatever it
+    still does: robots that come to rest, plans that are waited for (ray-project/ray#64830).
+    """
+    handler = signal.getsignal(signal.SIGTERM)
+    if handler is not None and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, handler)
 
 
 def _start(ray: Any, node: str) -> Any:

@@ -1,1 +1,1 @@
-"""How jobs are kept: tables, migrations, and the changes and queries of them."""
+"""How jobs are kept: what changes them, and what is asked of them. Tables are in `sql`."""

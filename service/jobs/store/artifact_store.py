@@ -8,8 +8,8 @@ from sqlalchemy import Connection, Engine, delete, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
 from service.jobs.artifacts import Artifact
-from service.jobs.store.database import set_durability
-from service.jobs.store.tables import artifacts, jobs
+from service.jobs.store.sql.database import set_durability
+from service.jobs.store.sql.tables import artifacts, jobs
 
 # Databases bound the number of parameters of a statement.
 _AT_ONCE = 500

@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import Connection, bindparam, func, select
 
 from service.jobs.job import BatchSummary
-from service.jobs.store.tables import jobs
+from service.jobs.store.sql.tables import jobs
 
 _STATES = (
     select(

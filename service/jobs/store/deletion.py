@@ -14,7 +14,7 @@ from service.jobs.errors import JobInUse, UnknownJob
 from service.jobs.json_text import encode
 from service.jobs.states import JobState
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.tables import bodies, events, job_robots, jobs, makers, summaries
+from service.jobs.store.sql.tables import bodies, events, job_robots, jobs, makers, summaries
 
 # Others write meanwhile: no transaction takes long.
 _EVENTS_AT_ONCE = 2000

@@ -16,10 +16,10 @@ from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store.entries import Entry, enter, write_robots
 from service.jobs.store.event_log import append_events
-from service.jobs.store.notifications import note_change
-from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import find_by_idempotency_key, job_of, now
-from service.jobs.store.tables import bodies, jobs, summaries
+from service.jobs.store.sql.notifications import note_change
+from service.jobs.store.sql.prepared import Prepared
+from service.jobs.store.sql.tables import bodies, jobs, summaries
 from service.jobs.task import outline_of
 
 # Fields of a spec that are columns.

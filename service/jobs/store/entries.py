@@ -13,7 +13,7 @@ from sqlalchemy import Connection, bindparam, insert, select, update
 from sqlalchemy.dialects import postgresql
 
 from service.jobs.states import JobState
-from service.jobs.store.tables import job_robots, jobs, scene_entries
+from service.jobs.store.sql.tables import job_robots, jobs, scene_entries
 
 _OPEN = [state.value for state in JobState if not state.is_final]
 # SQLite says it alike.

@@ -9,10 +9,10 @@ from sqlalchemy import Connection, Update, bindparam, insert, or_, update
 from service.jobs.job import LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
-from service.jobs.store.notifications import note_change
-from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import decoded, now
-from service.jobs.store.tables import events, jobs
+from service.jobs.store.sql.notifications import note_change
+from service.jobs.store.sql.prepared import Prepared
+from service.jobs.store.sql.tables import events, jobs
 
 _MAX_STAGE = 40
 # `stage` and `progress`.

@@ -15,8 +15,8 @@ from time import monotonic
 from typing import Any
 
 from service.jobs.errors import DatabaseUnavailable
-from service.jobs.store.database import is_of_database
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import is_of_database
 
 _MAX_BATCH = 64
 # When what is owed to the disk is given to it: after such a lull, at the latest after so long, and

@@ -19,11 +19,11 @@ from service.jobs.states import JobEvent, JobState
 from service.jobs.store.artifact_store import ArtifactStore
 from service.jobs.store.drafts import Draft, draft, insert_job
 from service.jobs.store.event_log import append_events, reserve_events
-from service.jobs.store.notifications import note_change
-from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import find_by_idempotency_key, now, read_job
 from service.jobs.store.shared import count_queued, set_controls
-from service.jobs.store.tables import bodies, jobs, makers, summaries
+from service.jobs.store.sql.notifications import note_change
+from service.jobs.store.sql.prepared import Prepared
+from service.jobs.store.sql.tables import bodies, jobs, makers, summaries
 from service.jobs.store.transactions import Transactions
 from service.jobs.store.transitions import Change, Transition, apply_change
 from service.jobs.task import outline_of

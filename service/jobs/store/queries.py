@@ -35,7 +35,7 @@ from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
 from service.jobs.store.batches import read_batches
 from service.jobs.store.entries import WAITS_FOR_ROBOTS, Entries, read_entries
-from service.jobs.store.tables import bodies, events, job_robots, jobs, makers, summaries
+from service.jobs.store.sql.tables import bodies, events, job_robots, jobs, makers, summaries
 
 _EVENTS_AT_ONCE = 500
 _INSTANTS = {"created_at", "started_at", "finished_at", "cancel_requested_at"}

@@ -8,9 +8,9 @@ from service.jobs.outline import without
 from service.jobs.states import JobState
 from service.jobs.store.entries import lock_entries, read_entries, write_released
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.notifications import note_change
 from service.jobs.store.queries import read_job
-from service.jobs.store.tables import bodies, jobs, summaries
+from service.jobs.store.sql.notifications import note_change
+from service.jobs.store.sql.tables import bodies, jobs, summaries
 from service.jobs.task import outline_of
 
 

@@ -8,10 +8,10 @@ from sqlalchemy import Connection, bindparam, func, select
 from service.jobs.job import CONTROLS, LoggedEvent
 from service.jobs.json_text import Encoded
 from service.jobs.states import JobState
-from service.jobs.store.database import in_transaction
 from service.jobs.store.event_log import append_events, reserve_events
 from service.jobs.store.queries import read_last_event
-from service.jobs.store.tables import jobs
+from service.jobs.store.sql.database import in_transaction
+from service.jobs.store.sql.tables import jobs
 
 _NOTHING = Encoded("{}")
 _QUEUED = "queued"

@@ -8,12 +8,12 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, Engine, select
 
 from service.jobs.errors import DatabaseTaken
-from service.jobs.store.database import begin_notes, set_durability, sync_log
-from service.jobs.store.notifications import Listener, notify
-from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import JobQueries
-from service.jobs.store.schema import bring_up_to_date, is_up_to_date, refuse_newer
-from service.jobs.store.tables import owner
+from service.jobs.store.sql.database import begin_notes, set_durability, sync_log
+from service.jobs.store.sql.notifications import Listener, notify
+from service.jobs.store.sql.prepared import Prepared
+from service.jobs.store.sql.schema import bring_up_to_date, is_up_to_date, refuse_newer
+from service.jobs.store.sql.tables import owner
 
 _EPOCH = Prepared(select(owner.c.epoch).with_for_update(read=True))
 

@@ -12,9 +12,9 @@ from service.jobs.job import FINISHED, JobText, LoggedEvent, PendingEvent
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobEvent, JobState, advance, sources
 from service.jobs.store.event_log import append_events, progress_of, update_in
-from service.jobs.store.prepared import Prepared
 from service.jobs.store.queries import now, summary_of
-from service.jobs.store.tables import jobs
+from service.jobs.store.sql.prepared import Prepared
+from service.jobs.store.sql.tables import jobs
 
 _EVENT_NAMES = {
     JobEvent.START: "started",

@@ -14,7 +14,7 @@ from sqlalchemy import Connection, Engine, select
 from planning.domain.value import digest
 from service.jobs.host_folder import files_folder
 from service.jobs.store.artifact_store import ArtifactStore, read_content
-from service.jobs.store.tables import artifacts
+from service.jobs.store.sql.tables import artifacts
 from service.scenes.store.document_artifact import files_of
 from service.scenes.store.records import scenes
 

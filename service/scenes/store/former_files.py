@@ -7,7 +7,7 @@ from sqlalchemy import Connection, select
 from service.jobs.artifacts import Artifact
 from service.jobs.host_folder import artifact_path
 from service.jobs.store.artifact_store import ArtifactStore
-from service.jobs.store.tables import artifacts, jobs
+from service.jobs.store.sql.tables import artifacts, jobs
 from service.scenes.store.document_artifact import files_of
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
-from service.jobs.store.tables import scene_entries
+from service.jobs.store.sql.tables import scene_entries
 from service.scenes.live import (
     EditSource,
     ExecutionSource,

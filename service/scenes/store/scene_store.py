@@ -15,9 +15,9 @@ from service.errors import RevisionConflict, UnknownResource
 from service.jobs.errors import DatabaseUnavailable
 from service.jobs.job import IdempotencyKey
 from service.jobs.store.artifact_store import ArtifactStore
-from service.jobs.store.database import set_durability
-from service.jobs.store.notifications import tell
-from service.jobs.store.schema import bring_up_to_date
+from service.jobs.store.sql.database import set_durability
+from service.jobs.store.sql.notifications import tell
+from service.jobs.store.sql.schema import bring_up_to_date
 from service.scenes.live import Motion
 from service.scenes.models.verdicts import ExecutionVerdict
 from service.scenes.store import live_rows, rows

@@ -11,7 +11,7 @@ from service.api.responses import passed_on, whole
 from service.jobs import json_steps
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
-from service.jobs.store.database import is_in_loop
+from service.jobs.store.sql.database import is_in_loop
 from service.plans.models.plan import Plan
 from service.plans.models.trajectory import Trajectory
 from service.plans.tasks import PLAN

@@ -11,7 +11,7 @@ from service.cli.app import app
 from service.cli.serve import bind
 from service.cli.server import run
 from service.jobs.dispatch.leadership.leader import DispatcherLock
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from service.settings import Settings
 
 

@@ -12,8 +12,8 @@ from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.scheduling.queue import JobQueue, Share
 from service.jobs.dispatch.scheduling.worker_pool import WorkerPool
 from service.jobs.job import JobSpec
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs import fake_tasks
 from tests.service.jobs.databases import FullDisk

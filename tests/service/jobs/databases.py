@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 from sqlalchemy import event
 
-from service.jobs.store.migrations.versions import r0001_released as released
+from service.jobs.store.sql.migrations.versions import r0001_released as released
 
 
 class FullDisk:

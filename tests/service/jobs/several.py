@@ -7,8 +7,8 @@ from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.scheduling.queue import JobQueue
-from service.jobs.store.database import keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import keep_off_loops, open_engine
 from service.jobs.worker.process_worker import ProcessWorker
 from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP

@@ -13,9 +13,9 @@ from service.jobs.artifacts import Artifact, ArtifactCopies
 from service.jobs.host_folder import artifact_path
 from service.jobs.job import JobSpec
 from service.jobs.store.artifact_store import ArtifactStore
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.tables import artifacts
+from service.jobs.store.sql.database import open_engine
+from service.jobs.store.sql.tables import artifacts
 from service.jobs.task import Task, TaskModel, artifacts_of
 
 PART, OTHER = Artifact(b"part"), Artifact(b"another part")

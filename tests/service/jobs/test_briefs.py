@@ -15,10 +15,10 @@ from service.jobs.job import JobSpec, JobSummary
 from service.jobs.json_text import Encoded, encode
 from service.jobs.outline import without
 from service.jobs.states import JobState
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.schema import stored_revision
-from service.jobs.store.tables import bodies, jobs, summaries
+from service.jobs.store.sql.database import open_engine
+from service.jobs.store.sql.schema import stored_revision
+from service.jobs.store.sql.tables import bodies, jobs, summaries
 from service.jobs.task import outline_of
 from service.plans.tasks import PLAN as PLAN_TASK
 from service.plans.tasks import REVERSE as REVERSE_TASK

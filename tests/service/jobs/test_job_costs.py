@@ -13,8 +13,8 @@ from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.errors import DatabaseUnavailable
 from service.jobs.states import JobState
-from service.jobs.store.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import AskedFromLoop, is_in_loop, keep_off_loops, open_engine
 from service.jobs.worker.thread_worker import ThreadWorker
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.databases import locked

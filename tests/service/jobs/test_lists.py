@@ -7,8 +7,8 @@ import pytest
 from sqlalchemy import event, inspect, text
 
 from service.jobs.job import JobSpec
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from service.scenes.store.scene_store import SceneStore
 from service.scenes.tasks import Library
 from tests.service.jobs.databases import make_released

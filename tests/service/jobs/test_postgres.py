@@ -14,8 +14,8 @@ from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.errors import DatabaseInUse, DatabaseTaken, IdempotencyConflict
 from service.jobs.states import JobState
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from service.jobs.worker.process_worker import ProcessWorker
 from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, TASKS, WARM_UP, spec

@@ -7,9 +7,9 @@ import pytest
 from planning.errors import Canceled
 from service.jobs.job import JobSpec
 from service.jobs.service import JobService
-from service.jobs.store.database import open_engine
 from service.jobs.store.entries import Entries, OpenEntry
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 
 
 class CountingStore(JobStore):

@@ -14,7 +14,7 @@ from planning.errors import IllegalTransition
 from service.jobs.dispatch.leadership.leader import DispatcherLock, Vacancy
 from service.jobs.errors import DatabaseInUse, IdempotencyConflict, QueueFull
 from service.jobs.states import JobState
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, spec
 from tests.service.jobs.dispatch.test_recovery import ROOT

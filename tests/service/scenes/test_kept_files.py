@@ -10,7 +10,7 @@ from sqlalchemy import create_engine, delete, select, update
 from service.app import create_app
 from service.jobs.json_text import Encoded, encode, encode_in_parts
 from service.jobs.store.artifact_store import read_content
-from service.jobs.store.tables import artifacts
+from service.jobs.store.sql.tables import artifacts
 from service.scenes import world_cache as worlds
 from service.scenes.store.records import scenes
 from service.settings import Settings

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 import pytest
 
 from service.app import create_app
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from service.security.audit import Audit
 from service.security.keys import KeyStore
 from service.security.scopes import Scope

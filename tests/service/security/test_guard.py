@@ -12,7 +12,7 @@ from sqlalchemy.exc import OperationalError
 from starlette.testclient import WebSocketDenialResponse
 
 from service.app import create_app
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from service.security.guard import Guard
 from service.security.key_ring import KeyRing
 from service.security.keys import ApiKey, KeyStore

@@ -10,9 +10,9 @@ from planning.errors import ProblemInvalid, UnknownName
 from service.errors import KeyExists
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseInUse, DatabaseTooNew
-from service.jobs.store.database import open_engine
-from service.jobs.store.migrations.upgrade import upgrade
-from service.jobs.store.schema import NEWEST, stored_revision
+from service.jobs.store.sql.database import open_engine
+from service.jobs.store.sql.migrations.upgrade import upgrade
+from service.jobs.store.sql.schema import NEWEST, stored_revision
 from service.security.keys import KeyStore, find_key
 from service.security.scopes import Scope
 from tests.service.jobs.databases import make_released

@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from service.app import create_app
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from service.security.keys import KeyStore
 from service.security.scopes import Scope
 from service.settings import Settings

@@ -13,9 +13,9 @@ from standardwebhooks import Webhook, WebhookVerificationError
 from planning.errors import Canceled, NoPathFound
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded
-from service.jobs.store.database import open_engine
 from service.jobs.store.deletion import delete_job
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from service.webhooks.delivery import RETRY_DELAYS, DeliveryTerms, WebhookDelivery
 from service.webhooks.records import notices
 from service.webhooks.store import WebhookStore

@@ -15,7 +15,7 @@ from sqlalchemy import Engine, insert, select, text, update
 from sqlalchemy.exc import DBAPIError
 
 from service.jobs.errors import DatabaseInUse, DatabaseTaken
-from service.jobs.store.tables import owner
+from service.jobs.store.sql.tables import owner
 
 # Any number will do, as long as every dispatcher uses the same.
 _ADVISORY_KEY = 0x57_61_79_70

@@ -11,7 +11,7 @@ from sqlalchemy.exc import DBAPIError
 from service.jobs.dispatch.leadership.leader import DispatcherLock, Vacancy
 from service.jobs.dispatch.leadership.timeouts import DatabaseTimeouts
 from service.jobs.errors import DatabaseInUse, DatabaseTaken
-from service.jobs.store.database import ask
+from service.jobs.store.sql.database import ask
 
 _log = logging.getLogger(__name__)
 

@@ -10,12 +10,12 @@ import pytest
 
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseInUse
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 
 HOLDER = """
 import sys
 from service.jobs.dispatch.leadership.leader import DispatcherLock
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 lock = DispatcherLock(open_engine(sys.argv[1]))
 lock.take()
 print("held", flush=True)

@@ -11,8 +11,8 @@ from service.jobs.dispatch.lost_hosts import MAX_LOST_HOSTS
 from service.jobs.dispatch.scheduling.queue import JobQueue
 from service.jobs.outcome import Lost, Returned, returned
 from service.jobs.states import JobState
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from tests.service.jobs.conftest import GUARD, spec
 
 

@@ -14,8 +14,8 @@ import pytest
 from planning.errors import Canceled
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseInUse
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from tests.profiles import only_campaign
 from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.jobs.worker.test_process_worker import is_alive

@@ -17,7 +17,7 @@ from sqlalchemy import text
 from planning.errors import DeadlineExceeded, GoalUnreachable
 from service.jobs.dispatch.calls import Call
 from service.jobs.states import JobState
-from service.jobs.store.database import open_engine
+from service.jobs.store.sql.database import open_engine
 from tests.profiles import pairs
 from tests.service.jobs.conftest import GUARD, running, spec
 from tests.service.jobs.dispatch.test_dispatcher import until_running

@@ -13,8 +13,8 @@ from service.jobs.errors import IdempotencyConflict, UnknownJob
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode
 from service.jobs.states import JobState
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
+from service.jobs.store.sql.database import open_engine
 from tests.profiles import num_cases
 from tests.service.jobs.one_at_a_time import NUM_SERVERS, check_one_at_a_time
 

@@ -17,13 +17,13 @@ from sqlalchemy import MetaData, create_engine, text
 from service.jobs.dispatch.dispatcher import Dispatcher
 from service.jobs.dispatch.leadership.leader import DispatcherLock
 from service.jobs.errors import DatabaseTooNew, DatabaseUnrecognized
-from service.jobs.store import tables
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.migrations.new_sqlite import STATEMENTS
-from service.jobs.store.migrations.snapshot import snapshot
-from service.jobs.store.migrations.upgrade import head, upgrade
-from service.jobs.store.schema import NEWEST, bring_up_to_date, stored_revision
+from service.jobs.store.sql import tables
+from service.jobs.store.sql.database import open_engine
+from service.jobs.store.sql.migrations.new_sqlite import STATEMENTS
+from service.jobs.store.sql.migrations.snapshot import snapshot
+from service.jobs.store.sql.migrations.upgrade import head, upgrade
+from service.jobs.store.sql.schema import NEWEST, bring_up_to_date, stored_revision
 from service.scenes.live import ExecutionSource, RobotStatus
 from service.scenes.store import records
 from service.scenes.store.live_rows import read_states
@@ -193,7 +193,7 @@ def test_a_newer_database_is_refused_and_nothing_is_written(engine, tmp_path):
 
 
 def test_a_new_database_is_what_all_revisions_leave(engine, tmp_path):
-    assert snapshot() == STATEMENTS, "python -m service.jobs.store.migrations.snapshot"
+    assert snapshot() == STATEMENTS, "python -m service.jobs.store.sql.migrations.snapshot"
     bring_up_to_date(engine)
     revised = create_engine(f"sqlite:///{tmp_path / 'revised.sqlite'}")
     upgrade(revised)
@@ -216,7 +216,7 @@ def test_databases_that_are_new_or_up_to_date_cost_no_import(engine, tmp_path):
     bring_up_to_date(engine)
     with closing(sqlite3.connect(tmp_path / "old.sqlite")) as old:
         old.execute("CREATE TABLE jobs (id TEXT)")
-    code = "import sys; from service.jobs.store.database import open_engine; "
+    code = "import sys; from service.jobs.store.sql.database import open_engine; "
     code += "from service.jobs.store.job_store import JobStore; "
     code += "store = JobStore(open_engine(sys.argv[1]))\ntry: store.open()\n"
     code += "finally: print('alembic' in sys.modules)"
@@ -228,7 +228,7 @@ def test_databases_that_are_new_or_up_to_date_cost_no_import(engine, tmp_path):
 
 
 def test_two_that_open_a_new_database_at_once_make_it_once(engine, tmp_path):
-    code = "import sys; from service.jobs.store.database import open_engine; "
+    code = "import sys; from service.jobs.store.sql.database import open_engine; "
     code += "from service.jobs.store.job_store import JobStore; sys.stdin.read(); "
     code += "JobStore(open_engine(sys.argv[1])).open()"
     command = [sys.executable, "-c", code, f"sqlite:///{tmp_path / 'jobs.sqlite'}"]
@@ -240,7 +240,7 @@ def test_two_that_open_a_new_database_at_once_make_it_once(engine, tmp_path):
 
 
 def test_revisions_are_found_in_a_folder_of_any_name(tmp_path, engine, monkeypatch):
-    from service.jobs.store.migrations import upgrade as module
+    from service.jobs.store.sql.migrations import upgrade as module
 
     odd = tmp_path / "50% of it"
     shutil.copytree(module._FOLDER, odd, ignore=shutil.ignore_patterns("__pycache__"))

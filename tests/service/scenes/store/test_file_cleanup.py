@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import create_engine, insert, select
 
 from service.app import create_app
-from service.jobs.store.tables import artifacts, jobs
+from service.jobs.store.sql.tables import artifacts, jobs
 from service.scenes import world_cache
 from service.scenes.store.file_cleanup import Sweeper, _is_owner, sweep
 from service.settings import Settings

@@ -16,9 +16,9 @@ from service.jobs.artifacts import Artifact
 from service.jobs.job import JobSpec
 from service.jobs.json_text import Encoded, encode, encode_in_parts
 from service.jobs.store.artifact_store import ArtifactStore, read_content
-from service.jobs.store.database import open_engine
 from service.jobs.store.job_store import JobStore
-from service.jobs.store.tables import artifacts
+from service.jobs.store.sql.database import open_engine
+from service.jobs.store.sql.tables import artifacts
 from service.scenes.models.scene import SceneSummary
 from service.scenes.resource import scene_text
 from service.scenes.store.record_cache import RecentScenes

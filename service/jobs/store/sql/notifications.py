@@ -12,7 +12,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Engine
 
-from service.jobs.store.database import in_transaction
+from service.jobs.store.sql.database import in_transaction
 
 _CHANNEL = "wayproof_jobs"
 _CHANGED = "changed_jobs"

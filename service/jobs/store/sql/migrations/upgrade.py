@@ -1,6 +1,6 @@
 """upgrade(): Alembic brings a database to a revision, in one transaction or not at all.
 
-Apart from `service.jobs.store.schema`, because Alembic takes a quarter of a second to import.
+Apart from `service.jobs.store.sql.schema`, because Alembic takes a quarter of a second to import.
 """
 
 from pathlib import Path

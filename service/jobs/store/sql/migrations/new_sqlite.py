@@ -1,7 +1,7 @@
 """What a new SQLite database is made by: what all revisions leave, without Alembic.
 
 Alembic and its revisions take a quarter of a second, which each first start would wait for. A test
-compares; `python -m service.jobs.store.migrations.snapshot` writes it anew after a new revision.
+compares; `python -m service.jobs.store.sql.migrations.snapshot` writes it anew after a revision.
 """
 
 STATEMENTS = """\

@@ -8,7 +8,7 @@ from textwrap import wrap
 
 from sqlalchemy import Engine, create_engine, text
 
-from service.jobs.store.migrations.upgrade import upgrade
+from service.jobs.store.sql.migrations.upgrade import upgrade
 
 TARGET = Path(__file__).with_name("new_sqlite.py")
 _wrapped = partial(wrap, width=96, break_long_words=False)

@@ -14,7 +14,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-from service.jobs.store.json_column import JsonText
+from service.jobs.store.sql.json_column import JsonText
 
 metadata = MetaData()
 

@@ -5,8 +5,8 @@ import logging
 from sqlalchemy import Engine, column, insert, inspect, select, table, text
 
 from service.jobs.errors import DatabaseTooNew
-from service.jobs.store.migrations.new_sqlite import STATEMENTS
-from service.jobs.store.tables import owner
+from service.jobs.store.sql.migrations.new_sqlite import STATEMENTS
+from service.jobs.store.sql.tables import owner
 
 # The number of the last file of `migrations/versions`; numbers of revisions have four digits.
 NEWEST = "0010"
@@ -51,7 +51,7 @@ def bring_up_to_date(engine: Engine) -> None:
     stored = refuse_newer(engine)
     if stored == NEWEST or (stored is None and _make_new(engine)):
         return
-    from service.jobs.store.migrations.upgrade import upgrade  # noqa: PLC0415  (takes a quarter second)
+    from service.jobs.store.sql.migrations.upgrade import upgrade  # noqa: PLC0415  (takes a quarter second)
 
     upgrade(engine)
     _log.info("brought the database from revision %s to %s", stored or "none", NEWEST)

@@ -1,1 +1,0 @@
-"""Revisions of the database, in Alembic's order; `service.jobs.store.schema` applies them."""

@@ -1,0 +1,1 @@
+"""The databases themselves: tables, migrations, connections. It knows no job."""
