@@ -225,6 +225,7 @@ soak: setup
 # Those of the guide: motions drawn by ourselves, and pages of a server in a headless Chromium.
 pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py
+	@$(PYTHON) benchmarks/scene_pictures.py
 	@$(PYTHON) benchmarks/objective_pictures.py
 	@$(PYTHON) benchmarks/page_pictures.py
 	@$(PYTHON) benchmarks/studio_pictures.py

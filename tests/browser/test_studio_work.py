@@ -85,6 +85,9 @@ def test_the_tool_is_dragged_to_a_goal(browser, studio_server):
         }
         (row,) = studio_server.ask("POST", f"/v1/scenes/{scene}/fk", body)["results"]
         (tool,) = row.values()
+        # what is under the mouse is lit: before that nothing can be grasped
+        page.page.mouse.move(*start)
+        until(lambda: differs(page.picture(), after).any())
         page.drag(start, end)
         page.settled_picture()
         page.click("Plan")
@@ -122,9 +125,13 @@ def test_options_that_are_filled_in_are_asked(studio, studio_server):
 
 
 def test_the_best_path_so_far_is_drawn_until_the_plan_has_ended(studio, studio_server):
+    # a way that takes a search, and a planner that improves each of a hundred
+    studio.choose("Scene", "maze_2d")
+    studio.wait_for_scene("maze_2d")
     studio.page.get_by_role("tab", name="Options").click()
     studio.unfold("Search")
-    studio.set("Attempts", 1000)
+    studio.choose("Planner", "RRTstar")
+    studio.set("Attempts", 100)
     studio.set("Allowed planning time [s]", 600)
     studio.page.get_by_role("tab", name="Plan", exact=True).click()
     before = is_purple(studio.settled_picture()).sum()

@@ -65,9 +65,10 @@ class PathSoFar:
         self._newest.close()
 
     def _draw(self, cell: Cell, rows: Array) -> None:
-        tools = cell.group.tool_frames[:1]
+        # A body that flies or drives has no tool: its own way is drawn.
+        tracked = [*cell.group.tool_frames, *reversed(cell.view.moving)][:1]
         name, scene = cell.group.name, cell.scene.id
-        ways = cell.api.poses(scene, name, rows, tools)
+        ways = cell.api.poses(scene, name, rows, tracked)
         chosen = rows[np.linspace(0, len(rows) - 1, _NUM_GHOSTS + 2).round().astype(int)[1:-1]]
         placed = cell.api.poses(scene, name, chosen, cell.view.moving)
         ghosts = [{body: poses[i] for body, poses in placed.items()} for i in range(len(chosen))]
@@ -77,9 +78,9 @@ class PathSoFar:
             before = self._trace
             with cell.client.atomic():
                 cell.view.show_others(ghosts)
-                if tools:
+                if tracked:
                     self._num_drawn += 1
-                    points = ways[tools[0]][:, :3]
+                    points = ways[tracked[0]][:, :3]
                     colors = np.tile(_COLOR, (len(points), 1))
                     self._trace = cell.view.draw_trace(f"best/{self._num_drawn}", points, colors)
                 if before is not None:

@@ -158,7 +158,7 @@ def test_a_report_has_request_versions_certificate_and_charts(client, solved):
         assert f"{name} {version}" in text
     assert '"allowed_planning_time": 60.0' in text
     shown = [decoded(picture["src"]) for picture in pictures]
-    assert [picture.shape for picture in shown] == [(380, 480, 3)] * 3
+    assert [picture.shape for picture in shown] == [(330, 420, 3)] * 3
     captions = [picture["alt"] for picture in pictures]
     assert all(caption in text for caption in captions)
     certificate = solved["result"]["certificate"]

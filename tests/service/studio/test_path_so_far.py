@@ -1,10 +1,18 @@
 """The best path of a search as the studio draws it, before there is one that is proven."""
 
+from contextlib import nullcontext
+from pathlib import Path
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from service.studio.plans.path_so_far import along
+from service.studio.api import Api
+from service.studio.plans.path_so_far import PathSoFar, along
 from tests.profiles import rng_of, seeds
+from tests.service.servers import until
+
+PICKUP = (Path(__file__).parents[3] / "scenes" / "ur5e_pickup.scene.yaml").read_text()
 
 
 @pytest.mark.campaign
@@ -37,3 +45,63 @@ def test_quaternions_between_waypoints_have_length_1():
 def test_a_path_that_stands_still_is_drawn_as_a_point():
     rows = along(np.ones((2, 3)), ["a", "b", "c"], 5)
     np.testing.assert_array_equal(rows, np.ones((5, 3)))
+
+
+class Drawn:
+    """A view and a browser that note what is drawn in them."""
+
+    def __init__(self, moving):
+        self.moving, self.traces, self.ghosts, self.client = moving, {}, [], self
+
+    atomic = staticmethod(nullcontext)
+
+    def show_others(self, ghosts):
+        self.ghosts = list(ghosts)
+
+    def draw_trace(self, name, points, colors):
+        assert points.shape == colors.shape
+        self.traces[name] = points
+        return SimpleNamespace(remove=lambda: self.traces.pop(name))
+
+
+def cell_of(real_server):
+    api = Api(real_server.url)
+    scene = api.add_scene(PICKUP).id
+    shown = api.shown(scene)
+    drawn = Drawn(["arm::hand_base", "arm::forearm_link"])
+    cell = SimpleNamespace(api=api, scene=shown, group=shown.groups[0], view=drawn, client=drawn)
+    return cell, drawn
+
+
+def test_the_newest_path_is_drawn_with_ghosts_and_taken_away_at_the_end(real_server):
+    cell, drawn = cell_of(real_server)
+    faults = []
+    best = PathSoFar(faults.append)
+    best.show([[0.0] * 6, [0.1] * 6])  # of no plan: nothing
+    best.begin(cell)
+    assert drawn.traces == {}
+    start = cell.group.positions
+    tools = cell.group.tool_frames[:1]
+    for share in (0.2, 0.4):
+        goal = [q + share for q in start]
+        best.show([start, goal])
+        ends = cell.api.poses(cell.scene.id, "arm", np.array([start, goal]), tools)[tools[0]]
+        until(
+            lambda ends=ends: (
+                faults
+                or [
+                    points
+                    for points in [*drawn.traces.values()]
+                    if np.allclose(points[[0, -1]], ends[:, :3])
+                ]
+            )
+        )
+        assert len(drawn.traces) == 1
+        assert len(drawn.ghosts) == 4
+        assert all(set(ghost) == set(drawn.moving) for ghost in drawn.ghosts)
+    best.show(None)
+    best.end()
+    assert (drawn.traces, drawn.ghosts, faults) == ({}, [], [])
+    best.show([start, start])
+    best.close()
+    assert drawn.traces == {}

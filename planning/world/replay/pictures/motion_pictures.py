@@ -51,7 +51,7 @@ def motion_pictures(
     group: JointGroup,
     trajectory: TimedTrajectory,
     instants: Sequence[Instant],
-    size: tuple[int, int] = (480, 380),
+    size: tuple[int, int] = (420, 330),
 ) -> list[bytes]:
     """Return a picture per instant, with the path of the tool frame; the same bytes each time.
 

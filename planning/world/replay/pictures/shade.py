@@ -15,7 +15,7 @@ _AMBIENT, _SKY, _LAMP = 0.46, 0.16, 0.44
 # Where the lamp is, as seen by the camera: left, above, behind.
 _TO_LAMP = np.array([-0.45, -0.75, -0.75])
 # Pixels of the shadows, and what counts as the same depth [m].
-_SHADOW_SIZE, _BIAS = 1000, 0.006
+_SHADOW_SIZE, _BIAS = 720, 0.006
 # Gloss: how much, and how narrow.
 _GLOSS, _NARROW = 0.12, 24
 _PAPER = 1.0
