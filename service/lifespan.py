@@ -12,6 +12,7 @@ from sqlalchemy import Connection
 from service.api.middleware.client_disconnect import call_for_client
 from service.executions.gripping.grasp_keeper import GraspKeeper
 from service.executions.measured import keep_end, open_motions
+from service.executions.proofs.second_looks import SecondLooks
 from service.executions.proofs.verdicts import judge
 from service.executions.replanning.new_plan import Terms as PlanningTerms
 from service.executions.replanning.replanner import Replanner
@@ -92,16 +93,19 @@ async def open_services(
             terms = CallTerms(settings.query_timeout, settings.queue_timeout, call_for_client)
             jobs = JobService(store, dispatcher, prefixes=PREFIXES, queues=_QUEUES, terms=terms)
             replanner = Replanner(jobs, scenes, settings)
-            _connect(scenes, jobs, replanner)
+            looks = _connect(scenes, jobs, replanner)
             grasps.open(scenes, jobs)
             sweeper = Sweeper(engine, settings.data_dir, settings.owner)
             sweeper.ask()
             scenes.on_delete = jobs.on_delete = sweeper.ask
-            retention = Retention(store, settings.retention_days, sweeper.ask)
-            retain = _once_leading(dispatcher, retention.run)
+            retain = Retention(store, settings.retention_days, sweeper.ask)
             line = _once_leading(dispatcher, WaitingLine(scenes, PlanningTerms(jobs, settings)).run)
             watch = _once_leading(dispatcher, ContactWatch(jobs).run)
-            async with _meanwhile(sweeper.run(), retain, line, watch, delivery.run()), replanner:
+            own = sweeper.run(), looks.run(), delivery.run()
+            async with (
+                _meanwhile(*own, _once_leading(dispatcher, retain.run), line, watch),
+                replanner,
+            ):
                 yield jobs, scenes, webhooks
         finally:
             await dispatcher.stop()
@@ -109,11 +113,13 @@ async def open_services(
         await to_thread.run_sync(engine.dispose)
 
 
-def _connect(scenes: SceneStore, jobs: JobService, replanner: Replanner) -> None:
+def _connect(scenes: SceneStore, jobs: JobService, replanner: Replanner) -> SecondLooks:
     """Have scenes know what moves in them, and what moves know of their edits."""
+    looks = SecondLooks(scenes)
     scenes.moving = partial(open_motions, jobs=jobs)
-    scenes.verdicts = partial(judge, scenes=scenes, jobs=jobs, replanner=replanner)
+    scenes.verdicts = partial(judge, scenes=scenes, jobs=jobs, replanner=replanner, looks=looks)
     scenes.latest.on_change = jobs.wake
+    return looks
 
 
 def _note(

@@ -31,6 +31,18 @@ def bare(model):
     return planning.load_world(planning.parse_scene(document(model)))
 
 
+@pytest.mark.parametrize("model", GROUPS)
+def test_a_group_that_is_no_gripper_is_refused_by_its_joints(model):
+    world = bare(model)
+    command = planning.GripperCommand(width=0.01)
+    with pytest.raises(ProblemInvalid) as fault:
+        planning.gripper_motion(world, "arm", command, deadline=deadline())
+    names = [joint.name for joint in world.group("arm").joints]
+    assert fault.value.evidence["joints"] == names
+    assert all(f"{name} (revolute)" in fault.value.detail for name in names)
+    assert fault.value.evidence["known"] == [GROUPS[model]]
+
+
 def with_ball(model, radius, offset):
     """A world with a ball beside the origin of the tool frame [m], and that frame."""
     empty = bare(model)

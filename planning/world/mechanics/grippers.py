@@ -41,11 +41,14 @@ def require_gripper(world: World, group: JointGroup) -> Gripper:
     found = gripper_of(world, group)
     if found is None:
         known = [each.name for each in world.groups if gripper_of(world, each) is not None]
+        joints = [f"{joint.name} ({joint.type})" for joint in group.joints]
         message = (
-            f"group {group.name!r} is no gripper: that is one prismatic joint that others follow, "
-            f"and not the robot's default group; grippers: {known}"
+            f"group {group.name!r} is no gripper: that is one prismatic joint that others like it "
+            f"follow, and not the robot's default group, and it moves {', '.join(joints)}; others "
+            f"are opened and closed by plans of their joints; grippers: {known}"
         )
-        raise ProblemInvalid(message, {"field": "group", "known": known})
+        evidence = {"field": "group", "known": known, "joints": [j.name for j in group.joints]}
+        raise ProblemInvalid(message, evidence)
     return found
 
 

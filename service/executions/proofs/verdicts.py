@@ -9,6 +9,7 @@ from typing import Any
 from planning.errors import InputError, WayproofError
 from service.executions.motions.current_motion import CurrentMotion, current_motion
 from service.executions.position import last_status
+from service.executions.proofs.second_looks import SecondLooks
 from service.executions.proofs.tasks import RECHECK, GroupMotion, Recheck, RecheckWork
 from service.executions.replanning.replanner import Conflict, Replanner
 from service.executions.tasks import Block, Bounds, ExecutionWork
@@ -24,6 +25,8 @@ _MOST = 100
 # Where a motion is left for another one: so far from where the robot is, if the motion holds so
 # long [s], and at this share of what holds of it. The rest is for turning away.
 _LEAD, _SHARE = 0.1, 0.4
+# Check of a verdict that did not come in time.
+_UNDECIDED = "undecided"
 _log = logging.getLogger(__name__)
 
 
@@ -37,6 +40,7 @@ class _Edit:
         scenes: Has its document.
         jobs: Has the executions.
         replanner: Looks for other motions.
+        looks: Looks again at what is undecided.
     """
 
     record: SceneRecord
@@ -44,10 +48,16 @@ class _Edit:
     scenes: SceneStore
     jobs: JobService
     replanner: Replanner
+    looks: SecondLooks
 
 
 async def judge(
-    record: SceneRecord, *, scenes: SceneStore, jobs: JobService, replanner: Replanner
+    record: SceneRecord,
+    *,
+    scenes: SceneStore,
+    jobs: JobService,
+    replanner: Replanner,
+    looks: SecondLooks,
 ) -> list[ExecutionVerdict]:
     """Return for each execution of a scene whether it holds in a revision, and have it heed that.
 
@@ -56,6 +66,7 @@ async def judge(
         scenes: Has its document.
         jobs: Has the executions.
         replanner: Looks for other motions of those that are to have one.
+        looks: Looks again at those that are undecided, and rest meanwhile.
     """
     pages = [
         await jobs.page("execution", _MOST, None, state=state, scene=record.id)
@@ -68,7 +79,7 @@ async def judge(
     works = {identifier: await _work(identifier, jobs) for identifier in found}
     # One that may have gone on with another motion has all robots: no other is beside it.
     motions = [GroupMotion.of(*each) for each in works.items()]
-    edit = _Edit(record, motions, scenes, jobs, replanner)
+    edit = _Edit(record, motions, scenes, jobs, replanner, looks)
     verdicts = (_judge(job, works[job.id], edit) for job in found.values())
     return list(await asyncio.gather(*verdicts))
 
@@ -95,6 +106,8 @@ async def _judge(job: JobSummary, work: ExecutionWork, edit: _Edit) -> Execution
     await _heed(work, bounds, job, jobs)
     if block is None:
         return ExecutionVerdict(id=job.id, verdict="unaffected")
+    if block.check == _UNDECIDED and policy in {"slow", "replan"}:
+        edit.looks.ask(edit.record.id, edit.record.revision)
     if bounds.leave is not None:
         replanner.begin(Conflict(job, work, motion, bounds))
     return ExecutionVerdict(
@@ -182,7 +195,7 @@ async def _recheck(
         return _unproven("request", since, record)
     except WayproofError as fault:
         _log.warning("no verdict on a motion in revision %d: %s", record.revision, fault)
-        return _unproven("undecided", since, record)
+        return _unproven(_UNDECIDED, since, record)
 
 
 def _unproven(check: str, since: float, record: SceneRecord) -> Recheck:

@@ -66,3 +66,16 @@ def test_what_came_behind_the_robot_is_not_met_on_the_way_back(client):
     assert now["behind"] is None
     client.post(f"/v1/executions/{execution}/cancel")
     assert ended(client, execution)["state"] == "canceled"
+
+
+def test_a_verdict_that_did_not_come_in_time_is_sought_again(client, moved, monkeypatch):  # noqa: F811
+    scene, execution = begun(client, moved[0], on_conflict="slow", driver="kinematic")
+    with monkeypatch.context() as busy:  # so much that nothing is proven
+        busy.setattr("service.executions.proofs.recheck._ALLOWED", 0.0)
+        [verdict] = edit(client, scene, box("far", [3.0, 3.0, 0.5]))["executions"]
+        assert (verdict["verdict"], verdict["check"]) == ("conflict", "undecided")
+        at_rest(client, execution)
+    client.post(f"/v1/executions/{execution}/speed", json={"speed": 20})
+    done = ended(client, execution)  # without another edit
+    assert done["state"] == "succeeded", done["failure"]
+    assert done["status"]["ahead"] is None
