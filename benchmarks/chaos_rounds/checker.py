@@ -160,6 +160,8 @@ def _same_bytes(seen: Seen) -> Iterator[str]:
     job, calm = seen.job, seen.reference.job
     if calm["state"] != "succeeded":
         yield f"succeeded, and is {calm['state']} in calm: {calm['failure']}"
+    elif job["result"].get("cut_short") or calm["result"].get("cut_short"):
+        return  # a clock had a part in it, and it says so
     elif job["digest"] != calm["digest"]:
         yield f"has the digest {job['digest']}; the same request gives {calm['digest']} in calm"
     elif seen.motion != seen.reference.motion:

@@ -34,7 +34,7 @@ def plan() -> Seen:
         "unrecorded": [],
         "failure": None,
         "digest": "d",
-        "result": {"certificate": CERTIFICATE},
+        "result": {"certificate": CERTIFICATE, "cut_short": []},
     }
     asked = Asked("plan", "k1", {}, "pln_1", ends=["succeeded"])
     return Seen(asked, job, "pln_1", DONE, "m", Reference(copy.deepcopy(job), "m"))
@@ -135,6 +135,12 @@ def test_what_is_well_is_not_blamed() -> None:
     told(1, state="aborted", failure={"code": "server_restarted"})(lossy)
     replaced(1, events=[*DONE[:2], Event(3, "finished", {"state": "failed"})])(lossy)
     assert check(lossy, LISTED) == []
+
+
+def test_what_a_clock_cut_short_need_not_be_the_same_again() -> None:
+    seen = world()
+    told(0, digest="e", result={"certificate": CERTIFICATE, "cut_short": ["refine"]})(seen)
+    assert check(seen, LISTED) == []
 
 
 @pytest.mark.parametrize(("rule", "change"), WRONG)

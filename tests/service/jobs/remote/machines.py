@@ -102,8 +102,11 @@ class Cluster:
     def __init__(self):
         os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
         os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_worker_niceness": "0"}
+        from ray._private import utils
         from ray.cluster_utils import Cluster as RayCluster
 
+        # Chaos adds nodes in a thread, where no handler can be set; `close` ends them all.
+        utils.set_sigterm_handler = lambda _: None
         self._options = {"object_store_memory": 200_000_000}
         head = {"num_cpus": 0, "include_dashboard": False, **self._options}
         self._cluster = RayCluster(initialize_head=True, head_node_args=head)
