@@ -392,7 +392,7 @@ class AsyncOperations(AsyncCaller):
         )
 
     async def get_plan_report(self, plan: str) -> str:
-        """Report on a plan that has ended: request, versions, certificate, charts; for
+        """Report on a plan that has ended: request, certificate, pictures, charts; for
         printing."""
         return await self.ask_text(
             Call("GET", "/v1/plans/{plan}/report.html", inserted={"plan": plan})

@@ -380,7 +380,7 @@ class Operations(Caller):
         return self.ask_text(Call("GET", "/v1/plans/{plan}/replay.html", inserted={"plan": plan}))
 
     def get_plan_report(self, plan: str) -> str:
-        """Report on a plan that has ended: request, versions, certificate, charts; for
+        """Report on a plan that has ended: request, certificate, pictures, charts; for
         printing."""
         return self.ask_text(Call("GET", "/v1/plans/{plan}/report.html", inserted={"plan": plan}))
 
