@@ -124,25 +124,27 @@ def test_options_that_are_filled_in_are_asked(studio, studio_server):
     studio.wait_for("all by default")
 
 
-def test_the_best_path_so_far_is_drawn_until_the_plan_has_ended(studio, studio_server):
-    # a way that takes a search, and a planner that improves each of a hundred
-    studio.choose("Scene", "maze_2d")
-    studio.wait_for_scene("maze_2d")
-    studio.page.get_by_role("tab", name="Options").click()
-    studio.unfold("Search")
-    studio.choose("Planner", "RRTstar")
-    studio.set("Attempts", 100)
-    studio.set("Allowed planning time [s]", 600)
-    studio.page.get_by_role("tab", name="Plan", exact=True).click()
-    before = is_purple(studio.settled_picture()).sum()
-    studio.click("Plan")
-    studio.wait_for("the best path so far is")
-    until(lambda: is_purple(studio.picture()).sum() > before + 30)
-    (found,) = [plan for plan in running(studio_server) if plan["best"] is not None]
-    assert len(found["best"]["waypoints"]) > 1
-    studio.click("Cancel")
-    studio.wait_for("canceled")
-    until(lambda: is_purple(studio.picture()).sum() <= before + 5)
+def test_the_best_path_so_far_is_drawn_until_the_plan_has_ended(browser, studio_server):
+    with StudioPage.opened(browser, studio_server.url, 1000, 480) as page:
+        page.wait_for_goal()
+        # a way that takes a search, and a planner that improves each of a hundred
+        page.choose("Scene", "maze_2d")
+        page.wait_for_scene("maze_2d")
+        page.page.get_by_role("tab", name="Options").click()
+        page.unfold("Search")
+        page.choose("Planner", "RRTstar")
+        page.set("Attempts", 100)
+        page.set("Allowed planning time [s]", 600)
+        page.page.get_by_role("tab", name="Plan", exact=True).click()
+        before = is_purple(page.settled_picture()).sum()
+        page.click("Plan")
+        page.wait_for("the best path so far is")
+        (found,) = [plan for plan in running(studio_server) if plan["best"] is not None]
+        assert len(found["best"]["waypoints"]) > 1
+        until(lambda: is_purple(page.picture()).sum() > before + 30)
+        page.click("Cancel")
+        page.wait_for("canceled")
+        until(lambda: is_purple(page.picture()).sum() <= before + 5)
 
 
 def test_a_failed_plan_is_red_where_it_fails_and_has_a_picture(studio, browser, studio_server):

@@ -3,15 +3,24 @@
 from fastapi import APIRouter
 from fastapi.responses import HTMLResponse
 
+from planning.errors import DeadlineExceeded
 from service.api.dependencies import JobsDep
 from service.api.responses import HTML_PAGE, problems
 from service.api.strict_route import StrictRoute
 from service.errors import NotFinished
+from service.jobs.job import Job
+from service.jobs.service import JobService
 from service.jobs.states import JobState
 from service.plans.delivery.report import CHARTS, report_html
 from service.plans.dependencies import PlanJob
 from service.plans.resource import failure_work, picture_work, plan_resource, plot_work
-from service.plans.tasks import NO_PICTURES, PICTURES, PLOT_ALL, SHOW_FAILURE
+from service.plans.tasks import (
+    NO_PICTURES,
+    PICTURES,
+    PLOT_ALL,
+    SHOW_FAILURE,
+    MotionPictures,
+)
 
 router = APIRouter(route_class=StrictRoute, prefix="/v1/plans/{plan}", tags=["plans"])
 
@@ -40,9 +49,17 @@ async def get_report(job: PlanJob, jobs: JobsDep) -> HTMLResponse:
         evidence = {"id": job.id, "state": job.state, "failure": None}
         raise NotFinished(f"plan {job.id} is {job.state}: there is nothing to report", evidence)
     charts: dict[str, str] = {}
-    pictures = NO_PICTURES
+    pictures: MotionPictures | None = NO_PICTURES
     if job.state is JobState.SUCCEEDED:
         charts = (await jobs.call(PLOT_ALL, plot_work(job, *CHARTS))).svg
-        pictures = await jobs.call(PICTURES, picture_work(job))
+        pictures = await _pictures(jobs, job)
     result = (job.result or {}).get("result") or {}
     return HTMLResponse(report_html(await plan_resource(jobs, job), result, charts, pictures))
+
+
+async def _pictures(jobs: JobService, job: Job) -> MotionPictures | None:
+    """Draw the motion; None if that takes longer than a question may: the rest is worth having."""
+    try:
+        return await jobs.call(PICTURES, picture_work(job))
+    except DeadlineExceeded:
+        return None

@@ -35,7 +35,7 @@ def report_html(
     plan: PlanSummary,
     result: Mapping[str, Any],
     charts: Mapping[str, str],
-    pictures: MotionPictures,
+    pictures: MotionPictures | None,
 ) -> str:
     """Return a page that loads nothing and runs nothing.
 
@@ -43,7 +43,8 @@ def report_html(
         plan: The plan, ended.
         result: Of a plan that succeeded, as clients are given it; else empty.
         charts: Drawings (SVG) by name.
-        pictures: Of the motion in its scene; none of a plan that failed.
+        pictures: Of the motion in its scene, of a plan that failed none; None if there was not
+            enough time to draw them.
     """
     certificate = result.get("certificate") or {}
     plain = plan.model_dump(mode="json")
@@ -81,8 +82,10 @@ def _verdict(plan: PlanSummary, certificate: Mapping[str, Any]) -> str:
     return f'<p class="no"><strong>{escape(str(plan.state))}</strong></p>'
 
 
-def _pictures(pictures: MotionPictures) -> str:
+def _pictures(pictures: MotionPictures | None) -> str:
     """Return the pictures beside each other, in the page itself."""
+    if pictures is None:
+        return "<p>There was not enough time to draw pictures of the motion.</p>"
     shown = "".join(
         f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{content}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"

@@ -10,7 +10,7 @@ from service.studio.cell import Cell
 from service.studio.newest import Newest
 from service.studio.numbers import Array
 
-_COLOR = np.array([122.0, 92.0, 199.0])
+_COLOR = np.array([84.0, 36.0, 196.0])
 # Points of the tool's way, and ghosts of the robot along it.
 _NUM_POINTS, _NUM_GHOSTS = 61, 4
 # The first of the four positions of a quaternion ends in this.

@@ -13,6 +13,8 @@ from PIL import Image
 from planning.world.replay.replay_page import labelled
 from service.plans.delivery.failure_worker import shown_configuration
 from service.plans.delivery.picture_worker import shown_instants
+from service.plans.delivery.report import report_html
+from service.plans.models.plan import PlanSummary
 from service.plans.models.request import PlanRequest
 from service.plans.tasks import PictureWork
 
@@ -168,6 +170,14 @@ def test_a_report_has_request_versions_certificate_and_charts(client, solved):
     assert f"{certificate['time']:.2f} s" in captions[narrowest]
     others = [is_red(shown[i]).sum() for i in range(3) if i != narrowest]
     assert is_red(shown[narrowest]).sum() > max(others) + 200
+
+
+def test_a_report_without_time_for_pictures_says_so(solved):
+    plan = PlanSummary.model_validate({name: solved[name] for name in PlanSummary.model_fields})
+    text, _, pictures = read(report_html(plan, solved["result"], {}, None))
+    assert pictures == []
+    assert "not enough time to draw pictures" in text
+    assert solved["digest"] in text
 
 
 def decoded(address):

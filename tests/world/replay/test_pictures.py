@@ -20,7 +20,7 @@ from tests.profiles import rng_of, seeds
 _GRAY = np.array([0.5, 0.5, 0.5, 1.0])
 
 
-def nearest_by_hand(corners, z_values, size):
+def nearest_by_hand(corners, inverse_depth, size):
     """Each pixel and each triangle in turn: inside if on the same side of all edges."""
     width, height = size
     rows = np.full((height, width), -1)
@@ -29,7 +29,7 @@ def nearest_by_hand(corners, z_values, size):
     for y in range(height):
         for x in range(width):
             point = np.array([x + 0.5, y + 0.5])
-            for row, (triangle, values) in enumerate(zip(corners, z_values, strict=True)):
+            for row, (triangle, values) in enumerate(zip(corners, inverse_depth, strict=True)):
                 matrix = np.vstack([triangle.T, np.ones(3)])
                 weights = np.linalg.solve(matrix, [*point, 1.0])
                 doubtful[y, x] |= np.abs(weights).min() < 1e-6
@@ -46,13 +46,13 @@ def test_each_pixel_shows_the_nearest_triangle_that_covers_it(seed):
     size = (23, 17)
     count = int(rng.integers(1, 30))
     corners = rng.uniform(-8, 30, size=(count, 3, 2))
-    z_values = rng.uniform(0.1, 2.0, size=(count, 3))
-    hits = rasterize(corners, z_values, size, is_perspective=False)
-    rows, near, doubtful = nearest_by_hand(corners, z_values, size)
+    inverse_depth = rng.uniform(0.1, 2.0, size=(count, 3))
+    hits = rasterize(corners, inverse_depth, size, is_perspective=False)
+    rows, near, doubtful = nearest_by_hand(corners, inverse_depth, size)
     sure = ~doubtful
     np.testing.assert_array_equal(hits.rows[sure], rows[sure])
     shown = sure & (rows >= 0)
-    np.testing.assert_allclose(hits.z_values[shown], near[shown], atol=1e-9)
+    np.testing.assert_allclose(hits.inverse_depth[shown], near[shown], atol=1e-9)
     np.testing.assert_allclose(hits.weights[shown].sum(axis=1), 1.0)
 
 
@@ -68,7 +68,7 @@ def test_triangles_that_share_an_edge_leave_no_gap_and_no_triangle_no_pixel():
     assert (hits.rows >= 0).all()
     none = rasterize(np.empty((0, 3, 2)), np.empty((0, 3)), (4, 3), is_perspective=True)
     assert (none.rows == -1).all()
-    assert np.isneginf(none.z_values).all()
+    assert np.isneginf(none.inverse_depth).all()
 
 
 @pytest.mark.parametrize(

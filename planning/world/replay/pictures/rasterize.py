@@ -28,17 +28,17 @@ class Hits:
     Attributes:
         rows: Of the triangles, shape (height, width); -1 for nothing.
         weights: Of their corners at each pixel, in space, shape (height, width, 3).
-        z_values: 1/z [1/m], or -z [m] where it was projected in parallel; -inf for nothing.
+        inverse_depth: 1/z [1/m], or -z [m] where it was projected in parallel; -inf for nothing.
     """
 
     rows: np.ndarray[Any, np.dtype[np.int64]]
     weights: Float64[np.ndarray, "h w 3"]
-    z_values: Float64[np.ndarray, "h w"]
+    inverse_depth: Float64[np.ndarray, "h w"]
 
 
 def rasterize(
     corners: Float64[np.ndarray, "n 3 2"],
-    z_values: Float64[np.ndarray, "n 3"],
+    inverse_depth: Float64[np.ndarray, "n 3"],
     size: tuple[int, int],
     *,
     is_perspective: bool,
@@ -47,16 +47,16 @@ def rasterize(
 
     Args:
         corners: Of the triangles, on the picture [pixel], x to the right and y down.
-        z_values: Of the corners: 1/z [1/m] in perspective, else -z [m].
+        inverse_depth: Of the corners: 1/z [1/m] in perspective, else -z [m].
         size: Width and height [pixel].
         is_perspective: Whether weights in space are others than those on the picture.
     """
     width, height = size
     best = np.zeros(width * height, dtype=np.uint64)
     if len(corners):
-        low, high = float(z_values.min()), float(z_values.max())
+        low, high = float(inverse_depth.min()), float(inverse_depth.max())
         scale = (2**_DEPTH_BITS - 1) / max(high - low, 1e-12)
-        for rows, x, y, near in _covered(corners, z_values, size):
+        for rows, x, y, near in _covered(corners, inverse_depth, size):
             level = ((near - low) * scale).clip(0, 2**_DEPTH_BITS - 1).astype(np.uint64)
             # Of equally near triangles the first one wins, whatever the order of the pixels.
             key = (
@@ -68,10 +68,10 @@ def rasterize(
     shown = best > 0
     low_half = best & np.uint64(2**_DEPTH_BITS - 1)
     rows = np.where(shown, 2**_DEPTH_BITS - 1 - low_half.astype(np.int64), -1)
-    return _hits(rows.reshape(height, width), corners, z_values, is_perspective=is_perspective)
+    return _hits(rows.reshape(height, width), corners, inverse_depth, is_perspective=is_perspective)
 
 
-def _hits(rows: Any, corners: Array, z_values: Array, *, is_perspective: bool) -> Hits:
+def _hits(rows: Any, corners: Array, inverse_depth: Array, *, is_perspective: bool) -> Hits:
     height, width = rows.shape
     weights, near = np.zeros((height, width, 3)), np.full((height, width), -np.inf)
     y, x = np.nonzero(rows >= 0)
@@ -81,19 +81,19 @@ def _hits(rows: Any, corners: Array, z_values: Array, *, is_perspective: bool) -
         found = _barycentric(corners[shown], points)
         found = found.clip(0.0, 1.0)
         found /= found.sum(axis=1, keepdims=True)
-        near[y, x] = np.einsum("nk,nk->n", found, z_values[shown])
+        near[y, x] = np.einsum("nk,nk->n", found, inverse_depth[shown])
         if is_perspective:
-            found = found * z_values[shown]
+            found = found * inverse_depth[shown]
             found /= found.sum(axis=1, keepdims=True)
         weights[y, x] = found
     return Hits(rows, weights, near)
 
 
 def _covered(
-    corners: Array, z_values: Array, size: tuple[int, int]
+    corners: Array, inverse_depth: Array, size: tuple[int, int]
 ) -> Iterator[tuple[Any, Any, Any, Array]]:
     """Yield triangles (rows), columns and rows of pixels in them, and how near they are there."""
-    planes, is_flat = _planes(corners, z_values)
+    planes, is_flat = _planes(corners, inverse_depth)
     low, high = corners[..., 1].min(axis=1), corners[..., 1].max(axis=1)
     # Of pixels whose middle is inside.
     first = np.ceil(low - 0.5).clip(0, size[1]).astype(np.int64)
@@ -145,16 +145,19 @@ def _spans(triangles: Array, y: Array, width: int) -> tuple[Any, Any]:
     return begin.astype(np.int64), end.astype(np.int64)
 
 
-def _planes(corners: Array, z_values: Array) -> tuple[Array, Any]:
-    """Return a, b, c with z_values = a x + b y + c, shape (n, 3), and which triangles are lines."""
+def _planes(corners: Array, inverse_depth: Array) -> tuple[Array, Any]:
+    """Return (a, b, c) of inverse_depth = a x + b y + c, (n, 3), and which triangles are lines."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     area = _cross(b - a, c - a)
     is_flat = np.abs(area) < _FLAT
     area = np.where(is_flat, 1.0, area)
-    to_b, to_c = z_values[:, 1] - z_values[:, 0], z_values[:, 2] - z_values[:, 0]
+    to_b, to_c = (
+        inverse_depth[:, 1] - inverse_depth[:, 0],
+        inverse_depth[:, 2] - inverse_depth[:, 0],
+    )
     along_x = (to_b * (c - a)[:, 1] - to_c * (b - a)[:, 1]) / area
     along_y = (to_c * (b - a)[:, 0] - to_b * (c - a)[:, 0]) / area
-    rest = z_values[:, 0] - along_x * a[:, 0] - along_y * a[:, 1]
+    rest = inverse_depth[:, 0] - along_x * a[:, 0] - along_y * a[:, 1]
     return np.stack([along_x, along_y, rest], axis=1), is_flat
 
 

@@ -92,12 +92,12 @@ def _drawn(
     gloss = _GLOSS * np.einsum("nd,nd->n", normals, half).clip(0.0) ** _NARROW * (lit > 0)
     light = _AMBIENT + _SKY * normals[:, 2] + _LAMP * lit
     picture[y, x] = surface.colors[rows, :3] * light[:, None] + gloss[:, None]
-    return picture * (1 - _INK * _outlines(hits.z_values))[..., None], hits.z_values
+    return picture * (1 - _INK * _outlines(hits.inverse_depth))[..., None], hits.inverse_depth
 
 
-def _outlines(z_values: Array) -> Array:
+def _outlines(inverse_depth: Array) -> Array:
     """Return where depth jumps: 1 on the nearer side."""
-    near = np.where(np.isfinite(z_values), z_values, 0.0)
+    near = np.where(np.isfinite(inverse_depth), inverse_depth, 0.0)
     found = np.zeros(near.shape)
     for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:-1], np.s_[1:])):
         down = near[one] > (1 + _OUTLINE) * near[other]
@@ -140,4 +140,4 @@ def _shadow_map(surface: Surface, lamp: Array, around: Array) -> _Shadows:
     pixels = (local[..., :2] - low) * scale
     size = (_SHADOW_SIZE, _SHADOW_SIZE)
     hits = rasterize(pixels, local[..., 2], size, is_perspective=False)
-    return _Shadows(turn, low, scale, hits.z_values)
+    return _Shadows(turn, low, scale, hits.inverse_depth)
