@@ -69,7 +69,7 @@ def test_a_seed_is_drawn_in_a_small_file() -> None:
 
 
 def test_every_view_has_its_picture_in_the_guide() -> None:
-    guide = "".join(page.read_text() for page in IMAGES.parent.glob("*.md"))
+    guide = "".join(page.read_text() for page in IMAGES.parent.rglob("*.md"))
     for name in VIEWS:
         picture = IMAGES / f"{name}.png"
         assert f"images/{name}.png" in guide

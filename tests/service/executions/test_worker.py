@@ -123,9 +123,9 @@ def test_it_says_how_late_it_was(delay):
 def test_one_that_fails_tells_its_stage_and_the_seconds_of_all(monkeypatch):
     runner = Runner(Execution(quintic(2.0), limits()), EchoDriver())
     monkeypatch.setattr(worker, "borrow_world", lambda work: nullcontext())
-    monkeypatch.setattr(worker, "_runner", lambda world, work: (runner, None))
+    monkeypatch.setattr(worker, "_runner", lambda world, work: (runner, EchoDriver(), None))
 
-    def follow_until_it_is_lost(*_):
+    def follow_until_it_is_lost(*_, **__):
         runner.execution = runner.execution.fail(TrackingLost("the robot is elsewhere"))
 
     monkeypatch.setattr(worker, "follow", follow_until_it_is_lost)

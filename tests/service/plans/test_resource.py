@@ -11,7 +11,7 @@ from service.plans.resource import plan_resource
 from service.plans.tasks import PLAN
 
 REQUEST = {"scene": "s", "group": "arm", "goal": {"type": "configuration", "name": "ready"}}
-FOUND = {"detail": "a path", "length": 2.5, "seconds": 0.25}
+FOUND = {"detail": "a path", "length": 2.5, "seconds": 0.25, "waypoints": [[0.0], [2.5]]}
 
 
 class Jobs:
@@ -40,8 +40,8 @@ def job_in(state):
     ("best", "shown"),
     [
         (None, None),
-        (FOUND, {"length": 2.5, "seconds": 0.25}),
-        ({"length": 2.5}, {"length": 2.5, "seconds": None}),
+        (FOUND, {"length": 2.5, "seconds": 0.25, "waypoints": [[0.0], [2.5]]}),
+        ({"length": 2.5}, {"length": 2.5, "seconds": None, "waypoints": None}),
         ({"truncated": True}, None),
     ],
 )

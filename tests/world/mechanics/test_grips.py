@@ -140,8 +140,13 @@ def test_a_weld_slips_nowhere_and_costs_no_free_body():
 
 def test_what_cannot_be_held_by_contact_is_refused():
     grip = Grip(GROUPS["ur5e"], 20.0, 0.5, 0.005)
-    with pytest.raises(ModelInvalid, match="mass"):
+    with pytest.raises(ProblemInvalid, match="mass"):
         settled("ur5e", grip, mass=None)
+    world, tool = open_world("ur5e", SHAPES["ball"], None)
+    fingers = world.positions(world.group(GROUPS["ur5e"]))
+    weightless = planning.AttachObject("thing", tool, grip=grip)
+    with pytest.raises(ModelInvalid, match="mass"):
+        settle_grip(world, GROUPS["ur5e"], fingers, weightless)
     world, tool = open_world("ur5e", SHAPES["ball"], 0.3)
     wrong = planning.AttachObject("thing", tool, grip=replace(grip, gripper="arm"))
     scene = planning.edit_scene(world.scene, [wrong], world.library)
