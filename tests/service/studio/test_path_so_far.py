@@ -1,6 +1,6 @@
 """The best path of a search as the studio draws it, before there is one that is proven."""
 
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -64,8 +64,13 @@ class Drawn:
         return SimpleNamespace(remove=lambda: self.traces.pop(name))
 
 
-def cell_of(real_server):
-    api = Api(real_server.url)
+@pytest.fixture
+def api(real_server):
+    with closing(Api(real_server.url)) as opened:
+        yield opened
+
+
+def cell_of(api):
     scene = api.add_scene(PICKUP).id
     shown = api.shown(scene)
     drawn = Drawn(["arm::hand_base", "arm::forearm_link"])
@@ -73,8 +78,8 @@ def cell_of(real_server):
     return cell, drawn
 
 
-def test_the_newest_path_is_drawn_with_ghosts_and_taken_away_at_the_end(real_server):
-    cell, drawn = cell_of(real_server)
+def test_the_newest_path_is_drawn_with_ghosts_and_taken_away_at_the_end(api):
+    cell, drawn = cell_of(api)
     faults = []
     best = PathSoFar(faults.append)
     best.show([[0.0] * 6, [0.1] * 6])  # of no plan: nothing
