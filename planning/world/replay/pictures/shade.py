@@ -77,19 +77,19 @@ def _drawn(
     hits, ahead = _hits(surface, view)
     y, x = np.nonzero(hits.rows >= 0)
     rows, weights = ahead[hits.rows[y, x]], hits.weights[y, x]
-    points = np.einsum("nk,nkd->nd", weights, surface.corners[rows])
-    normals = np.einsum("nk,nkd->nd", weights, surface.normals[rows])
+    points = np.einsum("ij,ijk->ik", weights, surface.corners[rows])
+    normals = np.einsum("ij,ijk->ik", weights, surface.normals[rows])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True).clip(1e-9)
     to_eye = view.position - points
     to_eye /= np.linalg.norm(to_eye, axis=1, keepdims=True)
     # Meshes of strangers have faces that look inwards.
-    normals *= np.where(np.einsum("nd,nd->n", normals, to_eye) < 0, -1.0, 1.0)[:, None]
+    normals *= np.where(np.einsum("ij,ij->i", normals, to_eye) < 0, -1.0, 1.0)[:, None]
     lit = (normals @ lamp).clip(0.0)
     if shadows is not None:
         lit = lit * shadows.light(points, normals)
     half = to_eye + lamp
     half /= np.linalg.norm(half, axis=1, keepdims=True).clip(1e-9)
-    gloss = _GLOSS * np.einsum("nd,nd->n", normals, half).clip(0.0) ** _NARROW * (lit > 0)
+    gloss = _GLOSS * np.einsum("ij,ij->i", normals, half).clip(0.0) ** _NARROW * (lit > 0)
     light = _AMBIENT + _SKY * normals[:, 2] + _LAMP * lit
     picture[y, x] = surface.colors[rows, :3] * light[:, None] + gloss[:, None]
     return picture * (1 - _INK * _outlines(hits.inverse_depth))[..., None], hits.inverse_depth
