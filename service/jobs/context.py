@@ -11,7 +11,11 @@ class TaskContext(Protocol):
     """The task's end of its worker."""
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
-        """Append an event to the job's log."""
+        """Append an event to the job's log; of more than 64 KiB all but a note is left out."""
+        ...
+
+    def emit_whole(self, event_type: str, data: dict[str, Any]) -> None:
+        """Append an event that the server itself reads again: nothing of it is left out."""
         ...
 
     def update(self, event_type: str, data: dict[str, Any]) -> None:

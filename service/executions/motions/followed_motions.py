@@ -76,4 +76,4 @@ class FollowedMotions:
             "motions": [each.model_dump() for each in self._motions],
             "trajectory": following.trajectory.model_dump(),
         }
-        self._context.emit(MOTION, told)
+        self._context.emit_whole(MOTION, told)

@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+from service.jobs.json_text import encode_leniently
 from service.jobs.worker.protocol import Message, MessageKind, MessagePipe, two_parts
 from service.jobs.worker.run_task import event_text
 
@@ -20,6 +21,10 @@ class PipeContext:
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Send an event; waits if the server does not keep up."""
         self._send(MessageKind.EVENT, two_parts(event_type, event_text(data)))
+
+    def emit_whole(self, event_type: str, data: dict[str, Any]) -> None:
+        """Send an event, however long it is."""
+        self._send(MessageKind.EVENT, two_parts(event_type, encode_leniently(data)))
 
     def update(self, event_type: str, data: dict[str, Any]) -> None:
         """Send an event that the next of its type may replace."""
@@ -66,6 +71,9 @@ class SilentContext:
     """For a task that no server follows, such as the warm-up: drops events and limits."""
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
+        """Drop an event."""
+
+    def emit_whole(self, event_type: str, data: dict[str, Any]) -> None:
         """Drop an event."""
 
     def update(self, event_type: str, data: dict[str, Any]) -> None:

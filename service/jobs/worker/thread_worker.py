@@ -13,7 +13,7 @@ from typing import Any
 
 from service.jobs.artifacts import ArtifactCopies
 from service.jobs.host_folder import set_host_folder
-from service.jobs.json_text import Encoded
+from service.jobs.json_text import Encoded, encode_leniently
 from service.jobs.outcome import Crashed, Outcome, Raised, Terminated, returned
 from service.jobs.worker.assignment import Assignment, EventSink
 from service.jobs.worker.protocol import MessageKind, load_error
@@ -41,11 +41,15 @@ class _ThreadContext:
 
     def emit(self, event_type: str, data: dict[str, Any]) -> None:
         """Hand an event to the loop."""
-        self._put(event_type, data, is_update=False)
+        self._put(event_type, event_text(data), is_update=False)
+
+    def emit_whole(self, event_type: str, data: dict[str, Any]) -> None:
+        """Hand an event to the loop, however long it is."""
+        self._put(event_type, encode_leniently(data), is_update=False)
 
     def update(self, event_type: str, data: dict[str, Any]) -> None:
         """Hand an event that the next of its type may replace to the loop."""
-        self._put(event_type, data, is_update=True)
+        self._put(event_type, event_text(data), is_update=True)
 
     def watch(self, silence: float) -> None:
         """Have this run given up if it says nothing for so long, from now on."""
@@ -63,8 +67,8 @@ class _ThreadContext:
         """Return whether the end of this run was requested."""
         return self.canceled.is_set()
 
-    def _put(self, event_type: str, data: dict[str, Any], *, is_update: bool) -> None:
-        encoded = Encoded(event_text(data))
+    def _put(self, event_type: str, text: str, *, is_update: bool) -> None:
+        encoded = Encoded(text)
 
         def take() -> None:
             self._termination.heard()

@@ -153,8 +153,9 @@ def die_once(payload: dict[str, Any], _: TaskContext) -> dict[str, Any]:
 
 @fake
 def chatter(payload: dict[str, Any], channel: TaskContext) -> dict[str, Any]:
+    emit = channel.emit_whole if payload.get("whole") else channel.emit
     for i in range(payload["count"]):
-        channel.emit("note", {"i": i, "text": "x" * payload["size"]})
+        emit("note", {"i": i, "text": "x" * payload["size"]})
     return {}
 
 

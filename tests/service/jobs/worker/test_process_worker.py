@@ -244,6 +244,9 @@ def test_large_events_are_cut_and_large_results_are_not(open_slot):
             sink = Sink()
             await worker.run(run_of("chatter", sink, count=3, size=200_000))
             assert [text for _, text in sink.events] == ['{"truncated":true,"bytes":200017}'] * 3
+            whole = Sink()
+            await worker.run(run_of("chatter", whole, count=3, size=200_000, whole=True))
+            assert [len(text) for _, text in whole.events] == [200_017] * 3
             outcome = await worker.run(run_of("vast", count=300_000))
             assert isinstance(outcome, Returned)
             assert len(outcome.result.text) > 2_000_000
