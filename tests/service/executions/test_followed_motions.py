@@ -28,7 +28,7 @@ class Pipe:
 
 
 def in_pieces(motion: TimedTrajectory, count: int) -> TimedTrajectory:
-    """The same motion, written as so many polynomials."""
+    """The same motion as `count` polynomials, one after the other."""
     breaks = np.linspace(0.0, motion.duration, count + 1)
     whole = [Power(column) for column in motion.coefficients[0].T]
     shifted = [[p(Power([begin, 1.0])).coef for p in whole] for begin in breaks[:-1]]
