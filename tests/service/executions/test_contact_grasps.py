@@ -6,22 +6,15 @@ import numpy as np
 import pytest
 import yaml
 
-import planning
 from tests.profiles import only_campaign
+from tests.service.executions.can_in_gripper import GRIPPER, TEXT, positions_at_can, posted
 
-GRIPPER = "arm::gripper"
-TEXT = (planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml").read_text()
 FIRM = {"by": "contact", "friction": 0.8}
 
 
 @pytest.fixture(scope="module")
 def grasping(client):
-    """Where the joints of the arm are with the can between the fingers."""
-    scene = posted(client, yaml.safe_load(TEXT))
-    goal = {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": "pick"}]}
-    body = {"group": "arm", "goal": goal, "ik": {"max_configurations": 1}, "seed": 1}
-    found = client.post(f"/v1/scenes/{scene}/ik", json=body).json()
-    return found["configurations"][0]["positions"]
+    return positions_at_can(client)
 
 
 @pytest.fixture
@@ -37,12 +30,6 @@ def document(positions, mass=0.3):
     if mass is not None:
         can["mass"] = mass
     return found
-
-
-def posted(client, content):
-    answer = client.post("/v1/scenes", json=content)
-    assert answer.status_code == 201, answer.text
-    return answer.json()["id"]
 
 
 def gripped(client, scene, force=60.0, speed=5, driver="simulated", **grasp):

@@ -6,20 +6,12 @@ import numpy as np
 import pytest
 import yaml
 
-import planning
-
-GRIPPER = "arm::gripper"
-TEXT = (planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml").read_text()
+from tests.service.executions.can_in_gripper import GRIPPER, TEXT, positions_at_can, posted
 
 
 @pytest.fixture(scope="module")
 def grasping(client):
-    """Where the joints of the arm are with the can between the fingers."""
-    scene = posted(client, yaml.safe_load(TEXT))
-    goal = {"type": "pose", "poses": [{"position": [0, 0, 0], "frame": "pick"}]}
-    body = {"group": "arm", "goal": goal, "ik": {"max_configurations": 1}, "seed": 1}
-    found = client.post(f"/v1/scenes/{scene}/ik", json=body).json()
-    return found["configurations"][0]["positions"]
+    return positions_at_can(client)
 
 
 @pytest.fixture
@@ -28,12 +20,6 @@ def scene(client, grasping):
     document = yaml.safe_load(TEXT)
     document["robots"][0]["positions"] = grasping
     return posted(client, document)
-
-
-def posted(client, document):
-    answer = client.post("/v1/scenes", json=document)
-    assert answer.status_code == 201, answer.text
-    return answer.json()["id"]
 
 
 def moved(client, scene, driver="simulated", group=GRIPPER, **gripper):

@@ -3,14 +3,12 @@
 import pytest
 import yaml
 
-import planning
 from tests.profiles import only_campaign
+from tests.service.executions.can_in_gripper import GRIPPER, TEXT
 from tests.service.executions.killed_at import INSTANTS
 from tests.service.servers import server, until
 from tests.service.successor import successor
 
-GRIPPER = "arm::gripper"
-TEXT = (planning.bundled_folder("scenes") / "ur5e_pickup.scene.yaml").read_text()
 MODULE = "tests.service.executions.killed_at"
 HELD = {"unrecorded": False, "unattached": True, "attached": True}
 CASES = [
