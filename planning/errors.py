@@ -108,7 +108,7 @@ class UnknownName(InputError):
     @classmethod
     def among(cls, kind: str, name: str, known: Iterable[str]) -> "UnknownName":
         """Build the error that names the wrong thing and the right ones."""
-        names = sorted(known)  # compared without case, which is misspelt most
+        names = sorted(known)  # compared without case: that is misspelt most often
         folded = {known_name.casefold(): known_name for known_name in reversed(names)}
         nearest = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3)]
         hint = f"did you mean {nearest[0]!r}? " if nearest else ""
@@ -121,7 +121,7 @@ class StageFailure(WayproofError):
     """Work was begun and failed in one of its stages.
 
     Attributes:
-        stage: That failed, or in which the deadline or the cancel ended the work.
+        stage: The one that failed, or in which the deadline or the cancel ended the work.
         timings: Seconds per stage, with the one that failed; empty where nothing was timed.
     """
 
@@ -135,7 +135,7 @@ class StageFailure(WayproofError):
     def __reduce__(self) -> tuple[Any, ...]:
         return *super().__reduce__(), {"stage": self.stage, "timings": self.timings}
 
-    def in_stage[F: "StageFailure"](self: F, stage: str) -> F:  # noqa: PYI019  (beartype)
+    def in_stage[F: "StageFailure"](self: F, stage: str) -> F:  # noqa: PYI019  (no Self: beartype)
         """Return the same failure with its stage set."""
         self.stage = stage
         return self
