@@ -70,14 +70,12 @@ def scene(page: StudioPage) -> None:
     page.wait_for("revision 2")
 
 
-# One after the other, in one page.
-_STORY: dict[str, Callable[[StudioPage], None]] = {
-    "studio": proven,
-    "studio_checks": checks,
-    "studio_options": options,
-    "studio_failure": failure,
-    "studio_scene": scene,
-}
+# One after the other, each story in a page of its own.
+_STORIES: tuple[dict[str, Callable[[StudioPage], None]], ...] = (
+    {"studio_failure": failure},
+    {"studio_scene": scene},
+    {"studio": proven, "studio_checks": checks, "studio_options": options},
+)
 
 
 def main() -> None:
@@ -94,12 +92,13 @@ def main() -> None:
 
 
 def _pictures(browser: Any, url: str) -> Iterator[tuple[str, Image.Image]]:
-    with StudioPage.opened(browser, url, *_SIZE) as page:
-        page.wait_for_goal()
-        page.hide_notices()
-        for name, act in _STORY.items():
-            act(page)
-            yield name, _shot(page)
+    for story in _STORIES:
+        with StudioPage.opened(browser, url, *_SIZE) as page:
+            page.wait_for_goal()
+            page.hide_notices()
+            for name, act in story.items():
+                act(page)
+                yield name, _shot(page)
 
 
 def _shot(page: StudioPage) -> Image.Image:
