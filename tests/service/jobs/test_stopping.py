@@ -227,15 +227,20 @@ def test_who_waits_for_a_job_that_was_canceled_while_it_began_is_answered(
     """The table never has it as begun; its worker may take long to get ready, or to be replaced."""
 
     async def story() -> None:
-        async with running(tmp_path, cancel_grace=GUARD) as (dispatcher, _):
+        async with running(tmp_path, cancel_grace=GUARD) as (dispatcher, store):
             written, write = asyncio.Event(), Attempt._write_start
 
             async def write_later(attempt: Attempt) -> object:
                 await written.wait()
                 return await write(attempt)
 
+            gate = tmp_path / "gate"
+            # A worker that is free has the start of a job written with the job itself.
+            busy = await dispatcher.submit(spec("wait_for_file", payload={"file": str(gate)}))
+            await eventually(lambda: store.last_event(busy.id, "stage"))
             monkeypatch.setattr(Attempt, "_write_start", write_later)
             job = await dispatcher.submit(spec("spin"))
+            gate.touch()
             await eventually(lambda: dispatcher.attempt_of(job.id).has_begun)
             assert (await dispatcher.cancel(job.id)).state is JobState.CANCELED
             assert dispatcher.attempt_of(job.id) is not None
