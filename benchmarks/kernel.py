@@ -164,7 +164,7 @@ def scattered(count: int, rng: np.random.Generator) -> planning.Scene:
 def _scene_rows(
     name: str, scene: planning.Scene, rng: np.random.Generator, rounds: int
 ) -> Iterator[Row]:
-    world = planning.load_world(scene, max_objects_in_model=len(scene.objects))
+    world = planning.load_world(scene, all_in_drake=True)
     group = world.group("panda")
     limits, margins = world.limits(group), world.margins()
     kernel = world.collision_oracle(group, margins)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import pytest
@@ -71,6 +72,16 @@ def bundled_world(name: str) -> World:
     """Return a bundled scene, loaded; it never changes, so tests share it."""
     path = planning.bundled_folder("scenes") / f"{name}.scene.yaml"
     return planning.load_world(planning.read_scene(path))
+
+
+_whole: WeakKeyDictionary[World, World] = WeakKeyDictionary()
+
+
+def whole_world(world: World) -> World:
+    """Return a world all of whose objects are in Drake's model, for those who ask Drake alone."""
+    if world not in _whole:
+        _whole[world] = planning.load_world(world.scene, world.library, all_in_drake=True)
+    return _whole[world]
 
 
 @pytest.fixture(scope="session")

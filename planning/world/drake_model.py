@@ -15,8 +15,8 @@ from pydrake.planning import RobotDiagram
 from planning.domain.arrays import Array, Indices
 from planning.domain.geometry.unchecked_pair import UncheckedReason
 from planning.domain.robot.joints import JointGroup
-from planning.errors import ProblemInvalid
 from planning.world.collision.static_objects import StaticObjects
+from planning.world.offset_frame import OffsetFrame
 
 type UncheckedReasons = Mapping[frozenset[str], tuple[UncheckedReason, str]]
 
@@ -80,16 +80,12 @@ class DrakeModel:
         """Full names of Drake's frames and of the frames of objects outside of its plant."""
         return {*self.frames, *self.static_objects.frames}
 
-    def frame(self, name: str) -> Frame:
-        """Return Drake's frame of a name that exists.
-
-        Raises:
-            ProblemInvalid: The frame is fixed to the world, and a frame that moves is needed.
-        """
-        if name in self.static_objects.frames:
-            message = f"frame {name!r} is fixed to the world: a frame that moves is needed"
-            raise ProblemInvalid(message, {"field": "frame", "frame": name})
-        return self.frames[name]
+    def frame(self, name: str) -> OffsetFrame:
+        """Return the frame of a name that exists."""
+        X_WF = self.static_objects.frames.get(name)
+        if X_WF is not None:
+            return OffsetFrame(self.plant.world_frame(), X_WF)
+        return OffsetFrame(self.frames[name])
 
     @property
     def mimics(self) -> tuple[tuple[int, int, float], ...]:

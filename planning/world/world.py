@@ -21,7 +21,6 @@ from planning.world.collision.collision_check import (
     make_collision_checker,
 )
 from planning.world.collision.margins import PairMargins
-from planning.world.collision.near_static import NearStatic
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
 from planning.world.kernel.kernel_oracle import KernelCollisionOracle
@@ -82,11 +81,6 @@ class World:
     def shares_engine_with(self, other: "World") -> bool:
         """Return whether both use one Drake model, and so belong to one thread."""
         return self.drake.diagram is other.drake.diagram
-
-    @cached_property
-    def _near_static(self) -> NearStatic:
-        """Context for distance queries, made when it is first needed."""
-        return NearStatic(self.drake)
 
     @property
     def _plant_context(self) -> Any:
@@ -250,8 +244,7 @@ class World:
         self, group: JointGroup, q: Float64[np.ndarray, " nq"], margins: PairMargins
     ) -> tuple[BodyPair, ...]:
         """Return the pairs of bodies that are nearer than their margin, nearest first."""
-        probe = DistanceProbe(self.drake, margins, self._near_static)
-        return probe.violations(self.embed(group, q))
+        return self.distance_probe(margins).violations(self.embed(group, q))
 
     @property
     def robot_groups(self) -> list[RobotGroups]:

@@ -16,6 +16,7 @@ from planning.kernel.native import native
 from planning.world.world import World
 from tests.certify.oracles import for_oracle, oracle
 from tests.clocks import no_hurry
+from tests.conftest import whole_world
 
 
 @pytest.fixture(scope="module", params=["kernel", "drake"])
@@ -68,6 +69,7 @@ def smallest_distance(world: World, trajectory: TimedTrajectory, name: str, step
     It shares nothing with the certifier: another context, positions from the samples, and Drake's
     list of pairs at each of them.
     """
+    world = whole_world(world)
     group = world.group(name)
     plant, scene_graph = world.drake.plant, world.drake.scene_graph
     context = world.drake.diagram.CreateDefaultContext()

@@ -22,7 +22,6 @@ from planning.kernel.gjk import closest_points
 from planning.world.collision.distance_lower_bounds import DistanceLowerBounds
 from planning.world.collision.drake_distance import pair_distance
 from planning.world.collision.near_static import NearStatic
-from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
 
 type Ids = tuple[GeometryId, GeometryId]
@@ -113,7 +112,7 @@ def _point_pair(
 
 def _scene_at(model: DrakeModel, request: CertifyRequest, time: float) -> NearStatic:
     """Return a Drake context with the group at an instant of the motion."""
-    near_static = NearStatic(model, None if len(model.static_objects) else shared_context(model))
+    near_static = NearStatic.shared(model)
     q = request.trajectory.positions(np.array([time]))[0]
     near_static.set_positions(model.embed(request.group, q, request.state))
     return near_static

@@ -150,7 +150,7 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Chain
     model.plant.SetPositions(context, full)
     frame = model.frame(name)
     ends: list[tuple[int, MovingJoint, Array, Array]] = []
-    for k in chains[int(frame.body().index())]:
+    for k in chains[int(frame.body)]:
         joint = moving[k].joint
         near, far = joint.frame_on_parent(), joint.frame_on_child()
         # Drake may run a joint from the tip to the base.
@@ -160,7 +160,7 @@ def _links(model: DrakeModel, request: CertifyRequest, name: str) -> list[_Chain
         positions = [np.array(f.CalcPoseInWorld(context).translation()) for f in (near, far)]
         ends.append((rank, moving[k], positions[0], positions[1]))
     ends.sort(key=lambda entry: entry[0])
-    tip = np.array(frame.CalcPoseInWorld(context).translation())
+    tip = np.array(frame.pose(context).translation())
     # Without a joint between world and frame the frame does not move.
     nexts = [near for _, _, near, _ in ends[1:]] + [tip] * bool(ends)
     return [

@@ -55,5 +55,5 @@ class FramePoses:
         poses = np.empty((len(qs), 4, 4))
         for i, q in enumerate(self._model.embed(self._request.group, qs, self._request.state)):
             plant.SetPositions(context, q)
-            poses[i] = frame.CalcPoseInWorld(context).GetAsMatrix4()
+            poses[i] = frame.pose(context).GetAsMatrix4()
         return poses

@@ -94,13 +94,15 @@ class FrameStates:
         plant, context, frame = self._plant, self._context, self._frame
         plant.SetPositions(context, q)
         plant.SetVelocities(context, v)
-        world, origin = plant.world_frame(), np.zeros(3)
+        world = plant.world_frame()
         of_v = JacobianWrtVariable.kV
         jacobian = plant.CalcJacobianTranslationalVelocity(
-            context, of_v, frame, origin, world, world
+            context, of_v, frame.frame, frame.origin, world, world
         )
-        bias = plant.CalcBiasTranslationalAcceleration(context, of_v, frame, origin, world, world)
-        position = np.array(frame.CalcPoseInWorld(context).translation())
+        bias = plant.CalcBiasTranslationalAcceleration(
+            context, of_v, frame.frame, frame.origin, world, world
+        )
+        position = np.array(frame.pose(context).translation())
         return position, jacobian @ v, jacobian @ vdot + bias[:, 0]
 
 

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.multibody.tree import JacobianWrtVariable
 
 from planning.certify.intervals.angular_velocity_bounds import angular_velocity_bounds
 from planning.certify.intervals.equal_split import split_equally
@@ -78,7 +77,7 @@ class ToolRates:
             if i % _BATCH_SIZE == 0:
                 deadline.check("certify")
             self._plant.SetPositions(self._context, q)
-            found[i] = self._frame.CalcPoseInWorld(self._context).GetAsMatrix4()
+            found[i] = self._frame.pose(self._context).GetAsMatrix4()
         return found[:, :3, :3], found[:, :3, 3]
 
     def cells(self, begin: float, end: float) -> RateCells:
@@ -124,12 +123,9 @@ class ToolRates:
     def _jacobian_norms(self, times: Array) -> tuple[Array, Array]:
         """Return the norms of the Jacobian's columns, rotation and translation, at instants."""
         jacobians = np.empty((len(times), 6, len(self._columns)))
-        world = self._plant.world_frame()
         for i, q in enumerate(self._plant_positions(times)):
             self._plant.SetPositions(self._context, q)
-            jacobian = self._plant.CalcJacobianSpatialVelocity(
-                self._context, JacobianWrtVariable.kV, self._frame, np.zeros(3), world, world
-            )
+            jacobian = self._frame.velocity_jacobian(self._plant, self._context)
             jacobians[i] = jacobian[:, self._columns]
         return np.linalg.norm(jacobians[:, :3], axis=1), np.linalg.norm(jacobians[:, 3:], axis=1)
 

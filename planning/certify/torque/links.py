@@ -168,11 +168,11 @@ class _LinkBuilder:
         )
         if self._payload is not None:
             frame = self._model.frame(self._payload.frame)
-            if frame.body().index() == body.index():
+            if frame.body == body.index():
                 payload = self._payload
                 shift = skew(payload.center_of_mass)
                 about_frame = payload.inertia - payload.mass * shift @ shift
-                x_lf = placement.pose @ _matrix(frame.GetFixedPoseInBodyFrame())
+                x_lf = placement.pose @ _matrix(frame.pose_in_body)
                 pseudo = _pseudo_inertia(payload.mass, payload.center_of_mass, about_frame)
                 total = total + _transformed(x_lf, pseudo)
         self._links[placement.link] = replace(link, inertia=total)

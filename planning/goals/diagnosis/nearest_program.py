@@ -107,10 +107,11 @@ def pose_distance_cost(world: World, query: GoalQuery, target: Target) -> AddCos
         desired = target.closest(tool_pose)
         x_wg = RigidTransform(desired.matrix)
         weight = metric.translation**2 * np.eye(3)
-        program.ik.AddPositionCost(origin, x_wg.translation(), frame, np.zeros(3), weight)
+        program.ik.AddPositionCost(origin, x_wg.translation(), frame.frame, frame.origin, weight)
         theta = min(tool_pose.distance(desired)[1], _LARGEST_ANGLE)
         c = 2 * metric.rotation**2 / float(np.sinc(theta / np.pi))
-        program.ik.AddOrientationCost(origin, x_wg.rotation(), frame, RotationMatrix(), c)
+        R_FT = RotationMatrix(frame.rotation)
+        program.ik.AddOrientationCost(origin, x_wg.rotation(), frame.frame, R_FT, c)
 
     return add_cost
 

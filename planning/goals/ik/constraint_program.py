@@ -23,21 +23,23 @@ def add_constraints(program: GroupProgram, world: World, constraints: PathConstr
     for constraint in constraints.constraints:
         match constraint:
             case BoxConstraint(is_inside=True):
+                frame = world.drake.frame(constraint.kinematics.frame)
                 half_widths = np.maximum(constraint.half - _SLACK, 0.0)
                 program.ik.AddPositionConstraint(
-                    world.drake.frame(constraint.kinematics.frame),
-                    np.zeros(3),
+                    frame.frame,
+                    frame.origin,
                     world.drake.plant.world_frame(),
                     RigidTransform(constraint.pose.matrix),
                     -half_widths,
                     half_widths,
                 )
             case ConeConstraint():
+                frame = world.drake.frame(constraint.kinematics.frame)
                 program.ik.AddAngleBetweenVectorsConstraint(
                     world.drake.plant.world_frame(),
                     constraint.direction,
-                    world.drake.frame(constraint.kinematics.frame),
-                    constraint.axis,
+                    frame.frame,
+                    frame.rotation @ constraint.axis,
                     0.0,
                     max(constraint.tolerance - _SLACK, 0.0),
                 )

@@ -3,7 +3,6 @@
 import numpy as np
 from jaxtyping import Float64
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.tree import JacobianWrtVariable
 
 from planning.domain.arrays import Array
 from planning.domain.geometry.pose import Pose
@@ -47,7 +46,7 @@ class IkProgram:
         """Return the tool frame's pose X_WT with the group at q."""
         context = self._program.context
         self._plant.SetPositions(context, self._program.embed(q))
-        return pose_of(self._frame.CalcPoseInWorld(context))
+        return pose_of(self._frame.pose(context))
 
     def _refine(self, q: Array) -> Array:
         """Refine q by Newton steps on the pose error.
@@ -69,14 +68,7 @@ class IkProgram:
 
     def _jacobian(self) -> Array:
         """Return the tool's spatial-velocity Jacobian for the group's v, mimic joints included."""
-        full = self._plant.CalcJacobianSpatialVelocity(
-            self._program.context,
-            JacobianWrtVariable.kV,
-            self._frame,
-            np.zeros(3),
-            self._plant.world_frame(),
-            self._plant.world_frame(),
-        )
+        full = self._frame.velocity_jacobian(self._plant, self._program.context)
         for follower, leader, multiplier in reversed(self._world.drake.mimics):
             full[:, leader] += multiplier * full[:, follower]
         return full[:, self._v_indices]
@@ -98,18 +90,19 @@ class IkProgram:
         world = self._plant.world_frame()
         x_wg = RigidTransform(target.pose.matrix)
         box = target.position_tolerance
-        self._program.ik.AddPositionConstraint(self._frame, np.zeros(3), world, x_wg, -box, box)
+        frame = self._frame.frame
+        self._program.ik.AddPositionConstraint(frame, self._frame.origin, world, x_wg, -box, box)
         freedom = target.rotation_freedom
         if freedom.kind is FreedomKind.CONE:
             axis = np.eye(3)[freedom.axis]
             n_w = x_wg.rotation().multiply(axis)
             bounds = 0.0, freedom.bound
-            self._program.ik.AddAngleBetweenVectorsConstraint(
-                world, n_w, self._frame, axis, *bounds
-            )
+            n_t = self._frame.rotation @ axis
+            self._program.ik.AddAngleBetweenVectorsConstraint(world, n_w, frame, n_t, *bounds)
         elif freedom.kind is FreedomKind.BALL:
+            R_FT = RotationMatrix(self._frame.rotation)
             self._program.ik.AddOrientationConstraint(
-                world, x_wg.rotation(), self._frame, RotationMatrix(), freedom.bound
+                world, x_wg.rotation(), frame, R_FT, freedom.bound
             )
 
 

@@ -40,9 +40,9 @@ def workspace_bound(world: World, group: JointGroup, frame: str) -> WorkspaceBou
     position = world.frame_pose(frame, world.state).position
     if tree is None:
         return WorkspaceBound(position, _UNBOUNDED_RANGE)
-    drake_frame = drake.frame(frame)
-    link, x_lb = tree.bodies[int(drake_frame.body().index())]
-    p_lt = x_lb.multiply(drake_frame.GetFixedPoseInBodyFrame()).translation()
+    tool = drake.frame(frame)
+    link, x_lb = tree.bodies[int(tool.body)]
+    p_lt = x_lb.multiply(tool.pose_in_body).translation()
     moving = _moving_positions(world, group)
     path = _path(tree, link, moving)
     if not path:

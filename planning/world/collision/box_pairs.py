@@ -1,5 +1,6 @@
 """Box pairs: exact distances of boxes, which Drake 1.58 overstates (docs/decisions/0006)."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -51,26 +52,46 @@ class BoxPairs:
             return {}
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self.boxes])
         a, b = self.rows.T
-        near = np.flatnonzero(
-            np.maximum(self._ball_gaps(poses, a, b), self._ball_gaps(poses, b, a)) <= max_distance
-        )
-        if len(near) == 0:
-            return {}
-        a, b = self.rows[near].T
-        boxes_and_poses = self.halves[a], poses[a], self.halves[b], poses[b]
-        distances, points = signed_box_distances(*boxes_and_poses)
-        is_within = np.flatnonzero(distances <= np.broadcast_to(max_distance, len(self.ids))[near])
-        return {int(near[i]): (float(distances[i]), points[i]) for i in is_within}
-
-    def _ball_gaps(self, poses: Array, a: Any, b: Any) -> Array:
-        """Return lower bounds on the distances of boxes b from the balls around boxes a [m]."""
-        offsets = poses[a, :3, 3] - poses[b, :3, 3]
-        local = np.einsum("nji,nj->ni", poses[b, :3, :3], offsets)
-        excess = np.maximum(np.abs(local) - self.halves[b], 0.0)
-        return np.linalg.norm(excess, axis=1) - np.linalg.norm(self.halves[a], axis=1)
+        found = boxes_within(self.halves[a], poses[a], self.halves[b], poses[b], max_distance)
+        return {row: (distance, points) for row, distance, points in found}
 
 
-def signed_box_distances(
+def boxes_within(
+    halves_a: Float64[np.ndarray, "n 3"],
+    poses_a: Float64[np.ndarray, "n 4 4"],
+    halves_b: Float64[np.ndarray, "n 3"],
+    poses_b: Float64[np.ndarray, "n 4 4"],
+    max_distance: float | Float64[np.ndarray, " n"],
+) -> Iterator[tuple[int, float, Float64[np.ndarray, "2 3"]]]:
+    """Yield row, distance and nearest points of pairs of boxes that are near, as `within` has them.
+
+    Args:
+        halves_a: Half sizes [m].
+        poses_a: X_WA.
+        halves_b: Half sizes [m].
+        poses_b: X_WB.
+        max_distance: Largest distance [m], one for all pairs or one a pair.
+    """
+    boxes = halves_a, poses_a, halves_b, poses_b
+    gaps = np.maximum(_ball_gaps(*boxes), _ball_gaps(halves_b, poses_b, halves_a, poses_a))
+    near = np.flatnonzero(gaps <= max_distance)
+    if len(near) == 0:
+        return
+    distances, points = _signed_distances(*(table[near] for table in boxes))
+    largest = np.broadcast_to(max_distance, len(gaps))[near]
+    for i in np.flatnonzero(distances <= largest):
+        yield int(near[i]), float(distances[i]), points[i]
+
+
+def _ball_gaps(halves_a: Array, poses_a: Array, halves_b: Array, poses_b: Array) -> Array:
+    """Return lower bounds on the distances of boxes b from the balls around boxes a [m]."""
+    offsets = poses_a[:, :3, 3] - poses_b[:, :3, 3]
+    local = np.einsum("nji,nj->ni", poses_b[:, :3, :3], offsets)
+    excess = np.maximum(np.abs(local) - halves_b, 0.0)
+    return np.linalg.norm(excess, axis=1) - np.linalg.norm(halves_a, axis=1)
+
+
+def _signed_distances(
     halves_a: Float64[np.ndarray, "n 3"],
     poses_a: Float64[np.ndarray, "n 4 4"],
     halves_b: Float64[np.ndarray, "n 3"],

@@ -106,15 +106,13 @@ class DrakeCollisionOracle:
 
 
 class DistanceProbe:
-    """Signed distance queries of pairs of bodies; one context, one thread."""
+    """Signed distance queries of pairs of bodies; one thread."""
 
-    def __init__(
-        self, model: DrakeModel, margins: PairMargins, near_static: NearStatic | None = None
-    ) -> None:
-        """Use a given context of the model, or make one, which takes longer than a query."""
+    def __init__(self, model: DrakeModel, margins: PairMargins) -> None:
+        """Prepare queries in the context that all probes of the model share."""
         self._model = model
         self._margins = margins
-        self._near_static = near_static or NearStatic(model)
+        self._near_static = NearStatic.shared(model)
         self._measured_pairs = measured_pairs_of(model)
         self._lower_bounds = DistanceLowerBounds(model)
 

@@ -20,7 +20,7 @@ MAX_PAIRS = 3_000_000
 type Ids = tuple[GeometryId, GeometryId]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CollisionPairs:
     """Unfiltered pairs of collision shapes, in a fixed order; holds no reference to the model.
 

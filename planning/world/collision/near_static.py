@@ -6,22 +6,24 @@ result for a pair does not depend on the other registered objects.
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from functools import cached_property
+from dataclasses import dataclass, field
 from itertools import batched
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.geometry import Box, GeometryId
+from pydrake.geometry import Box, CollisionFilterDeclaration, GeometryId, GeometrySet
 from pydrake.systems.framework import Context
 
 from planning.domain.arrays import Array, Indices
-from planning.world.collision.box_pairs import signed_box_distances
+from planning.world.collision.box_pairs import boxes_within
 from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.collision.measured_pairs import GeometryDistance
+from planning.world.collision.moving_shapes import MovingShapes, moving_shapes_of
+from planning.world.collision.static_objects import StaticObjects
 from planning.world.contexts import make_query_context
 from planning.world.drake_model import DrakeModel
-from planning.world.kernel.convex_shapes import convex_shape
 
 type Ids = tuple[GeometryId, GeometryId]
 
@@ -29,19 +31,53 @@ type Ids = tuple[GeometryId, GeometryId]
 MAX_REGISTERED = 96
 
 
-class NearStatic:
-    """Context of a model (`make_query_context`) with its registered objects; one thread.
+@dataclass(eq=False)
+class _QueryContext:
+    """Context of a model (`make_query_context`), and the rows that are registered in it."""
 
-    Attributes:
-        plant_context: The plant's part of the present context.
-    """
+    root: Context
+    rows: set[int] = field(default_factory=set)
+
+
+# Of each table of objects, the context that all short queries share; refers to no model.
+_shared: WeakKeyDictionary[StaticObjects, _QueryContext] = WeakKeyDictionary()
+
+
+class NearStatic:
+    """Context of a model with the objects that are registered in it; one thread."""
 
     def __init__(self, model: DrakeModel, context: Context | None = None) -> None:
-        """Make the context, with the shapes of Drake's model, or use a given one of it."""
+        """Make a context, with the shapes of Drake's model, or use a given one of it."""
         self._model = model
-        self._registered: set[int] = set()
         self._last_gaps: tuple[bytes, tuple[Array, Array]] | None = None
-        self._use_context(context or make_query_context(model))
+        self._context = _QueryContext(context or make_query_context(model))
+
+    @classmethod
+    def shared(cls, model: DrakeModel) -> "NearStatic":
+        """Return the objects of a model in a context that others use too.
+
+        Making a context takes longer than most queries. Every user sets all positions first, and
+        is done before another one does.
+        """
+        context = _shared.get(model.static_objects)
+        if context is None:
+            context = _shared[model.static_objects] = _QueryContext(make_query_context(model))
+        near_static = cls(model, context.root)
+        near_static._context = context
+        return near_static
+
+    @property
+    def plant_context(self) -> Any:
+        """The plant's part of the present context."""
+        return self._model.plant.GetMyMutableContextFromRoot(self._context.root)
+
+    @property
+    def _moving(self) -> MovingShapes:
+        return moving_shapes_of(self._model)
+
+    @property
+    def _query_context(self) -> Any:
+        return self._model.scene_graph.GetMyMutableContextFromRoot(self._context.root)
 
     @property
     def query(self) -> Any:
@@ -70,19 +106,28 @@ class NearStatic:
 
     def register(self, rows: Sequence[int]) -> None:
         """Register some objects with Drake, at most 96; those already registered may stay."""
-        new = [row for row in rows if row not in self._registered]
-        if len(self._registered) + len(new) > MAX_REGISTERED:
+        new = [row for row in rows if row not in self._context.rows]
+        if len(self._context.rows) + len(new) > MAX_REGISTERED:
             full = self._model.plant.GetPositions(self.plant_context)
-            self._use_context(make_query_context(self._model))
+            self._context.root = make_query_context(self._model)
+            self._context.rows.clear()
             self.set_positions(full)
             new = list(rows)
+        if not new:
+            return
         graph: Any = self._model.scene_graph
         source = self._model.plant.get_source_id()
-        context: Any = self._query_context
-        for row in new:
-            instance = self._model.static_objects.geometry_instance(row)
-            graph.RegisterGeometry(context, source, graph.world_frame_id(), instance)
-        self._registered.update(new)
+        context, world = self._query_context, graph.world_frame_id()
+        instances = [self._model.static_objects.geometry_instance(row) for row in new]
+        for instance in instances:
+            graph.RegisterGeometry(context, source, world, instance)
+        if self._moving.others:
+            # Half spaces among them: Drake has no distance of these, and refuses the whole query.
+            declaration = CollisionFilterDeclaration()
+            added = GeometrySet([instance.id() for instance in instances])
+            declaration.ExcludeBetween(added, GeometrySet(list(self._moving.others)))
+            graph.collision_filter_manager(context).Apply(declaration)
+        self._context.rows.update(new)
 
     def register_pairs(self, pairs: Sequence[Ids]) -> bool:
         """Register the objects of some pairs, by our ids; return whether they were few enough."""
@@ -122,7 +167,7 @@ class NearStatic:
         if rows == [None, None]:
             return self._names[ids[0]], self._names[ids[1]]
         model_ids = [i for i, row in zip(ids, rows, strict=True) if row is None]
-        if not model_ids or model_ids[0] not in self._moving:
+        if not model_ids or model_ids[0] not in self._moving.rows:
             return None
         objects = self._model.static_objects.objects
         a, b = (
@@ -135,7 +180,7 @@ class NearStatic:
         """Return whether both are boxes, at least one of them a registered object."""
         rows = [self.row(i) for i in ids]
         return rows != [None, None] and all(
-            i in self._boxes
+            self._moving.rows.get(i) in self._moving.boxes
             if row is None
             else isinstance(self._model.static_objects.drake_shapes[row], Box)
             for i, row in zip(ids, rows, strict=True)
@@ -143,39 +188,40 @@ class NearStatic:
 
     def boxes_within(self, rows: Sequence[int], max_distance: float) -> Iterator[GeometryDistance]:
         """Yield pairs of boxes at most `max_distance` apart [m], one an object of these rows."""
-        static_objects = self._model.static_objects
+        static_objects, moving = self._model.static_objects, self._moving
         boxes = [row for row in rows if isinstance(static_objects.drake_shapes[row], Box)]
-        own = list(self._boxes)
-        if not boxes or not own:
+        if not boxes or not moving.boxes:
             return
-        query = self.query
+        ids, query = list(moving.rows), self.query
+        own = [ids[row] for row in moving.boxes]
         poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in own])
-        halves = np.array([self._boxes[i] for i in own])
-        for row in boxes:
-            x = np.broadcast_to(static_objects.poses[row].GetAsMatrix4(), poses.shape)
-            half = np.broadcast_to(static_objects.shapes[row].size, halves.shape)
-            lengths, points = signed_box_distances(halves, poses, half, x)
-            for k in np.flatnonzero(lengths <= max_distance).tolist():
-                ids = own[k], static_objects.geometry_instance(row).id()
-                names = self.bodies(ids)
-                if names is not None:
-                    yield GeometryDistance(ids, names, float(lengths[k]), points[k])
+        static_poses = np.array([static_objects.poses[row].GetAsMatrix4() for row in boxes])
+        static_halves = np.array([static_objects.shapes[row].size for row in boxes])
+        second, first = np.indices((len(boxes), len(own))).reshape(2, -1)
+        halves = moving.half_sizes[first], static_halves[second]
+        placed = halves[0], poses[first], halves[1], static_poses[second]
+        for row, distance, points in boxes_within(*placed, max_distance):
+            instance = static_objects.geometry_instance(boxes[second[row]])
+            pair = own[first[row]], instance.id()
+            names = self.bodies(pair)
+            if names is not None:
+                yield GeometryDistance(pair, names, distance, points)
 
     def nearest_upper_bound(self) -> float:
         """Return an upper bound on the distance to the nearest object [m]; infinite if none."""
-        if not len(self._model.static_objects) or not self._moving:
+        if not len(self._model.static_objects) or not self._moving.rows:
             return float("inf")
         gaps, sizes = self._ball_gaps()
         return float((gaps + sizes).min())
 
     def are_farther_than(self, rows: Collection[int], distance: float) -> bool:
         """Return whether objects surely are farther than `distance` [m] from all moving shapes."""
-        if not rows or not self._moving:
+        if not rows or not self._moving.rows:
             return True
         return bool((self._ball_gaps()[0][:, list(rows)] > distance).all())
 
     def _rows_within(self, max_distance: float) -> Indices:
-        if not len(self._model.static_objects) or not self._moving:
+        if not len(self._model.static_objects) or not self._moving.rows:
             return np.zeros(0, dtype=np.intp)
         return np.flatnonzero(self._ball_gaps()[0].min(axis=0) <= max_distance)
 
@@ -188,47 +234,16 @@ class NearStatic:
 
     def _compute_ball_gaps(self) -> tuple[Array, Array]:
         query = self.query
-        own_centers, own_radii = self._balls
-        poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in self._moving])
-        moving_centers = np.einsum("nij,nj->ni", poses[:, :3, :3], own_centers) + poses[:, :3, 3]
+        own = self._moving
+        poses = np.array([query.GetPoseInWorld(i).GetAsMatrix4() for i in own.rows])
+        moving_centers = np.einsum("nij,nj->ni", poses[:, :3, :3], own.centers) + poses[:, :3, 3]
         static_centers, radii = self._model.static_objects.balls
         squares = np.zeros((len(moving_centers), len(static_centers)))
         for axis in range(3):  # one after the other: a table of all three is slow to go through
             squares += (moving_centers[:, None, axis] - static_centers[None, :, axis]) ** 2
-        radius_sums = own_radii[:, None] + radii[None]
+        radius_sums = own.radii[:, None] + radii[None]
         return np.sqrt(squares) - radius_sums, 2 * radius_sums
 
-    def _use_context(self, context: Context) -> None:
-        model = self._model
-        self._registered.clear()
-        self._context = context
-        self.plant_context = model.plant.GetMyMutableContextFromRoot(context)
-        self._query_context = model.scene_graph.GetMyMutableContextFromRoot(context)
-
-    @cached_property
+    @property
     def _names(self) -> dict[GeometryId, str]:
         return collision_pairs_of(self._model).name_of
-
-    @cached_property
-    def _moving(self) -> dict[GeometryId, None]:
-        """Shapes of the model that can collide with static objects, in order."""
-        return dict.fromkeys(collision_pairs_of(self._model).moving)
-
-    @cached_property
-    def _boxes(self) -> dict[GeometryId, Array]:
-        """Half sizes of the boxes among `_moving` [m]."""
-        inspector = self._model.scene_graph.model_inspector()
-        shapes = {i: inspector.GetShape(i) for i in self._moving}
-        return {i: s.size() / 2 for i, s in shapes.items() if isinstance(s, Box)}
-
-    @cached_property
-    def _balls(self) -> tuple[Array, Array]:
-        inspector = self._model.scene_graph.model_inspector()
-        centers, radii = [], []
-        for geometry in self._moving:
-            shape = convex_shape(inspector.GetShape(geometry))
-            assert shape is not None  # noqa: S101  (else no object is outside of the model)
-            center, radius = shape.ball
-            centers.append(center)
-            radii.append(radius)
-        return np.array(centers).reshape(-1, 3), np.array(radii)

@@ -2,9 +2,8 @@
 
 A Drake model grows with the square of its bodies and of its collision shapes: SceneGraph keeps a
 table of all pairs of shapes, even of those that can never move, in the model and in every context.
-Static objects need none of that. From a few dozen objects on they are kept here: the kernel has all
-of them, Drake gets the near ones per query (`NearStatic`), and moving an object changes one row
-(docs/decisions/0034).
+Static objects need none of that: the kernel has all of them, Drake gets the near ones per query
+(`NearStatic`), and moving an object changes one row (docs/decisions/0034, 0072).
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +29,7 @@ from planning.kernel.shape import ConvexShape
 
 @dataclass(frozen=True, eq=False)
 class StaticObjects:
-    """Table of the objects outside of Drake's model; empty for most scenes.
+    """Table of the objects outside of Drake's model.
 
     Attributes:
         objects: The scene's objects, meshes as the copies of their files.

@@ -33,15 +33,15 @@ def kernel_chain(
     if module is None or cached is None:
         return None
     scene, tree = cached
-    drake_frame = model.frame(frame)
-    link, x_lb = tree.bodies[int(drake_frame.body().index())]
+    tool = model.frame(frame)
+    link, x_lb = tree.bodies[int(tool.body)]
     return module.Chain(
         scene,
         model.position_indices(group).astype(np.int64),
         model.velocity_indices(group).astype(np.int64),
         model.apply_couplings(np.array(state)),
         link,
-        flat_transform(x_lb.multiply(drake_frame.GetFixedPoseInBodyFrame())),
+        flat_transform(x_lb.multiply(tool.pose_in_body)),
     )
 
 

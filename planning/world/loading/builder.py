@@ -42,6 +42,8 @@ from planning.world.models.couplings import couplings, joint_indices
 from planning.world.models.model_file import FloatingJoint
 from planning.world.models.model_warnings import parser_warnings, visual_only_warnings
 
+# Steps of the plant [s]; they matter only to simulation.
+TIME_STEP = 0.001
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
 
 
@@ -50,7 +52,7 @@ def build_diagram(
     static_names: frozenset[str] = frozenset(),
     *,
     loose_names: frozenset[str] = frozenset(),
-    time_step: float = 0.001,
+    time_step: float = TIME_STEP,
     kernel: bool = True,
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
     """Return the scene's Drake model, and its loaded robots.
@@ -120,7 +122,7 @@ def build_diagram(
 
 def build_single(thing: SceneRobot | SceneObject, stored: StoredScene) -> None:
     """Build a single robot or object; raises as `build_diagram`."""
-    builder: Any = RobotDiagramBuilder(time_step=0.001)
+    builder: Any = RobotDiagramBuilder(time_step=TIME_STEP)
     build = Build(builder, builder.plant())
     if isinstance(thing, SceneRobot):
         _add_robot(build, replace(thing, base=Pose.identity()), stored)

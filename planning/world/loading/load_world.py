@@ -4,6 +4,7 @@ from planning.domain.scene.scene import Scene
 from planning.errors import ProblemInvalid, SceneInvalid, UnknownName
 from planning.world.collision.box_pairs import box_pairs_of
 from planning.world.collision.half_spaces import has_moving_half_space
+from planning.world.collision.near_static import NearStatic
 from planning.world.collision.unchecked_pairs import unchecked_pairs
 from planning.world.contexts import shared_context
 from planning.world.drake_model import DrakeModel
@@ -13,13 +14,15 @@ from planning.world.kernel.kernel_tree import kernel_chain
 from planning.world.loading.builder import build_diagram
 from planning.world.loading.model_reuse import reuse_model
 from planning.world.loading.scene_build import LoadedRobot
-from planning.world.loading.static_build import MAX_OBJECTS_IN_MODEL, static_object_names
+from planning.world.loading.static_build import static_object_names
 from planning.world.mechanics.grippers import require_gripper
 from planning.world.models.model_library import ModelLibrary
 from planning.world.world import World
 
 # Groups whose checkers are made at once; those of others are made at their first use.
 _MAX_PREPARED_GROUPS = 4
+# Objects that are registered with Drake in advance: 0.1 ms each.
+_MAX_REGISTERED = 24
 # Without the kernel: Drake's tables have a row for every pair of shapes, and so has each context.
 MAX_OBJECTS_FOR_DRAKE = 1_000
 
@@ -30,7 +33,7 @@ def load_world(
     *,
     kernel: bool = True,
     previous: World | None = None,
-    max_objects_in_model: int = MAX_OBJECTS_IN_MODEL,
+    all_in_drake: bool = False,
 ) -> World:
     """Load a scene into Drake.
 
@@ -45,8 +48,8 @@ def load_world(
             Drake's either way.
         previous: A loaded world to reuse, such as that of the scene before an edit: common parts
             are not loaded again but shared, so both belong to one thread.
-        max_objects_in_model: Largest number of objects fixed to the world that are in Drake's
-            model; if there are more, all of them are kept outside of it, with the same results.
+        all_in_drake: Whether Drake's model has the objects that are fixed to the world too, for
+            those who ask Drake alone; else they are kept outside of it, with the same results.
 
     Raises:
         SceneInvalid: A name in the scene is wrong; evidence has its `path`.
@@ -58,7 +61,7 @@ def load_world(
     stored = store_files(scene, chosen)
     with stored.original_names_in_errors():
         static_names = (
-            static_object_names(stored.scene, max_objects_in_model) if kernel else frozenset[str]()
+            static_object_names(stored.scene) if kernel and not all_in_drake else frozenset[str]()
         )
         shared = reuse_model(stored, static_names, previous, kernel=kernel)
         world = World(
@@ -99,6 +102,8 @@ def _precompute(world: World) -> None:
     """Compute in advance the caches that the first queries need."""
     shared_context(world.drake)
     world.drake.static_objects.precompute()
+    if len(world.drake.static_objects) <= _MAX_REGISTERED:
+        NearStatic.shared(world.drake).register(range(len(world.drake.static_objects)))
     unchecked_pairs(world.drake)
     box_pairs_of(world.drake)
     for group in world.groups[:_MAX_PREPARED_GROUPS]:

@@ -20,27 +20,18 @@ from planning.world.files.stored_scene import StoredScene
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.loading.drake_shapes import drake_shape
 
-# Number of static objects up to which Drake's model loads in a tenth of a second; most scenes have
-# fewer.
-MAX_OBJECTS_IN_MODEL = 48
-_MAX_FEW_ROBOTS, _MAX_FEW_FRAMES = 4, 500
 
-
-def static_object_names(scene: Scene, max_in_model: int = MAX_OBJECTS_IN_MODEL) -> frozenset[str]:
+def static_object_names(scene: Scene) -> frozenset[str]:
     """Return the names of the objects that stay out of Drake's model.
 
-    They are all that are fixed to the world, if they are more than `max_in_model`, or if there are
-    many robots or frames: then the model is expensive, and moving an object must not rebuild it.
-    Half spaces, which are unbounded, are always in Drake's model: there are few.
+    They are all that are fixed to the world: moving one must not rebuild the model. Half spaces,
+    which are unbounded, are in Drake's model: there are few.
     """
-    names = [
+    return frozenset(
         thing.name
         for thing in scene.objects
         if thing.attached is None and not isinstance(thing.shape, HalfSpace)
-    ]
-    is_expensive = len(scene.robots) > _MAX_FEW_ROBOTS or len(scene.frames) > _MAX_FEW_FRAMES
-    is_many = len(names) > max_in_model or is_expensive
-    return frozenset(names) if is_many else frozenset()
+    )
 
 
 def make_static_objects(stored: StoredScene, names: frozenset[str]) -> StaticObjects:

@@ -14,7 +14,7 @@ from planning.world.drake_model import DrakeModel
 class ContactProbe:
     """Reads the contacts of a plant's context.
 
-    Contacts with objects outside of Drake's model, in scenes of many objects, exert no force.
+    In scenes of many objects, contacts with those outside of Drake's model exert no force.
     """
 
     def __init__(self, model: DrakeModel, probe: DistanceProbe | None, depth: float) -> None:

@@ -166,7 +166,7 @@ def validate_payload(
     moved_velocities |= {c.follower_velocity for c in model.followers_of(group)}
     joints = [model.plant.get_joint(index) for index in model.joint_indices.values()]
     moving = [joint.index() for joint in joints if joint.velocity_start() in moved_velocities]
-    body = model.frame(payload.frame).body().index()
+    body = model.frame(payload.frame).body
     if body not in model.plant.GetBodiesKinematicallyAffectedBy(moving):
         message = f"{field}.frame: {group.name!r} does not move {payload.frame!r}"
         evidence = {"field": f"{field}.frame", "tool_frames": list(group.tool_frames)}
@@ -176,8 +176,8 @@ def validate_payload(
 def _add_payload(model: DrakeModel, context: Any, payload: Payload) -> None:
     """Add a payload to the body of its frame, in a context alone."""
     frame = model.frame(payload.frame)
-    body: Any = model.plant.get_body(frame.body().index())
-    x_bf = frame.GetFixedPoseInBodyFrame()
+    body: Any = model.plant.get_body(frame.body)
+    x_bf = frame.pose_in_body
     (xx, xy, xz), (_, yy, yz), (*_, zz) = payload.inertia
     central = RotationalInertia(xx, yy, zz, xy, xz, yz).ReExpress(RotationMatrix(x_bf.rotation()))
     added = SpatialInertia.MakeFromCentralInertia(

@@ -15,9 +15,9 @@ from planning.domain.scene.grip import Grip
 from planning.domain.scene.held_pose import HeldPose
 from planning.domain.scene.scene import SceneObject
 from planning.world.loading.builder import pose_of
-from planning.world.mechanics.grip_world import touched_bodies
 from planning.world.mechanics.grippers import require_gripper
 from planning.world.mechanics.joint_followers import joint_followers
+from planning.world.mechanics.simulation_world import touched_bodies
 from planning.world.world import World
 
 
@@ -50,7 +50,7 @@ class Grips:
     """Objects that are free bodies of a simulation, between fingers that a force closes."""
 
     def __init__(self, world: World, held: tuple[SceneObject, ...]) -> None:
-        """Take a world in which the objects float, as `grip_world` makes it."""
+        """Take a world in which the objects float, as `simulation_world` makes it."""
         self._model = world.drake
         self._held = [_held(world, thing) for thing in held]
         self._objects = [

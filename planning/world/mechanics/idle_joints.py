@@ -8,12 +8,8 @@ from planning.world.drake_model import DrakeModel
 
 
 def idle_positions(model: DrakeModel, group: JointGroup, frame: str) -> Bool[np.ndarray, " nq"]:
-    """Return which coordinates of a group's q belong to joints that do not move a frame.
-
-    Raises:
-        ProblemInvalid: The frame is fixed to the world.
-    """
-    body = model.frame(frame).body().index()
+    """Return which coordinates of a group's q belong to joints that do not move a frame."""
+    body = model.frame(frame).body
     flags: list[bool] = []
     for joint in group.joints:
         single = JointGroup(joint.name, (joint,), ())

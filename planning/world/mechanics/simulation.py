@@ -24,9 +24,9 @@ from planning.domain.robot.manifold import Manifold
 from planning.domain.scene.held_pose import HeldPose
 from planning.errors import ModelInvalid, TrackingLost
 from planning.world.mechanics.contact_probe import ContactProbe
-from planning.world.mechanics.grip_world import grip_world, gripped_objects
 from planning.world.mechanics.grips import Grips
 from planning.world.mechanics.joint_friction import JointFriction
+from planning.world.mechanics.simulation_world import gripped_objects, simulation_world
 from planning.world.world import World
 
 # Critically damped: an error dies out within about five times 1 / bandwidth. The product with the
@@ -42,8 +42,8 @@ class Simulation:
 
     The plant has gravity, damping and dry friction of the joints where descriptions state them, and
     effort limits. Not promised: the dynamics of motors or gears; contacts are Drake's compliant
-    point contacts. Contacts with objects outside of Drake's model, in scenes of many objects, are
-    detected but exert no force.
+    point contacts. In scenes of more than 48 objects that are fixed to the world, contacts with
+    these are detected but exert no force.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Simulation:
         self.group = group
         limits = world.limits(group)
         held = gripped_objects(world, group)
-        world = grip_world(world, held) if held else world
+        world = simulation_world(world, held)
         self._grips = Grips(world, held) if held else None
         self._model = world.drake
         self._block_members, self._effort = _block_members(limits), limits.effort

@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from pydrake.multibody.tree import JacobianWrtVariable, JointIndex
+from pydrake.multibody.tree import JointIndex
 from pydrake.systems.framework import Context
 
 from planning.domain.arrays import Array, Indices
@@ -103,7 +103,7 @@ class ToolKinematics:
         for c in drake.followers_of(self._group):
             member, scale = multiplier_of[c.leader_velocity]
             multiplier_of[c.follower_velocity] = member, scale * c.multiplier
-        tool = drake.frame(self.frame).body().index()
+        tool = drake.frame(self.frame).body
         found = [
             (column, *multiplier_of[column])
             for column in list(multiplier_of)[len(own) :]
@@ -127,14 +127,11 @@ class ToolKinematics:
     def _plant_jacobians(self, qs: Array) -> Array:
         """Return Drake's Jacobians by all velocities of the plant, shape (n, 6, num_velocities)."""
         plant, context = self._world.drake.plant, self._context
-        frame, world = self._world.drake.frame(self.frame), plant.world_frame()
-        origin = np.zeros(3)
+        frame = self._world.drake.frame(self.frame)
         found = np.empty((len(qs), 6, plant.num_velocities()))
         for i, full in enumerate(self._world.embed(self._group, qs)):
             plant.SetPositions(context, full)
-            found[i] = plant.CalcJacobianSpatialVelocity(
-                context, JacobianWrtVariable.kV, frame, origin, world, world
-            )
+            found[i] = frame.velocity_jacobian(plant, context)
         return found
 
 

@@ -130,11 +130,10 @@ def test_of_two_bodies_all_shapes_are_measured(urdf_world: Callable[..., World])
     world = urdf_world(robot, objects=[thing])
     model, group = world.drake, world.group("r")
     request = request_for(world, "r", quintic(group, np.zeros(1), np.full(1, 1e-6), 1.0))
-    shapes = [
-        (*model.plant.GetCollisionGeometriesForBody(model.plant.get_body(model.bodies[name])),)
-        for name in ("r::a", "o")
-    ]
-    witness = WitnessPoint((shapes[0][0], shapes[1][0]), ("r::a", "o"), 0.9, 0.0)
+    plant, static = model.plant, model.static_objects
+    ball, *_ = plant.GetCollisionGeometriesForBody(plant.get_body(model.bodies["r::a"]))
+    (thing,) = static.ids or plant.GetCollisionGeometriesForBody(plant.get_body(model.bodies["o"]))
+    witness = WitnessPoint((ball, thing), ("r::a", "o"), 0.9, 0.0)
     points, distance = nearest_points(model, request, witness)
     assert distance == pytest.approx(0.3, abs=1e-6)
     np.testing.assert_allclose(points[:, 0], [0.4, 0.7], atol=1e-6)

@@ -263,8 +263,7 @@ def test_of_many_poses_the_nearest_is_named() -> None:
 def test_free_bodies_have_nearest_poses_too() -> None:
     world = world_by("window_3d", "kernel")
     (group,) = world.groups
-    bodies = [name for name in world.drake.bodies if "::" not in name and name != "world"]
-    inside = world.frame_pose(bodies[0], world.state)
+    inside = world.frame_pose(world.scene.objects[0].name, world.state)
     with pytest.raises((GoalInCollision, GoalUnreachable)) as refusal:
         ask(world, group.name, at(inside), IkOptions(5, 20))
     near = refusal.value.evidence["nearest"]

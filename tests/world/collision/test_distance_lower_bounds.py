@@ -10,6 +10,7 @@ import planning
 from planning.kernel.shape_distance import distance_bounds
 from planning.world.kernel.convex_shapes import convex_shape
 from planning.world.world import World
+from tests.conftest import whole_world
 from tests.profiles import num_cases, rng_of
 
 SHAPES = {
@@ -36,7 +37,7 @@ def world_of(folder: Path, held: str, still: str) -> World:
 
 def true_distance(world: World, q: np.ndarray) -> tuple[float, float]:
     """Return two bounds on the distance of the two things, next to each other."""
-    model = world.drake
+    model = whole_world(world).drake
     inspector = model.scene_graph.model_inspector()
     context = model.diagram.CreateDefaultContext()
     plant_context = model.plant.GetMyMutableContextFromRoot(context)

@@ -14,7 +14,7 @@ from planning.certify.clearance.nearest_points import nearest_points
 from planning.domain.geometry.pose import Pose
 from planning.domain.request.constraint import DistanceBand
 from planning.domain.robot.joints import JointGroup
-from planning.errors import PlanningFailure, ProblemInvalid, SceneInvalid, UnknownName
+from planning.errors import PlanningFailure, SceneInvalid, UnknownName
 from planning.kernel.native import native
 from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.collision.collision_pairs import collision_pairs_of
@@ -85,8 +85,8 @@ def document(rng: np.random.Generator, count: int = 14) -> dict[str, Any]:
 def both(text: dict[str, Any]) -> tuple[World, World]:
     """Return a scene with its objects outside of Drake's model, and inside."""
     scene = planning.parse_scene(text)
-    apart = planning.load_world(scene, max_objects_in_model=0)
-    whole = planning.load_world(scene, max_objects_in_model=len(scene.objects))
+    apart = planning.load_world(scene)
+    whole = planning.load_world(scene, all_in_drake=True)
     assert len(apart.drake.static_objects) == sum(thing.attached is None for thing in scene.objects)
     assert not len(whole.drake.static_objects)
     return apart, whole
@@ -258,13 +258,45 @@ def test_inverse_kinematics_says_the_same_of_goals_that_collide() -> None:
     assert failures[0].evidence["funnel"] == failures[1].evidence["funnel"]
 
 
-def test_a_frame_that_stands_is_no_tool() -> None:
+@pytest.mark.parametrize("name", ["t1", "on_t1", "on_it", "arm::tool0", "on_that"])
+def test_frames_are_where_drake_has_them_and_move_alike(name: str) -> None:
+    found = []
+    for world in both(document(rng_of(3))):
+        frame, plant = world.drake.frame(name), world.drake.plant
+        context = plant.CreateDefaultContext()
+        plant.SetPositions(context, world.state)
+        jacobian = frame.velocity_jacobian(plant, context)
+        in_world = plant.get_body(frame.body).body_frame().CalcPoseInWorld(context)
+        pose = frame.pose(context).GetAsMatrix4()
+        np.testing.assert_allclose(in_world.multiply(frame.pose_in_body).GetAsMatrix4(), pose)
+        found.append((pose, jacobian))
+        assert jacobian.any() == ("t1" not in name and name != "on_it")
+    np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-12)
+    np.testing.assert_allclose(found[0][1], found[1][1], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", seeds(3))
+def test_a_half_space_changes_no_distance_of_others(seed: int) -> None:
+    text = document(rng_of(seed), count=6)
+    floor = {"name": "floor", "shape": {"half_space": {}}, "pose": {"position": [0, 0, -0.1]}}
+    scenes = [text, {**text, "objects": [*text["objects"], floor]}]
+    worlds = [planning.load_world(planning.parse_scene(scene)) for scene in scenes]
+    probes = [world.distance_probe(world.margins()) for world in worlds]
+    group, bodies = worlds[0].group("arm"), set()
+    for q in rng_of(seed).uniform(-2, 2, (20, 6)):
+        alone, beside = (
+            {pair.bodies: pair.distance for pair in probe.pairs_within(world.embed(group, q), 0.4)}
+            for probe, world in zip(probes, worlds, strict=True)
+        )
+        assert {pair: d for pair, d in beside.items() if "floor" not in pair} == alone
+        bodies |= {name for pair in beside for name in pair}
+    assert {"floor", "t0"} <= bodies
+
+
+def test_an_unknown_frame_is_told_with_the_nearest() -> None:
     apart, _ = both(document(rng_of(3)))
-    with pytest.raises(ProblemInvalid, match="'t1' is fixed to the world"):
-        apart.drake.frame("t1")
     with pytest.raises(UnknownName, match="did you mean 't1'"):
         apart.validate_frame("T1")
-    assert apart.drake.frame("on_that") is apart.drake.frames["on_that"]
 
 
 def test_replays_show_what_stands() -> None:
@@ -284,9 +316,9 @@ def test_an_execution_that_touches_what_stands_ends() -> None:
     box["pose"] = {"position": (tip - [0, 0, 0.35]).tolist()}
     text = {"name": "t", "robots": [{"name": "arm", "model": "ur5e", "positions": "home"}]}
     ends, down = [], np.array([0.0, 0.5, 0.0, 0.0, 0.0, 0.0])
-    for most in (0, 1):
+    for whole in (False, True):
         scene = planning.parse_scene({**text, "objects": [box]})
-        placed = planning.load_world(scene, max_objects_in_model=most)
+        placed = planning.load_world(scene, all_in_drake=whole)
         start = placed.positions(group)
         simulation = Simulation(placed, group, start)
         touched, time = (), 0.0
@@ -306,7 +338,7 @@ def test_too_many_pairs_and_too_many_objects_for_drake_are_refused(
     scene = planning.parse_scene(document(rng_of(8)))
     monkeypatch.setattr("planning.world.collision.collision_pairs.MAX_PAIRS", 20)
     with pytest.raises(SceneInvalid, match="the limit is 20") as refused:
-        planning.load_world(scene, max_objects_in_model=0)
+        planning.load_world(scene)
     assert refused.value.evidence["bound"] == 20
     monkeypatch.setattr("planning.world.loading.load_world.MAX_OBJECTS_FOR_DRAKE", 5)
     with pytest.raises(SceneInvalid, match="15 objects exceed the limit of 5") as refused:
@@ -325,9 +357,9 @@ def test_names_are_taken_once_and_shapes_that_do_not_load_are_named() -> None:
     ):
         scene = planning.parse_scene({**text, **change})
         faults = []
-        for most in (0, 100):
+        for whole in (False, True):
             with pytest.raises(SceneInvalid) as refused:
-                planning.load_world(scene, max_objects_in_model=most)
+                planning.load_world(scene, all_in_drake=whole)
             faults.append(refused.value)
         assert faults[0].detail == faults[1].detail
         assert faults[0].evidence["path"] == path == faults[1].evidence["path"]

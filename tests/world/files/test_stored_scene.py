@@ -15,6 +15,7 @@ from planning.domain.scene.kept_files import KeptFiles
 from planning.errors import AssetNotFound, ModelInvalid, SceneInvalid
 from planning.world.files.file_store import FileStore
 from planning.world.fingerprint import collision_fingerprint
+from tests.conftest import whole_world
 
 CARD = """
 name: {name}
@@ -146,7 +147,7 @@ def scene_of(*files, **more):
 
 def radii(world):
     """How far each robot's body reaches from its own origin."""
-    inspector = world.drake.scene_graph.model_inspector()
+    inspector = whole_world(world).drake.scene_graph.model_inspector()
     shapes = [inspector.GetShape(geometry) for geometry in inspector.GetAllGeometryIds()]
     hulls = [s.GetConvexHull() for s in shapes if hasattr(s, "GetConvexHull")]
     return [max(np.linalg.norm(h.vertex(i)) for i in range(h.num_vertices())) for h in hulls]

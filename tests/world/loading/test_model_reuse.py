@@ -82,7 +82,7 @@ CONFIGURATIONS = np.random.default_rng(1).uniform(-2.0, 2.0, (40, 6))
 
 
 def load(scene: Scene, like: World | None = None) -> World:
-    return planning.load_world(scene, previous=like, max_objects_in_model=0)
+    return planning.load_world(scene, previous=like)
 
 
 def answers(world: World) -> list[Any]:

@@ -1,4 +1,4 @@
-"""grip_world(): a scene for simulation in which held objects are free between the fingers."""
+"""simulation_world(): a scene for simulation, whose objects push back, and slip when held."""
 
 from typing import Any
 
@@ -18,14 +18,16 @@ from planning.domain.scene.scene import SceneObject
 from planning.errors import ModelInvalid
 from planning.world.drake_model import DrakeModel
 from planning.world.files.stored_scene import store_files
-from planning.world.loading.builder import build_diagram
+from planning.world.loading.builder import TIME_STEP, build_diagram
 from planning.world.world import World
 
 # Pressure of an object at full penetration [Pa]: hard rubber, so that fingers of 100 N sink in by
 # less than a millimetre.
 _MODULUS = 2e7
-# Edges of the flat pieces that round shapes are cut into [m], and steps of the simulation [s].
-_RESOLUTION, _TIME_STEP = 0.01, 0.002
+# Objects that are fixed to the world and push back: Drake's model grows with their square.
+_MAX_OBJECTS = 48
+# Edges of the flat pieces that round shapes are cut into [m], and steps of their simulation [s].
+_RESOLUTION, _GRIP_TIME_STEP = 0.01, 0.002
 
 
 def gripped_objects(world: World, group: JointGroup) -> tuple[SceneObject, ...]:
@@ -50,30 +52,38 @@ def gripped_objects(world: World, group: JointGroup) -> tuple[SceneObject, ...]:
     )
 
 
-def grip_world(world: World, held: tuple[SceneObject, ...]) -> World:
-    """Return a scene in which some attached objects float in their frames, held by nothing yet.
+def simulation_world(world: World, held: tuple[SceneObject, ...]) -> World:
+    """Return a scene whose objects push back, and in which some of them float in their frames.
 
-    Contacts between them and bodies that they may touch count, as patches of pressure
-    (hydroelastic: Elandt et al., A pressure field model for fast, robust approximation of net
-    contact force and moment between nominally rigid objects, IROS 2019): a point of contact would
-    not resist turning.
+    Nothing holds those yet. Contacts between them and bodies that they may touch count, as patches
+    of pressure (hydroelastic: Elandt et al., A pressure field model for fast, robust approximation
+    of net contact force and moment between nominally rigid objects, IROS 2019): a point of contact
+    would not resist turning. In scenes of more than 48 objects that are fixed to the world, these
+    exert no force.
+
+    Args:
+        world: The scene.
+        held: The attached objects that float.
 
     Raises:
         ModelInvalid: An object has no mass.
     """
+    rows = world.drake.static_objects.rows
+    static_names = frozenset(rows) if len(rows) > _MAX_OBJECTS else frozenset[str]()
+    if not held and len(static_names) == len(rows):
+        return world
     for thing in held:
         if thing.mass is None or isinstance(thing.shape, HalfSpace):
             message = f"object {thing.name!r} is held by contact, so it needs a `mass`"
             raise ModelInvalid(message, {"file": "", "reason": f"{thing.name} has no mass"})
     stored = store_files(world.scene, world.library)
-    static_names = frozenset(world.drake.static_objects.rows)
     names = frozenset(thing.name for thing in held)
     with stored.original_names_in_errors():
         model, robots = build_diagram(
             stored,
             static_names,
             loose_names=names,
-            time_step=_TIME_STEP,
+            time_step=_GRIP_TIME_STEP if held else TIME_STEP,
             kernel=world.drake.uses_kernel,
         )
         for thing in held:
