@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
-from pydrake.geometry import SceneGraph
+from pydrake.geometry import GeometryId, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame, JointIndex
 from pydrake.planning import RobotDiagram
@@ -48,6 +48,8 @@ class DrakeModel:
         couplings: Mimic joints, none before its leader; the plant itself does not have them.
         owners: The robot of each attached object, by the object's name.
         static_objects: Objects outside of the plant and the scene graph.
+        half_spaces: The body of each half space that is fixed to the world, by the id of its visual
+            geometry; Drake has no collision geometry of it (docs/decisions/0074).
         uses_kernel: Whether the native kernel may decide where it is certain, or Drake always does.
         unchecked_reasons: Reasons for the pairs of bodies that we left out of collision checks.
         warnings: Warnings of the builder.
@@ -63,6 +65,7 @@ class DrakeModel:
     couplings: tuple[Coupling, ...]
     owners: Mapping[str, str] = field(default_factory=dict)
     static_objects: StaticObjects = field(default_factory=StaticObjects)
+    half_spaces: Mapping[GeometryId, str] = field(default_factory=dict)
     uses_kernel: bool = True
     unchecked_reasons: UncheckedReasons = field(default_factory=dict)
     warnings: tuple[str, ...] = ()

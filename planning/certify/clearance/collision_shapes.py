@@ -25,12 +25,12 @@ from pydrake.geometry import (
     GeometryId,
     HalfSpace,
     Mesh,
-    Role,
     Sphere,
 )
 
 from planning.domain.arrays import Array
 from planning.errors import ModelInvalid
+from planning.world.collision.collision_pairs import collision_pairs_of
 from planning.world.drake_model import DrakeModel
 
 
@@ -102,21 +102,18 @@ def collision_shapes(model: DrakeModel) -> CollisionShapes:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
     inspector, standing = model.scene_graph.model_inspector(), model.static_objects
-    drake_ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
-    ids = [*drake_ids, *standing.ids]
+    pairs = collision_pairs_of(model)
+    ids, drake_ids = pairs.ids, pairs.ids[: pairs.num_drake_shapes]
     shapes = [*(inspector.GetShape(geometry) for geometry in drake_ids), *standing.drake_shapes]
     parts = [_summands(shape) for shape in shapes]
     poses = [*(inspector.GetPoseInFrame(geometry) for geometry in drake_ids), *standing.poses]
-    plant = model.plant
-    bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in drake_ids]
-    bodies += [plant.world_body().index()] * len(standing)
     spheres = [_sphere(shape, part) for shape, part in zip(shapes, parts, strict=True)]
     max_vertices = max((len(part.vertices) for part in parts), default=1)
     padded = [np.resize(part.vertices, (max_vertices, 3)) for part in parts]
     centers = [x.multiply(center) for x, (center, _) in zip(poses, spheres, strict=True)]
     return CollisionShapes(
         rows={geometry: row for row, geometry in enumerate(ids)},
-        bodies=np.array([int(body) for body in bodies], dtype=np.intp),
+        bodies=np.array([int(body) for body in pairs.bodies], dtype=np.intp),
         R_BG=np.array([x.rotation().matrix() for x in poses]).reshape(-1, 3, 3),
         p_bg=np.array([x.translation() for x in poses]).reshape(-1, 3),
         vertices=np.array(padded).reshape(-1, max_vertices, 3),

@@ -93,17 +93,22 @@ def copy_candidates(before: DrakeModel, after: DrakeModel) -> None:
 def _candidates(model: DrakeModel) -> CollisionPairs:
     inspector: Any = model.scene_graph.model_inspector()
     plant, static_objects = model.plant, model.static_objects
-    ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
+    ids: list[GeometryId] = sorted([
+        *inspector.GetAllGeometryIds(Role.kProximity),
+        *model.half_spaces,
+    ])
     bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in ids]
     names = [model.body_names.get(i, plant.get_body(i).name()) for i in bodies]
     # One by one: Drake's own list of pairs takes twenty times as long to convert.
     is_filtered = inspector.CollisionFiltered
+    drake_ids = [(row, i) for row, i in enumerate(ids) if i not in model.half_spaces]
     drake_rows = [
-        (i, k)
-        for i, a in enumerate(ids)
-        for k, b in enumerate(ids[i + 1 :], i + 1)
+        (row, other)
+        for k, (row, a) in enumerate(drake_ids)
+        for other, b in drake_ids[k + 1 :]
         if not is_filtered(a, b)
     ]
+    drake_rows += _half_space_pairs(model, ids, bodies, names)
     rows = [np.array(drake_rows, dtype=np.intp).reshape(-1, 2)]
     if len(static_objects):
         rows.append(_static_pairs(model, bodies, names))
@@ -115,6 +120,24 @@ def _candidates(model: DrakeModel) -> CollisionPairs:
         rows=all_rows[np.lexsort((all_rows[:, 1], all_rows[:, 0]))],
         num_drake_shapes=len(ids),
     )
+
+
+def _half_space_pairs(
+    model: DrakeModel, ids: list[GeometryId], bodies: list[BodyIndex], names: list[str]
+) -> list[tuple[int, int]]:
+    """Return the rows of pairs of a half space that is fixed to the world and a moving shape."""
+    if not model.half_spaces:
+        return []
+    plant = model.plant
+    fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
+    moving = [row for row, body in enumerate(bodies) if int(body) not in fixed]
+    return [
+        (min(row, other), max(row, other))
+        for row, i in enumerate(ids)
+        if i in model.half_spaces
+        for other in moving
+        if frozenset((names[row], names[other])) not in model.unchecked_reasons
+    ]
 
 
 def _static_pairs(model: DrakeModel, bodies: list[BodyIndex], names: list[str]) -> Any:

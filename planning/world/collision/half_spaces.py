@@ -148,7 +148,8 @@ def exclude_half_spaces(scene_graph: SceneGraph, context: Any) -> None:
 def _pairs(model: DrakeModel) -> HalfSpacePairs:
     inspector: Any = model.scene_graph.model_inspector()
     geometries = inspector.GetAllGeometryIds(Role.kProximity)
-    half_spaces = {i for i in geometries if isinstance(inspector.GetShape(i), HalfSpace)}
+    of_drake = {i for i in geometries if isinstance(inspector.GetShape(i), HalfSpace)}
+    half_spaces = of_drake | set(model.half_spaces)
     pairs = collision_pairs_of(model).drake_pairs if half_spaces else []
     ids: list[Ids] = [pair for pair in pairs if not half_spaces.isdisjoint(pair)]
     return HalfSpacePairs(

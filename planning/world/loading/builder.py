@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydrake.geometry import Box
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.multibody.tree import (
@@ -17,7 +18,7 @@ from pydrake.multibody.tree import (
 from pydrake.planning import RobotDiagramBuilder
 
 from planning.domain.geometry.pose import Pose
-from planning.domain.geometry.shapes import Mesh
+from planning.domain.geometry.shapes import HalfSpace, Mesh
 from planning.domain.scene.scene import Scene, SceneObject, SceneRobot
 from planning.errors import ModelInvalid, SceneInvalid
 from planning.world.drake_model import DrakeModel
@@ -44,6 +45,8 @@ from planning.world.models.model_warnings import parser_warnings, visual_only_wa
 
 # Steps of the plant [s]; they matter only to simulation.
 TIME_STEP = 0.001
+# Pushes back in place of a half space, with its origin on it [m].
+_SLAB = Box(1000.0, 1000.0, 10.0), RigidTransform(np.array([0.0, 0.0, -5.0]))
 DEFAULT_COLOR = np.array([0.72, 0.62, 0.48, 1.0])
 
 
@@ -52,6 +55,7 @@ def build_diagram(
     static_names: frozenset[str] = frozenset(),
     *,
     loose_names: frozenset[str] = frozenset(),
+    is_simulated: bool = False,
     time_step: float = TIME_STEP,
     kernel: bool = True,
 ) -> tuple[DrakeModel, tuple[LoadedRobot, ...]]:
@@ -62,6 +66,7 @@ def build_diagram(
         static_names: Names of the objects that are kept outside of Drake's model.
         loose_names: Names of attached objects that float in their frames, and whose contacts with
             the bodies that they may touch count: for simulation.
+        is_simulated: Whether half spaces have to push back.
         time_step: Of the plant [s]; matters only to simulation.
         kernel: Whether the native kernel may decide collisions where it is certain.
 
@@ -73,7 +78,7 @@ def build_diagram(
     """
     scene = stored.scene
     builder: Any = RobotDiagramBuilder(time_step=time_step)
-    build = Build(builder, builder.plant(), static_names, loose_names)
+    build = Build(builder, builder.plant(), static_names, loose_names, is_simulated=is_simulated)
     build.frames["world"] = build.plant.world_frame()
     build.bodies["world"] = build.plant.world_body().index()
     for i, robot in enumerate(scene.robots):
@@ -113,6 +118,7 @@ def build_diagram(
         ),
         owners=owners,
         static_objects=static_objects,
+        half_spaces=build.half_spaces,
         uses_kernel=kernel,
         unchecked_reasons=build.unchecked,
         warnings=tuple(dict.fromkeys(build.warnings)),
@@ -216,10 +222,15 @@ def _add_object(build: Build, thing: SceneObject, path: str) -> None:
         inertia = spatial_inertia(thing) if thing.attached else SpatialInertia.NaN()
         body = build.plant.AddRigidBody(thing.name, instance, inertia)
         color = DEFAULT_COLOR if thing.color is None else thing.color
-        build.plant.RegisterCollisionGeometry(
-            body, x_og, shape, thing.name, CoulombFriction(0.9, 0.8)
-        )
-        build.plant.RegisterVisualGeometry(body, x_og, shape, thing.name, color)
+        visual = build.plant.RegisterVisualGeometry(body, x_og, shape, thing.name, color)
+        if isinstance(thing.shape, HalfSpace) and thing.attached is None:
+            # Drake's broadphase ends the process where one is among a few dozen shapes.
+            build.half_spaces[visual] = thing.name
+            shape, x_og = _SLAB if build.is_simulated else (None, x_og)
+        if shape is not None:
+            build.plant.RegisterCollisionGeometry(
+                body, x_og, shape, thing.name, CoulombFriction(0.9, 0.8)
+            )
     except (RuntimeError, ValueError, SystemExit) as fault:
         message = f"{path}: object {thing.name!r} does not load: {fault}"
         raise SceneInvalid(message, {"path": path}) from fault

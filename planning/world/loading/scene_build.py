@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pydrake.geometry import GeometryId
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame, ModelInstanceIndex
 
@@ -32,7 +33,9 @@ class Build:
     float in it. `files` has the parsed description of each robot; `static_names` the names of
     objects outside of the plant, `static_names_added` those already processed; `unchecked` the
     reason and the evidence of every pair of bodies, by both full names, that collision checks leave
-    out; `warnings` are those of the scene's summary.
+    out; `half_spaces` the body of each half space that is fixed to the world, and `is_simulated`
+    whether something stands in for these that pushes back; `warnings` are those of the scene's
+    summary.
     """
 
     builder: Any
@@ -45,6 +48,8 @@ class Build:
     bodies: dict[str, BodyIndex] = field(default_factory=dict)
     frames: dict[str, Frame] = field(default_factory=dict)
     unchecked: dict[frozenset[str], tuple[UncheckedReason, str]] = field(default_factory=dict)
+    half_spaces: dict[GeometryId, str] = field(default_factory=dict)
+    is_simulated: bool = False
     warnings: list[str] = field(default_factory=list)
 
     @property

@@ -70,7 +70,7 @@ def simulation_world(world: World, held: tuple[SceneObject, ...]) -> World:
     """
     rows = world.drake.static_objects.rows
     static_names = frozenset(rows) if len(rows) > _MAX_OBJECTS else frozenset[str]()
-    if not held and len(static_names) == len(rows):
+    if not (held or world.drake.half_spaces) and len(static_names) == len(rows):
         return world
     for thing in held:
         if thing.mass is None or isinstance(thing.shape, HalfSpace):
@@ -83,6 +83,7 @@ def simulation_world(world: World, held: tuple[SceneObject, ...]) -> World:
             stored,
             static_names,
             loose_names=names,
+            is_simulated=True,
             time_step=_GRIP_TIME_STEP if held else TIME_STEP,
             kernel=world.drake.uses_kernel,
         )

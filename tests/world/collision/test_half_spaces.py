@@ -1,5 +1,7 @@
 """Half spaces have no end: verdicts, distances, slopes, goals, pictures and contacts know it."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -233,3 +235,29 @@ def test_planes_of_robots_are_half_spaces(tmp_path: Path) -> None:
     assert not steep.valid
     height = 0.4 * np.cos(0.7) - 0.5 * np.sin(0.7) - 0.1
     assert steep.violations[0].distance == pytest.approx(height)
+
+
+TILTED = """
+import sys, planning
+robots = [{"name": f"r{i}", "model": "panda", "base": {"position": [2.0 * i, 0, 0]}} for i in (0, 1)]
+for tilt in (0.0, 0.1, 1.1):
+    pose = {"position": [0, 0, -0.1], "rpy": [tilt, 2 * tilt, 0]}
+    floor = {"name": "floor", "shape": {"half_space": {}}, "pose": pose}
+    boxes = [
+        {"name": f"t{i}", "shape": {"box": [0.1, 0.1, 0.1]}, "pose": {"position": [1 + i, 2, 0]}}
+        for i in range(24)
+    ]
+    scene = planning.parse_scene({"robots": robots, "objects": [*boxes, floor]})
+    world = planning.load_world(scene, all_in_drake="all" in sys.argv)
+    found = world.distance_probe(world.margins()).pairs_within(world.state, 0.5)
+    assert any("floor" in pair.bodies for pair in found) or tilt
+print("answered")
+"""
+
+
+@pytest.mark.parametrize("where", ["apart", "all"])
+def test_no_tilt_and_no_number_of_shapes_end_the_process(where: str) -> None:
+    """Drake's broadphase ends it (SIGSEGV) where a half space is among them (decision 74)."""
+    command = [sys.executable, "-W", "ignore", "-c", TILTED, where]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert (ended.returncode, ended.stdout) == (0, "answered\n"), ended.stderr[-2000:]
