@@ -239,7 +239,8 @@ def test_planes_of_robots_are_half_spaces(tmp_path: Path) -> None:
 
 TILTED = """
 import sys, planning
-robots = [{"name": f"r{i}", "model": "panda", "base": {"position": [2.0 * i, 0, 0]}} for i in (0, 1)]
+bases = [{"position": [2.0 * i, 0, 0]} for i in (0, 1)]
+robots = [{"name": f"r{i}", "model": "panda", "base": base} for i, base in enumerate(bases)]
 for tilt in (0.0, 0.1, 1.1):
     pose = {"position": [0, 0, -0.1], "rpy": [tilt, 2 * tilt, 0]}
     floor = {"name": "floor", "shape": {"half_space": {}}, "pose": pose}
