@@ -100,6 +100,37 @@ class Checker:
     @property
     def batch_kernel(self) -> str: ...
 
+class RrtConnect:
+    def __init__(
+        self,
+        checker: Checker,
+        start: _Doubles,
+        goals: _Doubles,
+        lower: _Doubles,
+        upper: _Doubles,
+        max_step: float,
+        resolution: float,
+        seed: int,
+    ) -> None: ...
+    def solve(
+        self,
+        is_free: Callable[[_Doubles, _Doubles], bool],
+        report: Callable[[], None],
+        max_states: float,
+        max_samples: float,
+    ) -> bool: ...
+    def path(self) -> _Doubles: ...
+    @property
+    def num_edges_checked(self) -> int: ...
+    @property
+    def num_states_checked(self) -> int: ...
+    @property
+    def num_vertices(self) -> int: ...
+    @property
+    def num_edges(self) -> int: ...
+    @property
+    def goal_distance(self) -> float: ...
+
 class IkTolerance:
     def __init__(self, box: _Doubles, freedom: Freedom, axis: int, bound: float) -> None: ...
 
