@@ -303,3 +303,14 @@ def optimize_profile(
     phases: tuple[_Doubles, _Doubles],
     limits: _Doubles,
 ) -> tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles]: ...
+def relax_path(
+    waypoints: _Doubles,
+    max_sweeps: int,
+    min_gain: float,
+    first_whole_fraction: float,
+    max_whole_fraction: float,
+    growth: float,
+    shrinkage: float,
+    are_free: Callable[[_Doubles, _Doubles], np.ndarray[Any, np.dtype[np.bool_]]],
+    is_over: Callable[[], bool],
+) -> _Doubles: ...

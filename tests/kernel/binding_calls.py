@@ -234,6 +234,13 @@ def calls() -> dict[str, Call]:
             trees().solve, is_free=(lambda *_: False, OBJECT), report=(lambda: None, OBJECT),
             max_states=(100.0, ANY), max_samples=(100.0, ANY),
         ),
+        "relax_path": call(
+            module.relax_path, waypoints=(np.cumsum(np.eye(4), axis=0), ANY),
+            max_sweeps=(3, ANY), min_gain=(0.01, SCALAR), first_whole_fraction=(0.5, SCALAR),
+            max_whole_fraction=(0.8, SCALAR), growth=(2.0, SCALAR), shrinkage=(0.4, SCALAR),
+            are_free=(lambda q0s, _: np.ones(len(q0s), dtype=bool), OBJECT),
+            is_over=(lambda: False, OBJECT),
+        ),
         "IkTolerance": call(
             module.IkTolerance, box=(np.zeros(3), EXACT), freedom=(module.Freedom.CONE, KIND),
             axis=(1, INDEX), bound=(0.1, SCALAR),

@@ -157,7 +157,7 @@ class SearchSpace:
         return configurations
 
     def checker(
-        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
+        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array] | None
     ) -> EdgeChecker:
         """Return a checker of edges between configurations at a resolution."""
         return EdgeChecker(self.manifold, oracle, resolution, norm)

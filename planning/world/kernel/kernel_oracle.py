@@ -117,7 +117,7 @@ class KernelCollisionOracle:
             )
         verdicts, undecided = self._checker.check_motions(origins, displacements, resolution)
         free = verdicts != self._colliding
-        for motion in np.unique(undecided[:, 0]):
+        for motion in np.unique(undecided[:, 0]) if len(undecided) else ():
             rows = undecided[undecided[:, 0] == motion]
             fractions = rows[:, 1] / rows[:, 2]
             qs = origins[motion] + fractions[:, None] * displacements[motion]
