@@ -10,6 +10,7 @@ on their distance, and the best n attains it (Boyd and Vandenberghe, "Convex Opt
 section 8.2.2). So any direction n, whatever its source, gives a proven bound.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -95,21 +96,39 @@ class CollisionShapes:
         return R_WG @ (point + self.ball_radii[row] * n_local / np.linalg.norm(n_local)) + p_wg
 
 
-def collision_shapes(model: DrakeModel) -> CollisionShapes:
+def collision_shapes(
+    model: DrakeModel, chosen: Collection[GeometryId] | None = None
+) -> CollisionShapes:
     """Return the collision (proximity) geometry of a model.
+
+    Args:
+        model: The scene.
+        chosen: Ids of the only shapes to return, by which a hull of many vertices costs less; None
+            for all.
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
     inspector, standing = model.scene_graph.model_inspector(), model.static_objects
-    drake_ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
-    ids = [*drake_ids, *standing.ids]
-    shapes = [*(inspector.GetShape(geometry) for geometry in drake_ids), *standing.drake_shapes]
+    if chosen is None:
+        drake_ids: list[GeometryId] = sorted(inspector.GetAllGeometryIds(Role.kProximity))
+        standing_rows = list(range(len(standing)))
+    else:
+        drake_ids = sorted(i for i in chosen if i not in standing.row_of)
+        standing_rows = sorted(standing.row_of[i] for i in chosen if i in standing.row_of)
+    ids = [*drake_ids, *(standing.ids[row] for row in standing_rows)]
+    shapes = [
+        *(inspector.GetShape(geometry) for geometry in drake_ids),
+        *(standing.drake_shapes[row] for row in standing_rows),
+    ]
     parts = [_summands(shape) for shape in shapes]
-    poses = [*(inspector.GetPoseInFrame(geometry) for geometry in drake_ids), *standing.poses]
+    poses = [
+        *(inspector.GetPoseInFrame(geometry) for geometry in drake_ids),
+        *(standing.poses[row] for row in standing_rows),
+    ]
     plant = model.plant
     bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(i)).index() for i in drake_ids]
-    bodies += [plant.world_body().index()] * len(standing)
+    bodies += [plant.world_body().index()] * len(standing_rows)
     spheres = [_sphere(shape, part) for shape, part in zip(shapes, parts, strict=True)]
     max_vertices = max((len(part.vertices) for part in parts), default=1)
     padded = [np.resize(part.vertices, (max_vertices, 3)) for part in parts]

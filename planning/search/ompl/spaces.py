@@ -15,7 +15,7 @@ from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 from ompl import base as ob
 
 from planning.domain.arrays import Array
@@ -162,14 +162,13 @@ class SearchSpace:
         """Return a checker of edges between configurations at a resolution."""
         return EdgeChecker(self.manifold, oracle, resolution, norm)
 
-    def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether q, shape (nq,), is inside the search bounds, with all held rotations."""
+    def contains(self, qs: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
+        """Return whether each row is inside the search bounds, with all held rotations."""
+        are_inside = ((qs >= self.lower - 1e-9) & (qs <= self.upper + 1e-9)).all(axis=1)
         if self._held_indices:
-            with_start_rotations = np.array(q)
-            with_start_rotations[self._held_indices] = self._start[self._held_indices]
-            if float(self.manifold.distance(with_start_rotations, q)) > _ROTATION_TOLERANCE:
-                return False
-        return bool(((q >= self.lower - 1e-9) & (q <= self.upper + 1e-9)).all())
+            distances = self.manifold.distance(self.with_held_values(qs), qs)
+            are_inside &= distances <= _ROTATION_TOLERANCE
+        return are_inside
 
     def _make_ompl_space(self, components: list[SpaceComponent]) -> Any:
         spaces = [self._make_subspace(part) for part in components]
