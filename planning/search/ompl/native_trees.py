@@ -97,7 +97,7 @@ def native_trees(query: Query, edges: EdgeChecker, seed: int) -> Trees | None:
     oracle, space, options = query.oracle.inner, query.space, query.options
     if (
         query.planner != "RRTConnect"
-        or query.parameters
+        or not query.parameters.keys() <= {"range"}
         or not isinstance(oracle, TreeOracle)
         or type(space) is not SearchSpace
         or not space.is_box
@@ -109,11 +109,12 @@ def native_trees(query: Query, edges: EdgeChecker, seed: int) -> Trees | None:
     ou.RNG.setSeed(seed)
     generators = [ou.RNG() for _ in range(_GENERATORS_BEFORE_SAMPLER + 1)]
     extent = math.sqrt(sum(width * width for width in (space.upper - space.lower).tolist()))
+    max_step = float(query.parameters.get("range", 0))
     return oracle.connect_trees(
         space.bounded(query.start),
         space.bounded(query.goals),
         (space.lower, space.upper),
-        min(RRT_CONNECT_RANGE, _RANGE_PER_EXTENT * extent),
+        max_step or min(RRT_CONNECT_RANGE, _RANGE_PER_EXTENT * extent),
         edges.resolution,
         generators[-1].getLocalSeed(),
     )

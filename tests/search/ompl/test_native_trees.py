@@ -83,6 +83,14 @@ def test_the_path_is_the_one_of_ompl(both: Both, scene: str, num_goals: int) -> 
         assert ours.waypoints.tobytes() == theirs.waypoints.tobytes()
 
 
+@pytest.mark.parametrize("max_step", [0, 0.3, "0.8"])
+def test_a_range_of_ones_own_is_kept(both: Both, max_step: float | str) -> None:
+    query = query_of("panda_shelf", 3, 2, parameters={"range": max_step})
+    (ours, *counts), (theirs, *their_counts) = both(query, 4)
+    assert counts == their_counts
+    assert ours.waypoints.tobytes() == theirs.waypoints.tobytes()
+
+
 @pytest.mark.parametrize("most", [1, 40, 3_000])
 def test_a_budget_ends_both_with_the_same_trees(both: Both, most: int) -> None:
     """More vertices than one bucket of the nearest neighbours has; goals that join one by one."""
@@ -108,7 +116,7 @@ def test_a_deadline_ends_the_trees_and_their_size_is_told() -> None:
     "changes",
     [
         {"planner": "RRT"},
-        {"parameters": {"range": 0.3}},
+        {"parameters": {"intermediate_states": True}},
         {"keep_graph": True},
         {"approximate": True},
         {"setup_time": 1.0},
