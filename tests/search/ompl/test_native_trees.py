@@ -112,6 +112,13 @@ def test_a_deadline_ends_the_trees_and_their_size_is_told() -> None:
     assert caught.value.evidence["num_vertices"] >= 2
 
 
+def test_a_deadline_ends_samples_that_need_no_edge() -> None:
+    """Steps so short that rounding makes them none."""
+    query = query_of("panda_shelf", 1, 1, parameters={"range": 1e-300})
+    with pytest.raises(DeadlineExceeded):
+        attempt(replace(query, deadline=after_looks(5)), 1)
+
+
 @pytest.mark.parametrize(
     "changes",
     [

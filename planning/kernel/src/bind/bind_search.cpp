@@ -16,8 +16,8 @@
 namespace wayproof {
 namespace {
 
-// Edges that are checked between two calls of the interpreter: a tenth of a millisecond or so.
-constexpr int edges_per_report = 32;
+// Work between two calls of the interpreter, a tenth of a millisecond or so. A sample may need no edge.
+constexpr std::int64_t edges_per_report = 32, states_per_report = 4096, samples_per_report = 256;
 
 struct CheckedConnect {
   const Checker* checker;
@@ -45,11 +45,14 @@ auto array_of_row(std::span<const double> q) { return array_of(std::vector<doubl
 // Whether the trees met before `max_states` or `max_samples` were used up.
 bool solve(CheckedConnect& self, const nb::callable& is_free, const nb::callable& report, double max_states,
            double max_samples) {
+  std::int64_t reported = self.num_states;
+  const auto tell = [&] {
+    reported = self.num_states;
+    const nb::gil_scoped_acquire held;
+    report();
+  };
   const auto is_edge_free = [&](std::span<const double> from, std::span<const double> to) {
-    if (++self.num_edges % edges_per_report == 0) {
-      const nb::gil_scoped_acquire held;
-      report();
-    }
+    if (++self.num_edges % edges_per_report == 0 || self.num_states - reported >= states_per_report) tell();
     std::int64_t steps = 0;
     const Verdict verdict = self.checker->check_edge(from, to, self.resolution, steps);
     self.num_states += steps + 1;
@@ -58,7 +61,8 @@ bool solve(CheckedConnect& self, const nb::callable& is_free, const nb::callable
     return nb::cast<bool>(is_free(array_of_row(from), array_of_row(to)));
   };
   const auto is_over = [&] {
-    return static_cast<double>(self.num_states) >= max_states || static_cast<double>(++self.num_samples) >= max_samples;
+    if (++self.num_samples % samples_per_report == 0) tell();
+    return static_cast<double>(self.num_states) >= max_states || static_cast<double>(self.num_samples) >= max_samples;
   };
   nb::gil_scoped_release released;
   return self.trees.solve(is_edge_free, is_over);
