@@ -20,8 +20,9 @@ from planning.search.ompl.planner_list import RRT_CONNECT_RANGE
 from planning.search.ompl.spaces import SearchSpace
 from planning.search.query import Query
 
-# Random generators that OMPL makes between its seed and the planner's sampler.
-_GENERATORS_BEFORE_SAMPLER = 5
+# Random generators that OMPL makes between its seed and the planner's sampler; with those that
+# project a space of more than two dimensions to the plane.
+_GENERATORS_BEFORE_SAMPLER, _GENERATORS_OF_PROJECTION, _PLANE = 3, 2, 2
 # OMPL's own choice of the range, as a share of the space's diagonal.
 _RANGE_PER_EXTENT = 0.2
 # Samples allowed per allowed state, as of `TerminationCondition`.
@@ -107,7 +108,11 @@ def native_trees(query: Query, edges: EdgeChecker, seed: int) -> Trees | None:
     ):
         return None
     ou.RNG.setSeed(seed)
-    generators = [ou.RNG() for _ in range(_GENERATORS_BEFORE_SAMPLER + 1)]
+    is_projected = len(query.start) > _PLANE
+    generators = [
+        ou.RNG()
+        for _ in range(_GENERATORS_BEFORE_SAMPLER + is_projected * _GENERATORS_OF_PROJECTION + 1)
+    ]
     extent = math.sqrt(sum(width * width for width in (space.upper - space.lower).tolist()))
     max_step = float(query.parameters.get("range", 0))
     return oracle.connect_trees(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,9 @@ from planning.search.ompl.run_planner import Attempt, run_planner
 from planning.search.query import Query, make_query
 from planning.search.request import SearchTask
 from planning.search.verified_path import coarse_checker, fine_checker
+from planning.world.documents.scene_file import parse_scene
+from planning.world.loading.load_world import load_world
+from planning.world.world import World
 from tests.clocks import after_looks, no_hurry
 from tests.conftest import bundled_world
 from tests.profiles import num_cases, rng_of
@@ -30,9 +34,36 @@ RESOLUTION = 0.1
 type Both = Callable[[Query, int], list[tuple[Attempt, int, int]]]
 
 
-def query_of(scene: str, seed: int, num_goals: int, **changes: Any) -> Query:
+# A ball on slides, and one of its slides.
+SLIDES = """<robot name="slides"><link name="link0"/>{slides}</robot>"""
+SLIDE = """<link name="link{i}"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>{ball}</link>
+<joint name="joint{i}" type="prismatic"><parent link="link{before}"/><child link="link{i}"/>
+<axis xyz="{axis}"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>"""
+BALL = '<collision><geometry><sphere radius="0.05"/></geometry></collision>'
+AXES = ("1 0 0", "0 1 0", "0 0 1")
+WALLS = (([0.2, 1.2, 9.0], [0.0, -0.4, 0.0]), ([0.8, 0.1, 0.6], [0.6, 0.3, 0.1]))
+
+
+def slides(folder: Path, count: int) -> World:
+    """Return a ball on some slides, one on another, among walls."""
+    links = [
+        SLIDE.format(i=i, before=i - 1, axis=AXES[i % 3], ball=BALL if i == count else "")
+        for i in range(1, count + 1)
+    ]
+    file = folder / "slides.urdf"
+    file.write_text(SLIDES.format(slides="".join(links)))
+    objects = [
+        {"name": f"wall{i}", "shape": {"box": size}, "pose": {"position": centre}}
+        for i, (size, centre) in enumerate(WALLS)
+    ]
+    robots = [{"name": "slides", "model": str(file)}]
+    return load_world(parse_scene({"robots": robots, "objects": objects}))
+
+
+def query_of(scene: str | World, seed: int, num_goals: int, **changes: Any) -> Query:
     """Return a search between random free configurations."""
-    world = bundled_world(scene)
+    world = bundled_world(scene) if isinstance(scene, str) else scene
     group = world.group("left+right") if scene == "two_arms" else world.groups[0]
     limits, oracle = world.limits(group), world.collision_oracle(group, world.margins())
     rng, free = rng_of(seed), list[np.ndarray]()
@@ -79,6 +110,21 @@ def test_the_path_is_the_one_of_ompl(both: Both, scene: str, num_goals: int) -> 
         assert ours.status == theirs.status
         assert ours.goal_row == theirs.goal_row
         assert ours.has_given_up == theirs.has_given_up
+        assert ours.failure_evidence == theirs.failure_evidence
+        assert ours.waypoints.tobytes() == theirs.waypoints.tobytes()
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("num_joints", range(1, 6))
+def test_the_path_is_the_one_of_ompl_in_few_dimensions(
+    both: Both, tmp_path: Path, num_joints: int
+) -> None:
+    """OMPL uses more random numbers for a space of more than two."""
+    world = slides(tmp_path, num_joints)
+    for seed in range(num_cases(4)):
+        query = replace(query_of(world, seed, 1 + seed), max_checked_states=2_000)
+        (ours, *counts), (theirs, *their_counts) = both(query, seed + 1)
+        assert counts == their_counts
         assert ours.failure_evidence == theirs.failure_evidence
         assert ours.waypoints.tobytes() == theirs.waypoints.tobytes()
 
