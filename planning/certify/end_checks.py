@@ -20,7 +20,7 @@ _ACCELERATION_JUMP_TOLERANCE = 1e-3
 
 def start_check(request: CertifyRequest) -> Check:
     """Return the check of the distance between the motion's first and the required start."""
-    distance = _distance(request, _states(request, 0, 0, slice(1))[0], request.start)
+    distance = _distance(request, _states(request, 0, 0, slice(1))[0], request.start[None])
     return Check(
         "start",
         distance,
@@ -34,7 +34,7 @@ def start_check(request: CertifyRequest) -> Check:
 def goal_check(request: CertifyRequest) -> Check:
     """Return the check of the distance between the motion's end and the nearest goal."""
     end = _states(request, 0, -1, slice(-1, None))[0]
-    distance = min(_distance(request, end, goal) for goal in request.goals)
+    distance = _distance(request, end, request.goals)
     time = request.trajectory.duration
     return Check(
         "goal",
@@ -144,6 +144,7 @@ def _time(times: Array, sums: JumpSums, column: int) -> float:
     return float(times[sums.last_jump(column)]) if len(times) else 0.0
 
 
-def _distance(request: CertifyRequest, q1: Array, q0: Array) -> float:
-    difference = request.trajectory.manifold.minus(q1, q0) * request.follower_ratios
-    return float(np.abs(difference).max())
+def _distance(request: CertifyRequest, q: Array, goals: Array) -> float:
+    """Return the largest difference of a coordinate of q, shape (nq,), from the nearest goal."""
+    differences = request.trajectory.manifold.minus(q, goals) * request.follower_ratios
+    return float(np.abs(differences).max(axis=1).min())

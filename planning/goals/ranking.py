@@ -1,5 +1,7 @@
 """Ranking of IK solutions: removal of duplicates, equivalents by full turns, nearest first."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
@@ -11,6 +13,8 @@ from planning.goals.joint_metric import JointMetric
 # Two configurations nearer than this in every joint are duplicates [rad or m].
 DUPLICATE_TOLERANCE = 1e-3
 _MAX_EQUIVALENTS = 4096
+# Pairs that are compared at once.
+_MAX_PAIRS = 20_000
 
 
 class UniqueSolutions:
@@ -76,20 +80,20 @@ class UniqueSolutions:
         cosine_sums, sine_sums = np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1)
         order = np.argsort(cosine_sums, kind="stable")
         cosine_sums, sine_sums = cosine_sums[order], sine_sums[order]
-        labels = np.arange(len(cosine_sums))
-        for step in range(1, len(cosine_sums)):
-            is_near = cosine_sums[step:] - cosine_sums[:-step] <= key_tolerance
-            a = np.flatnonzero(is_near & (labels[step:] != labels[:-step]))
-            # Any duplicates farther apart in this order share a label already.
-            if not len(a):
-                break
-            a = a[np.abs(sine_sums[a + step] - sine_sums[a]) <= key_tolerance]
-            if not len(a):
-                continue
-            is_duplicate = self._are_duplicates(rows[order[a]], rows[order[a + step]])
-            is_duplicate &= targets[order[a]] == targets[order[a + step]]
-            for i in a[is_duplicate]:
-                labels[labels == labels[i + step]] = labels[i]
+        rows, targets = rows[order], targets[order]
+
+        def are_linked(a: Indices, b: Indices) -> Flags:
+            return (targets[a] == targets[b]) & self._are_duplicates(rows[a], rows[b])
+
+        neighbours = np.arange(1, len(rows))
+        labels = np.append(0, np.cumsum(~are_linked(neighbours - 1, neighbours)))[: len(rows)]
+        for firsts, seconds in _near_pairs(cosine_sums, key_tolerance):
+            is_near = labels[firsts] != labels[seconds]
+            is_near &= np.abs(sine_sums[seconds] - sine_sums[firsts]) <= key_tolerance
+            a, b = firsts[is_near], seconds[is_near]
+            is_linked = are_linked(a, b)
+            for i, k in zip(a[is_linked], b[is_linked], strict=True):
+                labels[labels == labels[k]] = labels[i]
         labels_by_row = np.empty_like(labels)
         labels_by_row[order] = labels
         return labels_by_row
@@ -100,6 +104,19 @@ class UniqueSolutions:
             np.remainder(delta[:, self._is_periodic] + np.pi, 2 * np.pi) - np.pi
         )
         return np.abs(delta).max(axis=1, initial=0.0) <= DUPLICATE_TOLERANCE
+
+
+def _near_pairs(
+    ascending: Float64[np.ndarray, " n"], tolerance: float
+) -> Iterator[tuple[Indices, Indices]]:
+    """Yield index pairs i < k of numbers at most `tolerance` apart, some thousands at once."""
+    ends = np.searchsorted(ascending, ascending + tolerance, side="right")
+    counts = np.maximum(ends - np.arange(len(ascending)) - 1, 0)
+    batches = np.cumsum(counts) // _MAX_PAIRS
+    for first in np.split(np.arange(len(ascending)), np.flatnonzero(np.diff(batches)) + 1):
+        own = counts[first]
+        a = np.repeat(first, own)
+        yield a, a + 1 + np.arange(len(a)) - np.repeat(np.cumsum(own) - own, own)
 
 
 def full_turn_equivalents(

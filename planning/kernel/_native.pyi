@@ -100,6 +100,37 @@ class Checker:
     @property
     def batch_kernel(self) -> str: ...
 
+class RrtConnect:
+    def __init__(
+        self,
+        checker: Checker,
+        start: _Doubles,
+        goals: _Doubles,
+        lower: _Doubles,
+        upper: _Doubles,
+        max_step: float,
+        resolution: float,
+        seed: int,
+    ) -> None: ...
+    def solve(
+        self,
+        is_free: Callable[[_Doubles, _Doubles], bool],
+        report: Callable[[], None],
+        max_states: float,
+        max_samples: float,
+    ) -> bool: ...
+    def path(self) -> _Doubles: ...
+    @property
+    def num_edges_checked(self) -> int: ...
+    @property
+    def num_states_checked(self) -> int: ...
+    @property
+    def num_vertices(self) -> int: ...
+    @property
+    def num_edges(self) -> int: ...
+    @property
+    def goal_distance(self) -> float: ...
+
 class IkTolerance:
     def __init__(self, box: _Doubles, freedom: Freedom, axis: int, bound: float) -> None: ...
 
@@ -272,3 +303,14 @@ def optimize_profile(
     phases: tuple[_Doubles, _Doubles],
     limits: _Doubles,
 ) -> tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Doubles]: ...
+def relax_path(
+    waypoints: _Doubles,
+    max_sweeps: int,
+    min_gain: float,
+    first_whole_fraction: float,
+    max_whole_fraction: float,
+    growth: float,
+    shrinkage: float,
+    are_free: Callable[[_Doubles, _Doubles], np.ndarray[Any, np.dtype[np.bool_]]],
+    is_over: Callable[[], bool],
+) -> _Doubles: ...

@@ -64,6 +64,7 @@ class WatchedOracle:
     circle.
 
     Attributes:
+        inner: The oracle that decides.
         num_states: Configurations queried so far; every sample of a motion counts, checked or not,
             so that the number does not depend on the implementation of the inner oracle.
     """
@@ -72,7 +73,7 @@ class WatchedOracle:
         self, inner: CollisionOracle, group: JointGroup, limits: JointLimits, deadline: Deadline
     ) -> None:
         """Wrap the oracle `inner`, for the joints and limits of a group."""
-        self._inner = inner
+        self.inner = inner
         self._deadline = deadline
         self._check_edge = (
             inner.is_edge_free if isinstance(inner, EdgeOracle) else self._check_edge_as_motion
@@ -96,6 +97,15 @@ class WatchedOracle:
         """Use another deadline from now on; inside an `with_deadline` context, up to its end."""
         self._deadline = deadline
 
+    def check_deadline(self) -> None:
+        """Raise if the search must end now.
+
+        Raises:
+            Canceled: The request was canceled.
+            DeadlineExceeded: The time has run out.
+        """
+        self._deadline.check("search")
+
     def is_free(self, q: Float64[np.ndarray, " nq"]) -> bool:
         """Return whether q, shape (nq,), is admissible.
 
@@ -107,7 +117,7 @@ class WatchedOracle:
         self.num_states += 1
         if self._wrapping_indices and not self._are_within_wrapping_limits(q[None])[0]:
             return False
-        return self._inner.is_free(q)
+        return self.inner.is_free(q)
 
     def are_free(self, qs: Float64[np.ndarray, "m nq"]) -> Bool[np.ndarray, " m"]:
         """Return the same for each row of qs, shape (m, nq).
@@ -118,7 +128,7 @@ class WatchedOracle:
         """
         self._deadline.check("search")
         self.num_states += len(qs)
-        verdicts = self._inner.are_free(qs)
+        verdicts = self.inner.are_free(qs)
         return (
             verdicts & self._are_within_wrapping_limits(qs) if self._wrapping_indices else verdicts
         )
@@ -140,7 +150,7 @@ class WatchedOracle:
             return bool(self.are_motions_free(origin[None], displacement[None], resolution)[0])
         self._deadline.check("search")
         self.num_states += steps
-        return self._inner.is_motion_free(origin, displacement, resolution)
+        return self.inner.is_motion_free(origin, displacement, resolution)
 
     def is_edge_free(self, q0: list[float], q1: list[float], resolution: float) -> bool:
         """Return whether the straight edge from q0 to q1 is admissible, both ends included.
@@ -161,7 +171,7 @@ class WatchedOracle:
     ) -> tuple[bool, int]:
         begin, end = np.array(q0), np.array(q1)
         steps = num_steps(end - begin, resolution)
-        free = self._inner.is_free(begin) and self._inner.is_motion_free(
+        free = self.inner.is_free(begin) and self.inner.is_motion_free(
             begin, end - begin, resolution
         )
         return free, steps
@@ -183,7 +193,7 @@ class WatchedOracle:
         if not self._wrapping_indices and total <= _MAX_BATCH_STATES:
             self._deadline.check("search")
             self.num_states += total
-            return self._inner.are_motions_free(origins, displacements, resolution)
+            return self.inner.are_motions_free(origins, displacements, resolution)
         self.num_states += total
         free = self._are_motions_within_wrapping_limits(origins, displacements, resolution)
         is_long = counts > _MAX_BATCH_STATES
@@ -191,15 +201,13 @@ class WatchedOracle:
             free[row] = self._is_long_motion_free((origins[row], displacements[row]), resolution)
         for rows in _batches(np.flatnonzero(free & ~is_long), counts):
             self._deadline.check("search")
-            free[rows] = self._inner.are_motions_free(
-                origins[rows], displacements[rows], resolution
-            )
+            free[rows] = self.inner.are_motions_free(origins[rows], displacements[rows], resolution)
         return free
 
     def _is_long_motion_free(self, motion: tuple[Array, Array], resolution: float) -> bool:
         for qs in sample_batches(self._manifold, motion, resolution):
             self._deadline.check("search")
-            if not self._inner.are_free(qs).all():
+            if not self.inner.are_free(qs).all():
                 return False
         return True
 

@@ -17,6 +17,7 @@ class EdgeChecker:
 
     Attributes:
         norm: Measure of tangents, by which the gain of a shortcut is computed.
+        is_euclidean: Whether that is the length of the difference of two configurations.
         resolution: Largest distance between two samples (radians and metres weigh the same).
         num_motions: Edges checked so far.
     """
@@ -30,6 +31,7 @@ class EdgeChecker:
     ) -> None:
         """Make a checker with its counter at zero; `norm` is the Euclidean length by default."""
         self.norm = norm or _euclidean
+        self.is_euclidean = norm is None and manifold.is_vector_space
         self.manifold = manifold
         self.resolution = resolution
         self.num_motions = 0

@@ -137,11 +137,10 @@ def _admissible_goals(
         NoPathFound: There is none, or the start itself is inadmissible.
     """
     evidence = {"planner": ", ".join(task.options.planners), "padding": task.padding}
-    if not (space.contains(task.start) and oracle.is_free(task.start)):
+    if not (space.contains(task.start[None])[0] and oracle.is_free(task.start)):
         message = "the start violates the position limits, search.bounds or the required clearance"
         raise NoPathFound(message, evidence | {"reason": "start"})
-    inside_rows = [row for row, q in enumerate(task.goals) if space.contains(q)]
-    rows = np.array(inside_rows, dtype=np.intp)
+    rows = np.flatnonzero(space.contains(task.goals))
     rows = rows[oracle.are_free(task.goals[rows])] if len(rows) else rows
     if not len(rows):
         message = (

@@ -87,7 +87,9 @@ class VerificationTrial(Value):
 
 def coarse_checker(query: Query, resolution: float) -> EdgeChecker:
     """Return the edge checker of planners, for a search at `resolution`."""
-    return query.space.checker(query.oracle, resolution, query.objective.norm)
+    objective = query.objective
+    norm = None if objective.is_euclidean else objective.norm
+    return query.space.checker(query.oracle, resolution, norm)
 
 
 def fine_checker(query: Query, resolution: float) -> EdgeChecker:

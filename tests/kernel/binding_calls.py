@@ -100,6 +100,12 @@ def chain() -> Any:
     return module.Chain(*(value for value, _ in group(floats=True).values()), 2, IDENTITY)
 
 
+def trees() -> Any:
+    module: Any = native()
+    q = np.zeros(4)
+    return module.RrtConnect(checker(), q, q[None] + 0.1, q - 1, q + 1, 0.5, 0.1, 7)
+
+
 def distance_query() -> Any:
     module: Any = native()
     return module.DistanceQuery(*(value for value, _ in group(floats=True).values()))
@@ -217,6 +223,23 @@ def calls() -> dict[str, Call]:
         "Checker.check_edge": call(
             checker().check_edge, q0=(q.tolist(), OBJECT), q1=((q + 0.3).tolist(), OBJECT),
             **resolution,
+        ),
+        "RrtConnect": call(
+            module.RrtConnect, checker=(checker(), OBJECT), start=(q, EXACT),
+            goals=(qs + 0.1, ROWS), lower=(q - 1, EXACT), upper=(q + 1, EXACT),
+            max_step=(0.5, SCALAR), resolution=(0.1, SCALAR), seed=(7, ANY),
+        ),
+        "RrtConnect.path": call(trees().path),
+        "RrtConnect.solve": call(
+            trees().solve, is_free=(lambda *_: False, OBJECT), report=(lambda: None, OBJECT),
+            max_states=(100.0, ANY), max_samples=(100.0, ANY),
+        ),
+        "relax_path": call(
+            module.relax_path, waypoints=(np.cumsum(np.eye(4), axis=0), ANY),
+            max_sweeps=(3, ANY), min_gain=(0.01, SCALAR), first_whole_fraction=(0.5, SCALAR),
+            max_whole_fraction=(0.8, SCALAR), growth=(2.0, SCALAR), shrinkage=(0.4, SCALAR),
+            are_free=(lambda q0s, _: np.ones(len(q0s), dtype=bool), OBJECT),
+            is_over=(lambda: False, OBJECT),
         ),
         "IkTolerance": call(
             module.IkTolerance, box=(np.zeros(3), EXACT), freedom=(module.Freedom.CONE, KIND),

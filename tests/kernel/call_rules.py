@@ -12,7 +12,7 @@ FINITE = {
     "X_PF", "X_LG", "X_LT", "axis", "size", "vertices", "planes", "outer", "inner", "bound",
     "state", "thresholds", "box", "breaks", "bases", "coefficients", "margins", "reach", "least",
     "price", "c", "s", "v", "a", "j", "h", "durations", "parameters", "limits", "positions",
-    "q_diagonal", "lower", "upper", "values",
+    "q_diagonal", "lower", "upper", "values", "start", "goals", "waypoints",
 }  # fmt: skip
 
 

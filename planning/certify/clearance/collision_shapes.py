@@ -10,6 +10,7 @@ on their distance, and the best n attains it (Boyd and Vandenberghe, "Convex Opt
 section 8.2.2). So any direction n, whatever its source, gives a proven bound.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -95,25 +96,42 @@ class CollisionShapes:
         return R_WG @ (point + self.ball_radii[row] * n_local / np.linalg.norm(n_local)) + p_wg
 
 
-def collision_shapes(model: DrakeModel) -> CollisionShapes:
+def collision_shapes(
+    model: DrakeModel, chosen: Collection[GeometryId] | None = None
+) -> CollisionShapes:
     """Return the collision (proximity) geometry of a model.
+
+    Args:
+        model: The scene.
+        chosen: Ids of the only shapes to return, by which a hull of many vertices costs less; None
+            for all.
 
     Raises:
         ModelInvalid: A shape of a kind that cannot be certified.
     """
     inspector, standing = model.scene_graph.model_inspector(), model.static_objects
     pairs = collision_pairs_of(model)
-    ids, drake_ids = pairs.ids, pairs.ids[: pairs.num_drake_shapes]
-    shapes = [*(inspector.GetShape(geometry) for geometry in drake_ids), *standing.drake_shapes]
+    first = pairs.num_drake_shapes
+    picked = [row for row, i in enumerate(pairs.ids) if chosen is None or i in chosen]
+    ids = [pairs.ids[row] for row in picked]
+    shapes: list[Any] = []
+    poses: list[Any] = []
+    for row, geometry in zip(picked, ids, strict=True):
+        is_drakes = row < first
+        shapes.append(
+            inspector.GetShape(geometry) if is_drakes else standing.drake_shapes[row - first]
+        )
+        poses.append(
+            inspector.GetPoseInFrame(geometry) if is_drakes else standing.poses[row - first]
+        )
     parts = [_summands(shape) for shape in shapes]
-    poses = [*(inspector.GetPoseInFrame(geometry) for geometry in drake_ids), *standing.poses]
     spheres = [_sphere(shape, part) for shape, part in zip(shapes, parts, strict=True)]
     max_vertices = max((len(part.vertices) for part in parts), default=1)
     padded = [np.resize(part.vertices, (max_vertices, 3)) for part in parts]
     centers = [x.multiply(center) for x, (center, _) in zip(poses, spheres, strict=True)]
     return CollisionShapes(
         rows={geometry: row for row, geometry in enumerate(ids)},
-        bodies=np.array([int(body) for body in pairs.bodies], dtype=np.intp),
+        bodies=np.array([int(pairs.bodies[row]) for row in picked], dtype=np.intp),
         R_BG=np.array([x.rotation().matrix() for x in poses]).reshape(-1, 3, 3),
         p_bg=np.array([x.translation() for x in poses]).reshape(-1, 3),
         vertices=np.array(padded).reshape(-1, max_vertices, 3),

@@ -13,9 +13,8 @@ import numpy as np
 from jaxtyping import Float64
 from pydrake.geometry import GeometryId, HalfSpace
 
-from planning.certify.clearance.candidate_pairs import geometry_of
 from planning.certify.clearance.clearance_result import WitnessPoint
-from planning.certify.clearance.collision_shapes import CollisionShapes
+from planning.certify.clearance.collision_shapes import CollisionShapes, collision_shapes
 from planning.certify.request import CertifyRequest
 from planning.domain.arrays import Array
 from planning.kernel.gjk import closest_points
@@ -139,7 +138,7 @@ def _half_space_points(
     """
     if all(is_half_space):
         return np.zeros((0, 3))
-    shapes = geometry_of(model).shapes
+    shapes = collision_shapes(model, near_static.own_ids((ids[0], ids[1])))
     half_space, other = (
         _shape_pose(shapes, near_static, ids[i])
         for i in (is_half_space.index(True), is_half_space.index(False))
@@ -152,7 +151,7 @@ def _half_space_points(
 
 def _gjk_points(model: DrakeModel, near_static: NearStatic, ids: tuple[GeometryId, ...]) -> Array:
     """Return the nearest points by our own GJK search."""
-    shapes = geometry_of(model).shapes
+    shapes = collision_shapes(model, near_static.own_ids((ids[0], ids[1])))
     a, b = (_shape_pose(shapes, near_static, i) for i in ids)
     return closest_points(
         lambda n: shapes.support_point(*a, n), lambda n: shapes.support_point(*b, n), a[2] - b[2]

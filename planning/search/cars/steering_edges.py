@@ -31,11 +31,12 @@ class SteeringEdgeChecker(EdgeChecker):
         steering_paths: SteeringPaths,
         oracle: WatchedOracle,
         resolution: float,
-        norm: Callable[[Array], Array],
+        norm: Callable[[Array], Array] | None,
         bounds: tuple[Float64[np.ndarray, " nq"], Float64[np.ndarray, " nq"]],
     ) -> None:
         """Make a checker with its counter at zero; `bounds` are the lower and upper ones of q."""
         super().__init__(steering_paths.manifold, oracle, resolution, norm)
+        self.is_euclidean = False
         self._steering_paths = steering_paths
         self._oracle = oracle
         xy = slice(steering_paths.iq, steering_paths.iq + 2)

@@ -42,7 +42,7 @@ class CarSpace(SearchSpace):
 
     @override
     def checker(
-        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
+        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array] | None
     ) -> SteeringEdgeChecker:
         """Return a checker of steering paths at a resolution."""
         return SteeringEdgeChecker(

@@ -43,6 +43,7 @@ class Objective:
     Attributes:
         name: As in the search options.
         is_length: Whether costs are plain lengths.
+        is_euclidean: Whether `norm` is the Euclidean length.
     """
 
     def __init__(
@@ -64,6 +65,7 @@ class Objective:
         """
         self.name = name
         self.is_length = name == "length"
+        self.is_euclidean = name not in {"weighted_length", "duration"}
         self._manifold = manifold_of(group)
         self._blocks = [list(block) for block in limits.blocks]
         self._velocity = limits.velocity

@@ -28,7 +28,7 @@ from planning.search.ompl.parameters import (
 # default, a fifth of the space's diagonal, is about 2.6 rad for an arm of seven joints: most
 # motions of that length are blocked, in narrow places nearly all. On MotionBenchMaker's Panda
 # problems 0.5 took a sixth of the checks, 0.3 and 0.8 a few more than 0.5.
-_RRT_CONNECT_RANGE = 0.5
+RRT_CONNECT_RANGE = 0.5
 
 # OMPL logs to the terminal by default; our reports and errors contain what matters of it.
 ou.setLogLevel(ou.LogLevel.LOG_NONE)
@@ -122,7 +122,7 @@ def make_planner(information: Any, name: str, parameters: Mapping[str, Scalar]) 
         # AORRTC crashes the process if it is destroyed without a setup (OMPL 2.0.1).
         planner.setup()
     if name == "RRTConnect" and not float(parameters.get("range", 0)):
-        planner.setRange(min(_RRT_CONNECT_RANGE, planner.getRange()))
+        planner.setRange(min(RRT_CONNECT_RANGE, planner.getRange()))
     return planner
 
 

@@ -7,6 +7,7 @@ vanishes on a set with an interior (a cone, a box) and measures how far outside 
 states in the interior move freely. Only for R^n: joints that neither wrap nor float.
 """
 
+from collections.abc import Callable
 from typing import Any, Protocol, override, runtime_checkable
 
 import numpy as np
@@ -70,9 +71,11 @@ class ProjectedSpace(SearchSpace):
         self._num_positions = group.num_positions
         # OMPL keeps no reference of its own to Python objects.
         self._constraint = _OmplConstraint(residual, self._num_positions)
-        self._ambient = self.ompl
-        self.ompl: Any = ob.ProjectedStateSpace(self._ambient, self._constraint)
-        self.read_list = self._coordinates
+
+    @override
+    def _make_ompl(self) -> Any:
+        self._ambient = super()._make_ompl()
+        return ob.ProjectedStateSpace(self._ambient, self._constraint)
 
     @override
     def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
@@ -98,8 +101,10 @@ class ProjectedSpace(SearchSpace):
         path.interpolate()
         return np.array([self.read(state) for state in path.getStates()])
 
-    def _coordinates(self, state: Any) -> list[float]:
-        return [state[i] for i in range(self._num_positions)]
+    @override
+    def _make_reader(self) -> Callable[[Any], list[float]]:
+        count = self._num_positions
+        return lambda state: [state[i] for i in range(count)]
 
 
 class _OmplConstraint(ob.Constraint):

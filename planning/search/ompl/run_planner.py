@@ -24,6 +24,12 @@ from planning.search.ompl.graph import (
     read_graph,
     with_query_vertices,
 )
+from planning.search.ompl.native_trees import (
+    Trees,
+    failure_evidence,
+    grow,
+    native_trees,
+)
 from planning.search.ompl.path_so_far import path_so_far
 from planning.search.ompl.planner_list import make_planner
 from planning.search.ompl.prm import is_roadmap_planner, solve_by_roadmap
@@ -79,8 +85,10 @@ def run_planner(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) 
         Canceled: The request was canceled.
         DeadlineExceeded: The time has run out.
     """
-    ou.RNG.setSeed(seed)
-    information, planner, setup_seconds = _set_up(query, edges)
+    trees = native_trees(query, edges, seed)
+    if trees is not None:
+        return _run_natively(trees, query, edges)
+    information, planner, setup_seconds = _set_up(query, edges, seed)
     if query.options.setup_time is not None and setup_seconds > query.options.setup_time:
         query.deadline.on_expiry()
         return _setup_timeout(query, query.options.setup_time, setup_seconds)
@@ -111,6 +119,28 @@ def run_planner(query: Query, edges: EdgeChecker, fine: EdgeChecker, seed: int) 
     return _report(query, fine, waypoints, status, planner)
 
 
+def _run_natively(trees: Trees, query: Query, edges: EdgeChecker) -> Attempt:
+    """Do the same by the oracle's own trees, with the same result."""
+    budget = query.deadline.within(query.options.solve_time)
+    has_given_up, waypoints = False, None
+    try:
+        with query.watch.measure("solve"), query.oracle.with_deadline(budget):
+            waypoints = grow(trees, query, edges)
+        if waypoints is None:
+            has_given_up = True
+            query.deadline.check("search")
+    except DeadlineExceeded as error:
+        if query.deadline.is_over:
+            raise error.saying(error.detail, failure_evidence(trees)) from error
+    path = None if waypoints is None else _path_to_goal(query, waypoints)
+    if path is not None:
+        return Attempt("Exact solution", *path, {}, None, has_given_up=False)
+    evidence = failure_evidence(trees)
+    status = "Timeout" if evidence["goal_distance"] is None else "Approximate solution"
+    no_waypoints = np.empty((0, len(query.start)))
+    return Attempt(status, no_waypoints, -1, evidence, None, has_given_up)
+
+
 def _tell_path(query: Query, planner: Any, cost: float) -> None:
     """Report the path that the planner has now."""
     if query.on_improvement is not None:
@@ -120,13 +150,15 @@ def _tell_path(query: Query, planner: Any, cost: float) -> None:
         query.on_improvement(query.planner, cost, waypoints)
 
 
-def _set_up(query: Query, edges: EdgeChecker) -> tuple[Any, Any, float]:
+def _set_up(query: Query, edges: EdgeChecker, seed: int) -> tuple[Any, Any, float]:
     """Return OMPL's space information, a planner after its setup, and the setup's duration [s].
 
     OMPL cannot be interrupted during the setup.
     """
     clock = query.deadline.clock
     began = clock()
+    _ = query.space.ompl  # it has random numbers of its own, which are not to follow the seed
+    ou.RNG.setSeed(seed)
     information = space_information(query.space, query.oracle, edges, query.planner)
     planner = make_planner(information, query.planner, query.parameters)
     planner.setProblemDefinition(_problem_definition(information, query))
@@ -175,18 +207,26 @@ def _solution(definition: Any, space: SearchSpace) -> Array | None:
 
 
 def _report(query: Query, fine: EdgeChecker, solution: Array, status: str, planner: Any) -> Attempt:
-    distances = query.space.manifold.distance(query.goals, solution[-1])
-    row = int(np.argmin(distances))
-    if distances[row] >= _GOAL_TOLERANCE:
+    path = _path_to_goal(query, solution)
+    if path is None:
         evidence = _failure_evidence(planner, query, fine)
         no_waypoints = np.empty((0, len(query.start)))
         return Attempt(status, no_waypoints, -1, evidence, None, has_given_up=False)
-    path = np.concatenate([query.start[None], solution[1:-1], query.goals[row][None]])
-    waypoints = _in_planning_coordinates(query, path)
+    waypoints, row = path
     graph, is_optimizing = _graph_on_request(planner, query, solution), hasattr(planner, "bestCost")
     return Attempt(
         status, waypoints, row, {}, graph, has_given_up=False, is_optimizing=is_optimizing
     )
+
+
+def _path_to_goal(query: Query, solution: Array) -> tuple[Array, int] | None:
+    """Return a path from the given start to the nearest goal, and its row; None if it is far."""
+    distances = query.space.manifold.distance(query.goals, solution[-1])
+    row = int(np.argmin(distances))
+    if distances[row] >= _GOAL_TOLERANCE:
+        return None
+    path = np.concatenate([query.start[None], solution[1:-1], query.goals[row][None]])
+    return _in_planning_coordinates(query, path), row
 
 
 def _in_planning_coordinates(query: Query, path: Array) -> Array:

@@ -10,11 +10,12 @@ compound. A held rotation is no part of a state.
 """
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 from ompl import base as ob
 
 from planning.domain.arrays import Array
@@ -45,11 +46,10 @@ class SearchSpace:
 
     Attributes:
         manifold: The same set with our metric.
-        ompl: OMPL's state space; it never leaves `planning.search`.
         lower: Lower search bounds, finite but for circles and quaternions, shape (nq,).
         upper: Upper search bounds, likewise, shape (nq,).
         is_mixed: Whether it is a compound for which OMPL has no class.
-        read_list: Returns the q of an OMPL state as a list, OMPL's own type.
+        is_box: Whether OMPL's states are q itself, in a box of real numbers.
     """
 
     def __init__(
@@ -80,13 +80,30 @@ class SearchSpace:
         self.is_mixed = len(components) > 1 or is_single_circle or components[0].weight != 1
         self._from_q = [i for part in components for i in part.indices]
         self._scale = np.array([scale for part in components for scale in value_scales(part)])
-        self.ompl = self._make_ompl_space(components)
-        self.ompl.setup()
+        self.is_box = (
+            not (self.is_mixed or self._held_indices or (self._scale != 1).any())
+            and components[0].kind is JointType.REVOLUTE
+        )
+        self._components = components
         self._to_q = [int(i) for i in np.argsort(self._from_q)]
         self._angles = [
             i for i, wraps in zip(self._from_q, are_angles(components), strict=True) if wraps
         ]
-        self.read_list = self._make_reader()
+
+    @cached_property
+    def ompl(self) -> Any:
+        """OMPL's state space, made when it is first needed; it never leaves `planning.search`."""
+        return self._make_ompl()
+
+    def _make_ompl(self) -> Any:
+        space = self._make_ompl_space(self._components)
+        space.setup()
+        return space
+
+    @cached_property
+    def read_list(self) -> Callable[[Any], list[float]]:
+        """Function that returns the q of an OMPL state as a list, OMPL's own type."""
+        return self._make_reader()
 
     def read(self, state: Any) -> Array:
         """Return the q of an OMPL state, shape (nq,)."""
@@ -123,11 +140,15 @@ class SearchSpace:
 
     def write(self, q: Float64[np.ndarray, " nq"]) -> Any:
         """Return a new OMPL state at q, shape (nq,); quaternions are normalized."""
-        q = np.clip(self.manifold.normalized(q), self.lower, self.upper)
+        q = self.bounded(q)
         q[self._angles] = np.remainder(q[self._angles] + np.pi, 2 * np.pi) - np.pi
         state = self.ompl.allocState()
         self.ompl.copyFromReals(state, (q[self._from_q] * self._scale).tolist())
         return state
+
+    def bounded(self, q: Float64[np.ndarray, "*n nq"]) -> Array:
+        """Return configurations clipped to the search bounds, shape (..., nq)."""
+        return np.clip(self.manifold.normalized(q), self.lower, self.upper)
 
     def with_held_values(self, qs: Float64[np.ndarray, "m nq"]) -> Array:
         """Return configurations, shape (m, nq), with held coordinates at their start values."""
@@ -136,19 +157,18 @@ class SearchSpace:
         return configurations
 
     def checker(
-        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array]
+        self, oracle: WatchedOracle, resolution: float, norm: Callable[[Array], Array] | None
     ) -> EdgeChecker:
         """Return a checker of edges between configurations at a resolution."""
         return EdgeChecker(self.manifold, oracle, resolution, norm)
 
-    def contains(self, q: Float64[np.ndarray, " nq"]) -> bool:
-        """Return whether q, shape (nq,), is inside the search bounds, with all held rotations."""
+    def contains(self, qs: Float64[np.ndarray, "n nq"]) -> Bool[np.ndarray, " n"]:
+        """Return whether each row is inside the search bounds, with all held rotations."""
+        are_inside = ((qs >= self.lower - 1e-9) & (qs <= self.upper + 1e-9)).all(axis=1)
         if self._held_indices:
-            with_start_rotations = np.array(q)
-            with_start_rotations[self._held_indices] = self._start[self._held_indices]
-            if float(self.manifold.distance(with_start_rotations, q)) > _ROTATION_TOLERANCE:
-                return False
-        return bool(((q >= self.lower - 1e-9) & (q <= self.upper + 1e-9)).all())
+            distances = self.manifold.distance(self.with_held_values(qs), qs)
+            are_inside &= distances <= _ROTATION_TOLERANCE
+        return are_inside
 
     def _make_ompl_space(self, components: list[SpaceComponent]) -> Any:
         spaces = [self._make_subspace(part) for part in components]

@@ -180,7 +180,7 @@ def _project_samples(
     for sample in samples:
         deadline.check("search")
         q = project(residual, sample)
-        if q is not None and space.contains(q):
+        if q is not None and space.contains(q[None])[0]:
             states.append(np.clip(q, space.lower, space.upper))
     return np.array(states).reshape(-1, samples.shape[1])
 

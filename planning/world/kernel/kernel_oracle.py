@@ -16,6 +16,7 @@ from planning.kernel.native import native, verdict_numbers
 from planning.world.collision.collision_check import DrakeCollisionOracle
 from planning.world.collision.margins import PairMargins
 from planning.world.drake_model import DrakeModel
+from planning.world.kernel.connect_trees import ConnectTrees
 from planning.world.kernel.kernel_scene import KernelScene
 
 
@@ -116,13 +117,40 @@ class KernelCollisionOracle:
             )
         verdicts, undecided = self._checker.check_motions(origins, displacements, resolution)
         free = verdicts != self._colliding
-        for motion in np.unique(undecided[:, 0]):
+        for motion in np.unique(undecided[:, 0]) if len(undecided) else ():
             rows = undecided[undecided[:, 0] == motion]
             fractions = rows[:, 1] / rows[:, 2]
             qs = origins[motion] + fractions[:, None] * displacements[motion]
             self.num_undecided += len(qs)
             free[motion] = self._drake_oracle.are_free(qs).all()
         return free
+
+    def connect_trees(
+        self,
+        start: Float64[np.ndarray, " nq"],
+        goals: Float64[np.ndarray, "n nq"],
+        bounds: tuple[Float64[np.ndarray, " nq"], Float64[np.ndarray, " nq"]],
+        max_step: float,
+        resolution: float,
+        seed: int,
+    ) -> ConnectTrees | None:
+        """Return the trees of RRTConnect; None for joints that float.
+
+        Args:
+            start: Configuration inside the bounds.
+            goals: Configurations inside the bounds, at least one.
+            bounds: Lower and upper bounds of samples.
+            max_step: Greatest length of an edge.
+            resolution: Greatest distance of two checked samples.
+            seed: Seed of a Mersenne twister of 32 bits.
+        """
+        if not self._has_linear_motions:
+            return None
+        module: Any = native()
+        trees = module.RrtConnect(self._checker, start, goals, *bounds, max_step, resolution, seed)
+        return ConnectTrees(
+            trees, lambda q0, q1: self.is_free(q0) and self.is_motion_free(q0, q1 - q0, resolution)
+        )
 
     @cached_property
     def _drake_oracle(self) -> DrakeCollisionOracle:

@@ -112,7 +112,7 @@ def test_ompl_interpolates_on_our_geodesics_within_bounds(
     theirs = space.read(between)
     assert float(space.manifold.distance(ours, theirs)) < 1e-6
     assert space.ompl.satisfiesBounds(between)
-    assert space.contains(theirs)
+    assert space.contains(theirs[None])[0]
     whole = space.ompl.distance(a, b)
     # OMPL calls rotations the same whose quaternions' product is within 1e-9 of one (9e-5 rad).
     dust = 1e-6 if JointType.FLOATING not in kinds else 3e-4
@@ -130,7 +130,7 @@ def test_samples_are_configurations_within_bounds(make_group, make_limits, kinds
     for _ in range(20):
         sampler.sampleUniform(state)
         q = space.read(state)
-        assert space.contains(q)
+        assert space.contains(q[None])[0]
         assert float(space.manifold.distance(space.manifold.normalized(q), q)) < 1e-9
         # Whole turns and the sign of a quaternion aside it is that very state again.
         assert space.ompl.distance(space.write(q), state) < 1e-7
@@ -172,9 +172,9 @@ def test_held_rotations_are_no_dimensions(make_group, make_limits, kinds, held):
         sampler.sampleUniform(state)
         q = space.read(state)
         assert q[held].tolist() == pytest.approx(rest[held].tolist())
-        assert space.contains(q)
+        assert space.contains(q[None])[0]
     turned = random_qs(space.manifold, np.random.default_rng(3), 1)[0]
-    assert not space.contains(turned)
+    assert not space.contains(turned[None])[0]
 
 
 def test_a_locked_joint_stays_locked(make_group, make_limits):

@@ -14,4 +14,5 @@ NB_MODULE(_native, m) {
   wayproof::bind_refine(m);
   wayproof::bind_curve(m);
   wayproof::bind_timing(m);
+  wayproof::bind_search(m);
 }

@@ -70,13 +70,21 @@ struct Checker::Workspace {
       const auto [position, kind] = c.batch_.coordinates[i];
       double x = full[position];
       is_near &= std::abs(x) < far_off;
-      if (kind == Kind::angle) x -= turn * std::nearbyint(x / turn);
+      if (kind == Kind::angle && std::abs(x) > turn / 2) x -= turn * std::nearbyint(x / turn);
       if (kind == Kind::length) reach = std::max(reach, std::abs(x));
       if (kind == Kind::quaternion_w) scale = quaternion_scale(&full[position]);
       if (kind == Kind::quaternion_w || kind == Kind::quaternion_xyz) x *= scale;
       coordinates.data()[i * width + lane] = is_near ? static_cast<float>(x) : 0.0f;
     }
     return is_near ? reach : std::numeric_limits<double>::infinity();
+  }
+
+  // Copies a lane to all after it, which are computed with the others.
+  void repeat_lane(int lane) {
+    for (int i = 0; i < model.num_coordinates; ++i) {
+      float* row = coordinates.data() + static_cast<std::size_t>(i) * width;
+      std::fill(row + lane + 1, row + width, row[lane]);
+    }
   }
 
  private:
@@ -168,12 +176,13 @@ bool Checker::check_block(const double* qs, int count, Verdict* verdicts, Worksp
   const int nq = num_positions();
   double reach = 0;
   unsigned active = 0;
-  for (int lane = 0; lane < w.width; ++lane) {
-    const double far = w.pack(*this, qs + nq * std::min(lane, count - 1), lane);
+  for (int lane = 0; lane < count; ++lane) {
+    const double far = w.pack(*this, qs + nq * lane, lane);
     if (!std::isfinite(far)) continue;
     reach = std::max(reach, far);
-    if (lane < count) active |= 1u << lane;
+    active |= 1u << lane;
   }
+  w.repeat_lane(count - 1);
   BatchVerdict v{0, 0, w.pairs.data(), w.lanes.data()};
   kernel_.check(w.model, w.coordinates.data(), active, static_cast<float>(batch_.slack_per_metre * reach),
                 w.scratch.data(), v);
