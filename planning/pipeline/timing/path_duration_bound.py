@@ -48,8 +48,9 @@ def _piece_bound(piece: JointSpline, limits: JointLimits, *, limits_jerk: bool) 
     steps = _block_distances(piece, limits, q[1:], q[:-1]) / velocity
     times = np.concatenate([[0.0], np.cumsum(steps.max(axis=1))])
     rates = (velocity, acceleration, jerk if limits_jerk else np.full_like(jerk, np.inf))
-    from_rest = durations_from_rest(_block_distances(piece, limits, q, q[:1]), *rates).max(axis=1)
-    to_rest = durations_from_rest(_block_distances(piece, limits, q, q[-1:]), *rates).max(axis=1)
+    ends = np.concatenate([q[:1], q[-1:]])[:, None]
+    moved = _block_distances(piece, limits, np.stack([q, q]), ends)
+    from_rest, to_rest = durations_from_rest(moved, *rates).max(axis=2)
     # The bound to a sample is its own, or that of one before it and the steps from there.
     before = times + np.maximum.accumulate(from_rest - times)
     after = np.maximum.accumulate((to_rest + times)[::-1])[::-1] - times
@@ -58,18 +59,20 @@ def _piece_bound(piece: JointSpline, limits: JointLimits, *, limits_jerk: bool) 
 
 def _block_distances(
     piece: JointSpline, limits: JointLimits, to: Array, origin: Array
-) -> Float64[np.ndarray, "n blocks"]:
+) -> Float64[np.ndarray, "*n blocks"]:
     """Return how far each block of coordinates is from other configurations [rad or m]."""
-    moved = Manifold.of(piece.joints).minus(to, np.broadcast_to(origin, to.shape))
-    return np.stack([np.linalg.norm(moved[:, list(b)], axis=1) for b in limits.blocks], axis=1)
+    moved = Manifold.of(piece.joints).minus(to, origin)
+    if len(limits.blocks) == moved.shape[-1]:
+        return np.abs(moved)
+    return np.stack([np.linalg.norm(moved[..., list(b)], axis=-1) for b in limits.blocks], axis=-1)
 
 
 def durations_from_rest(
-    distances: Float64[np.ndarray, "n k"],
+    distances: Float64[np.ndarray, "*n k"],
     velocity: Float64[np.ndarray, " k"],
     acceleration: Float64[np.ndarray, " k"],
     jerk: Float64[np.ndarray, " k"],
-) -> Float64[np.ndarray, "n k"]:
+) -> Float64[np.ndarray, "*n k"]:
     """Return the least times from rest without acceleration to a distance, at any speed there [s].
 
     Full jerk, then full acceleration, then full speed, which is taken to follow at once.
