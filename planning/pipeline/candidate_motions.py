@@ -98,8 +98,12 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
     curves = collision_free_curves(path, retime_options, oracle, constraints)
     with watch.stage("retime"):
         first_curves = list(curves) if retime_options.limits_jerk else [next(curves)]
-    results = _along_path(timing, first_curves, unrefined_report, has_other=bool(timed))
-    is_cut = len(results) < len(first_curves)
+    slower = timing.certainly_slower(first_curves, timed[0]) if timed else []
+    slower_names = {curve.name for curve in slower}
+    compared = [curve for curve in first_curves if curve.name not in slower_names]
+    results = _along_path(timing, compared, unrefined_report, has_other=bool(timed))
+    is_cut = len(results) < len(compared)
+    outcomes = {curve.name: found for curve, found in zip(compared, results, strict=False)}
     along_path = list(chain.from_iterable(results))
     before = timing.values(along_path)
     objective = refined and make_clearance_objective(
@@ -114,14 +118,15 @@ def candidates(  # noqa: PLR0913  (all inputs of two stages)
 
     def time_curve(curve: PathCurve, is_compared: bool) -> list[CandidateMotion]:  # noqa: FBT001
         settings = timing.for_comparison if is_compared else timing
-        return weighed(settings.along_path(curve, unrefined_report))
+        outcomes[curve.name] = weighed(settings.along_path(curve, unrefined_report))
+        return outcomes[curve.name]
 
     timed = weighed([*timed, *along_path])
     # The collision check of a curve counts as retiming.
-    further = chain(first_curves[len(results) :], watch.each("retime", curves))
-    last = yield from cheapest_first(timed, further, time_curve, compares=not is_cut)
+    further = chain(compared[len(results) :], watch.each("retime", curves))
+    last = yield from cheapest_first(timed, further, time_curve, slower=slower, compares=not is_cut)
     if last is None:
-        last = results[-1] if timed and results else []
+        last = outcomes.get(first_curves[-1].name, []) if timed else []
     if not last:
         raise timing.failure
 

@@ -1,5 +1,6 @@
 """CandidateMotion: a timed motion that is not certified yet; and how curves become candidates."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from planning.domain.curves.curve import JointSpline, TimedTrajectory
@@ -12,6 +13,7 @@ from planning.domain.request.stopwatch import Stopwatch
 from planning.domain.robot.joints import JointGroup, JointLimits
 from planning.errors import RetimingFailed
 from planning.pipeline.timing.path_curves import PathCurve
+from planning.pipeline.timing.path_duration_bound import path_duration_bound
 from planning.refine.motion.motion_objectives import MotionObjectives
 from planning.retime.limits.path_limit import PathLimit
 from planning.retime.retimer import keep_timing, retime
@@ -110,6 +112,27 @@ class CandidateTiming:
         if kept is None:
             return self._retimed(REFINED_CURVE, spline, report)
         return [CandidateMotion(REFINED_CURVE, spline, kept[0], report, kept[1])]
+
+    def certainly_slower(
+        self, curves: Sequence[PathCurve], motion: CandidateMotion
+    ) -> list[PathCurve]:
+        """Return the curves along the path that cost more than a motion, however they are timed.
+
+        None where the cost is not the duration alone, where the motion along the path is reported,
+        and where a duration is requested.
+        """
+        refine = self.refine
+        if refine.reports_objectives or refine.clearance is not None or self.options.duration:
+            return []
+        with self.watch.stage("retime"):
+            bounds = [
+                path_duration_bound(curve.spline, self._limits, self.options) for curve in curves
+            ]
+        return [
+            curve
+            for curve, bound in zip(curves, bounds, strict=True)
+            if bound > motion.trajectory.duration
+        ]
 
     def along_path(self, curve: PathCurve, report: RefineReport) -> list[CandidateMotion]:
         """Return the candidate along a curve near the path, or none and store the failure."""
