@@ -114,10 +114,10 @@ class CellPanels:
         self._edits.rest()
         self._listeners.on_goal()
 
-    def _see_edit(self) -> None:
+    def _see_edit(self, revision: int) -> None:
         """Draw the scene as another browser, or another client, has changed it."""
-        self._cell.refresh()
-        self.look_again()
+        if self._cell.catch_up(revision):
+            self.look_again()
 
 
 def _words(cell: Cell) -> dict[str, list[str]]:

@@ -60,7 +60,7 @@ def test_another_way_to_reach_the_goal_is_planned_to(studio, studio_server):
 def test_a_motion_is_paused_goes_on_and_is_stopped(studio, studio_server):
     studio.click("Plan")
     studio.wait_for("Proven")
-    studio.set("Speed [x planned]", 0.1)
+    studio.set("Speed [x plan]", 0.1)
     studio.click("Execute")
     studio.wait_for("executing")
     studio.click("Pause")

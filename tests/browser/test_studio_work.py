@@ -166,14 +166,14 @@ def test_a_failed_plan_is_red_where_it_fails_and_has_a_picture(studio, browser, 
 def test_a_motion_is_made_slower_while_it_goes_on(studio, studio_server):
     studio.click("Plan")
     studio.wait_for("Proven")
-    studio.set("Speed [x planned]", 0.2)
+    studio.set("Speed [x plan]", 0.2)
     studio.click("Execute")
     studio.wait_for("executing")
-    studio.set("Speed [x planned]", 0.1)
+    studio.set("Speed [x plan]", 0.1)
     until(
         lambda: newest(studio_server, "executions")["status"]["path_velocity"] == pytest.approx(0.1)
     )
-    studio.set("Speed [x planned]", 3)
+    studio.set("Speed [x plan]", 3)
     studio.wait_for("arrived")
     assert newest(studio_server, "executions")["state"] == "succeeded"
 

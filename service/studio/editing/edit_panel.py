@@ -91,7 +91,8 @@ class EditPanel:
         chosen = self._object.value if self._object.value in names else _NOTHING
         if names != self._object.options:
             self._object.options, self._object.value = names, chosen
-        self._choose()
+        if not self._settled.is_waiting:  # what is being typed stays
+            self._choose()
 
     def rest(self) -> None:
         """Hide the gizmo, while a goal is looked for: it would cover the goal's."""
@@ -100,7 +101,7 @@ class EditPanel:
     def _listen(self) -> None:
         self._add.on_click(lambda _: self._newest.ask(self._add_object))
         self._file.on_upload(lambda _: self._newest.ask(self._add_file))
-        self._object.on_update(lambda event: self._choose() if event.client else None)
+        self._object.on_update(lambda event: self._choose_anew() if event.client else None)
         self._delete.on_click(lambda _: self._newest.ask(self._remove_object))
         self._undo.on_click(lambda _: self._newest.ask(self._take_back))
         self._save.on_click(lambda _: self._send_file())
@@ -109,6 +110,10 @@ class EditPanel:
     @property
     def _name(self) -> str | None:
         return None if self._object.value == _NOTHING else str(self._object.value)
+
+    def _choose_anew(self) -> None:
+        self._settled.drop()
+        self._choose()
 
     def _choose(self) -> None:
         """Put the gizmo to the object, and show its sizes."""
@@ -165,7 +170,7 @@ class EditPanel:
     def _take_typed(self) -> None:
         """Change the object as was typed, in one step, or show again what it is."""
         name, document = self._name, self._cell.scene.document
-        if name is None:
+        if name is None or name not in self._cell.object_names:
             return
         try:
             change = self._form.change(object_of(document, name), self._cell.view.pose_of(name))

@@ -63,8 +63,9 @@ class ObjectForm:
         """
         sizes = {} if entry is None else sizes_of(entry)
         for slot, field in enumerate(self._sizes):
-            field.visible = slot < len(sizes)
-            if field.visible:
+            is_used = slot < len(sizes)
+            field.visible = is_used
+            if is_used:
                 field.label, field.value = list(sizes.items())[slot]
         self._name.visible = entry is not None
         self._name.value = "" if entry is None else entry["name"]

@@ -28,9 +28,14 @@ class Settled:
         """Have work done soon, in place of what waits."""
         with self._lock:
             self._drop()
-            self._timer = threading.Timer(self._rest, self._carry_out, (work,))
+            self._timer = threading.Timer(self._rest, self._begin, (work,))
             self._timer.daemon = True
             self._timer.start()
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether there is work that has not begun."""
+        return self._timer is not None
 
     def drop(self) -> None:
         """Forget what waits."""
@@ -41,3 +46,10 @@ class Settled:
         if self._timer is not None:
             self._timer.cancel()
         self._timer = None
+
+    def _begin(self, work: Callable[[], None]) -> None:
+        with self._lock:
+            if threading.current_thread() is not self._timer:
+                return  # something else was asked in the meantime
+            self._timer = None
+        self._carry_out(work)

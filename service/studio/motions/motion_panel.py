@@ -63,7 +63,9 @@ class MotionPanel:
         self._player = Player(motion.duration, self._follow)
         self.badge = ProofBadge(gui, cell, motion.job, on_verdict, on_fault)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
-        self._slider = gui.add_slider("Time [s]", 0.0, round(motion.duration, 3), 0.001, 0.0)
+        last = round(motion.duration, 3)
+        ends = ((0.0, "0"), (last, f"{last:.2f}"))  # short, for the page cuts the last one
+        self._slider = gui.add_slider("Time [s]", 0.0, last, 0.001, 0.0, marks=ends)
         self._play.on_click(lambda _: self.toggle())
         self._slider.on_update(lambda event: self._seek() if event.client else None)
         ProofPanel(gui, motion.certificate["checks"], self._go_to)

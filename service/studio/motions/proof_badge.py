@@ -67,8 +67,8 @@ class ProofBadge:
 
     def look_again(self) -> None:
         """Say what is known, once the scene is another one."""
-        self._told.content = verdict_of(self._proof, self._cell.scene.revision)
         self._again.visible = self.is_stale
+        self._told.content = verdict_of(self._proof, self._cell.scene.revision)
 
     def refute(self, evidence: Mapping[str, Any]) -> None:
         """Take note that the server refused to carry the motion out.
@@ -102,5 +102,5 @@ class ProofBadge:
 
     def _note(self, certificate: Mapping[str, Any], revision: int) -> None:
         self._proof = replace(self._proof, certificate=certificate, revision=revision)
-        self.look_again()
         self._on_verdict()
+        self.look_again()

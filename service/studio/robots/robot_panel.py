@@ -117,7 +117,7 @@ class RobotPanel:
         self._pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE, visible=False)
         self._stop = gui.add_button("Stop", icon=viser.Icon.PLAYER_STOP, color=_RED, disabled=True)
         self._speed = gui.add_slider(
-            "Speed [x planned]",
+            "Speed [x plan]",
             _BACK,
             _FASTEST,
             _STEP,

@@ -18,7 +18,7 @@ def person(real_server):
 
 
 def test_a_plan_while_the_robot_rests_is_carried_out_once_that_has_ended(person):
-    person.set("Speed [x planned]", 0.1)
+    person.set("Speed [x plan]", 0.1)
     person.start("Execute")
     person.reads("^plan 1: executing .* tracking error [0-9.]+ mrad$")
     person.click("Pause")

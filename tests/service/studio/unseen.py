@@ -94,7 +94,7 @@ class Person:
         """All that stands there now, without markup, line by line."""
         found = []
         for container in [*self._gui._container_handle_from_uuid.values()]:
-            for child in [*container._children.values()]:
+            for child in [*getattr(container, "_children", {}).values()]:
                 content = getattr(child, "content", None)
                 if content is not None and child.visible:
                     found.append(content)
