@@ -39,7 +39,10 @@ class NearestMark:
             "/nearest/segment", pair.points[None], color, thickness=_THICKNESS
         )
         if self._label is None:
-            self._label = self._scene.add_label("/nearest/label", text, position=middle)
+            # Up and to the left: names of frames stand down and to the right of theirs.
+            self._label = self._scene.add_label(
+                "/nearest/label", text, position=middle, anchor="bottom-right"
+            )
         else:
             self._label.text, self._label.position = text, middle
 
