@@ -93,6 +93,7 @@ class OptionsPanel:
         reset.on_click(lambda _: form.fill(_AT_FIRST))
         self._planning_time = _planning_time(fields)
         self._form = form
+        self._look()  # what was filled in meanwhile
 
     def _look(self) -> None:
         """Say what is otherwise than by default."""

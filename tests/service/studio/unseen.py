@@ -52,6 +52,11 @@ class Person:
         assert found, label
         return found[-1]
 
+    def has(self, label):
+        """Whether there is an input or button with a label."""
+        handles = [*self._gui._gui_input_handle_from_uuid.values()]
+        return any(getattr(handle, "label", None) == label for handle in handles)
+
     def set(self, label, value):
         """Type a value, or choose it."""
         self._touch(self.field(label, value), value)
