@@ -6,7 +6,7 @@ from typing import Any, override
 
 import httpx
 import numpy as np
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from service.client.client import Client
 from service.client.errors import ApiError
@@ -18,6 +18,16 @@ from wayproof_client.call import Call
 
 # Frames that one question may name, and configurations.
 _MAX_ROWS = 10_000
+# What a plan was asked that its motion is held to again.
+_HELD_TO = (
+    "tool_limits",
+    "speed_zones",
+    "acceleration_bounds",
+    "effort",
+    "payload",
+    "velocity_scale",
+    "acceleration_scale",
+)
 
 
 class Limits(Answer):
@@ -31,6 +41,7 @@ class ShownGroup(Answer):
     """A group that can be shown and moved."""
 
     name: str
+    joints: list[dict[str, Any]] = Field(default_factory=list)  # with their `type`
     position_names: list[str]
     tool_frames: list[str]
     configurations: dict[str, list[float]]
@@ -170,6 +181,28 @@ class Api(Client):
         call = Call("GET", path, inserted={"scene": scene}, query={"rate": rate})
         for event in self.ask_raw_events(call):
             yield event.data
+
+    def certify_again(self, job: Mapping[str, Any], revision: int) -> dict[str, Any]:
+        """Return the certificate of a plan's exact motion in another revision of its scene.
+
+        Args:
+            job: The plan, with its request and its result.
+            revision: Of the scene.
+        """
+        asked = job["request"]
+        motion = self._json(
+            "GET", f"/v1/plans/{job['id']}/trajectory", query={"polynomial": "true"}
+        )
+        checks = job["result"]["certificate"]["checks"]
+        body: dict[str, Any] = {
+            **{name: asked["retime"][name] for name in _HELD_TO},
+            **{name: asked[name] for name in ("scene", "group", "path_constraints", "margin")},
+            "limit_jerk": any(check["name"] == "jerk" for check in checks),
+            "revision": revision,
+            "trajectory": motion,
+        }
+        found: dict[str, Any] = self._json("POST", "/v1/trajectories/certify", body)
+        return found["certificate"]
 
     def control(self, execution: str, what: str, **body: float) -> None:
         """Pause, resume, cancel an execution, or set its speed."""

@@ -1,5 +1,6 @@
 """Cell: the scene that one browser looks at, and who is asked about it."""
 
+import threading
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,6 +31,7 @@ class Cell:
     group: ShownGroup
     view: SceneView
     positions: Array = field(init=False)
+    _lock: threading.RLock = field(init=False, default_factory=threading.RLock)
 
     def __post_init__(self) -> None:
         """Begin where the scene has the group."""
@@ -46,15 +48,25 @@ class Cell:
         Raises:
             ApiError: The scene refuses them.
         """
-        self.api.edit_scene(self.scene.id, operations)
-        self.refresh()
+        with self._lock:  # the live state tells of the new revision before it is drawn
+            self.api.edit_scene(self.scene.id, operations)
+            self.refresh()
+
+    def catch_up(self, revision: int) -> bool:
+        """Draw the scene as the server has it, unless it is drawn: return whether it was not."""
+        with self._lock:
+            is_older = self.scene.revision < revision
+            if is_older:
+                self.refresh()
+            return is_older
 
     def refresh(self) -> None:
         """Draw the scene as the server has it now."""
-        self.scene = self.api.shown(self.scene.id)
-        self.group = self.scene.group(self.group.name)
-        self.view.update(self.api.geometry(self.scene.id))
-        self.draw_frames()
+        with self._lock:
+            self.scene = self.api.shown(self.scene.id)
+            self.group = self.scene.group(self.group.name)
+            self.view.update(self.api.geometry(self.scene.id))
+            self.draw_frames()
 
     def draw_frames(self) -> None:
         """Draw the scene's named frames where they are."""

@@ -35,6 +35,25 @@ class Places:
     plans: viser.GuiTabHandle
 
 
+@dataclass(frozen=True)
+class Listeners:
+    """Who is told what goes on in the panels.
+
+    Attributes:
+        on_plan: Called with a plan that was chosen from the table.
+        on_goal: Called when the person at the browser asks for another goal.
+        on_edit: Called once the scene is another one.
+        on_fault: Is told what goes wrong.
+        on_presence: Is told when the server is gone, and when it is back.
+    """
+
+    on_plan: Callable[[Mapping[str, Any]], None]
+    on_goal: Callable[[], None]
+    on_edit: Callable[[], None]
+    on_fault: Callable[[Exception], None]
+    on_presence: Callable[[bool], None]
+
+
 class CellPanels:
     """Goal, objects, switches, plans and live robots of one scene."""
 
@@ -43,9 +62,7 @@ class CellPanels:
         places: Places,
         cell: Cell,
         live: Api,
-        on_plan: Callable[[Mapping[str, Any]], None],
-        on_fault: Callable[[Exception], None],
-        on_presence: Callable[[bool], None],
+        listeners: Listeners,
     ) -> None:
         """Show the panels of a cell.
 
@@ -53,21 +70,20 @@ class CellPanels:
             places: Where they stand.
             cell: The scene.
             live: A connection for the live state, which is closed at the end.
-            on_plan: Called with a plan that was chosen from the table.
-            on_fault: Is told what goes wrong.
-            on_presence: Is told when the server is gone, and when it is back.
+            listeners: Are told what goes on.
         """
-        self._cell = cell
+        on_plan, on_fault = listeners.on_plan, listeners.on_fault
+        self._cell, self._listeners = cell, listeners
         gui = places.gui
         words = _words(cell)
-        with places.goal:
-            self.goals = GoalPanel(gui, cell, words, on_fault)
         with places.scene:
             self._edits = EditPanel(gui, cell, self.look_again, on_fault)
             self._overlays = OverlayPanel(gui, cell)
+        with places.goal:
+            self.goals = GoalPanel(gui, cell, words, self._see_goal, on_fault)
         with places.plans:
             self.plans = PlanTable(gui, cell, on_plan, on_fault)
-        self._live = LiveRobots(cell, live, self._see_edit, on_presence)
+        self._live = LiveRobots(cell, live, self._see_edit, listeners.on_presence)
         self._options = OptionsPanel(gui, places.options, cell, words, on_fault)
 
     def request(self) -> dict[str, Any]:
@@ -84,6 +100,8 @@ class CellPanels:
         """Show the scene as it is now, after an edit."""
         self._edits.refresh()
         self._overlays.refresh()
+        self.plans.look_again()
+        self._listeners.on_edit()
         self.goals.look_again()
 
     def close(self) -> None:
@@ -92,10 +110,14 @@ class CellPanels:
         for panel in (self._edits, self._overlays, self.plans, self.goals, self._options):
             panel.close()
 
-    def _see_edit(self) -> None:
+    def _see_goal(self) -> None:
+        self._edits.rest()
+        self._listeners.on_goal()
+
+    def _see_edit(self, revision: int) -> None:
         """Draw the scene as another browser, or another client, has changed it."""
-        self._cell.refresh()
-        self.look_again()
+        if self._cell.catch_up(revision):
+            self.look_again()
 
 
 def _words(cell: Cell) -> dict[str, list[str]]:

@@ -6,6 +6,8 @@ import httpx
 import viser
 
 from service.client.errors import ApiError
+from service.studio.api import evidence_of
+from service.studio.plans.failure_words import headline, plain
 
 _MAX_TEXT = 400
 _SECONDS = 12.0
@@ -27,7 +29,9 @@ class Notices:
         """Say what went wrong."""
         title, body = "Something went wrong", str(fault)
         if isinstance(fault, ApiError):
-            title, body = fault.problem.code, fault.problem.detail
+            code, detail = fault.problem.code, fault.problem.detail
+            title = headline(code, detail, evidence_of(fault))
+            body = code if title.lower() == plain(detail).lower() else f"{code}: {plain(detail)}"
         elif isinstance(fault, httpx.TransportError):
             title, body = "The server does not answer", "It is asked again with the next click."
         with suppress(Exception):  # the browser has left

@@ -11,14 +11,15 @@ import viser
 
 from service.client.errors import ApiError
 from service.studio import texts
-from service.studio.api import Api, ByName, evidence_of
+from service.studio.api import Api, ByName
 from service.studio.cell import Cell, open_cell
-from service.studio.cell_panels import CellPanels, Places
+from service.studio.cell_panels import CellPanels, Listeners, Places
+from service.studio.forms.help_text import help_text
 from service.studio.forms.words import FormError
-from service.studio.motions.motion import load_motion
-from service.studio.motions.motion_panel import MotionPanel
+from service.studio.motions.shown_motion import ShownMotion
 from service.studio.notices import Notices
-from service.studio.plans.failure_view import place_of, show_failure
+from service.studio.plans.failure_view import show_failure
+from service.studio.plans.failure_words import failed
 from service.studio.plans.path_so_far import PathSoFar
 from service.studio.plans.plan_panel import PlanPanel
 from service.studio.plans.relaxations import Relaxation, relaxations_of
@@ -66,8 +67,6 @@ class Session:
         self._scenes: SceneList | None = None
         self._cell: Cell | None = None
         self._panels: CellPanels | None = None
-        self._motion: MotionPanel | None = None
-        self._motion_folder: viser.GuiFolderHandle | None = None
         self._graph = SearchGraph()
         self._best = PathSoFar(self._tell)
         self._lock = threading.Lock()
@@ -116,7 +115,7 @@ class Session:
             try:
                 self._api.scenes()
             except ApiError as fault:
-                told.content = texts.failure(fault.problem.code, fault.problem.detail)
+                told.content = failed(fault.problem.code, fault.problem.detail)
                 return
             folder.remove()
             self._begin()
@@ -130,10 +129,16 @@ class Session:
         options_tab = tabs.add_tab("Options", viser.Icon.ADJUSTMENTS)
         scene_tab = tabs.add_tab("Scene", viser.Icon.CUBE)
         plans_tab = tabs.add_tab("Plans", viser.Icon.LIST)
+        help_tab = tabs.add_tab("?")
         with self._plan_tab:
+            bar = gui.add_folder(None)  # its buttons stay where they are: what is said comes below
             goal = gui.add_folder("Goal")
-            self._plans = PlanPanel(gui, self._plan, self._pages, self._best)
-            self._robot = RobotPanel(gui, self._execute, self._tell)
+            said = gui.add_folder(None)
+        self._plans = PlanPanel(gui, bar, said, self._plan, self._pages, self._best)
+        self._robot = RobotPanel(gui, bar, said, self._execute, self._tell, self._name_of)
+        self._motion = ShownMotion(gui, self._plan_tab, self._robot, self._tell)
+        with help_tab:
+            gui.add_html(help_text(self._pages()))
         self._places = Places(gui, goal, options_tab, scene_tab, plans_tab)
         self._scenes.field.on_update(lambda event: self._open_scene() if event.client else None)
         self._group.on_update(lambda event: self._choose_group() if event.client else None)
@@ -177,9 +182,13 @@ class Session:
             self._places,
             cell,
             self._connect(),
-            self._look_at_plan,
-            self._tell,
-            self._notices.tell_presence,
+            Listeners(
+                self._look_at_plan,
+                self._motion.note_other_goal,
+                self._motion.look_again,
+                self._tell,
+                self._notices.tell_presence,
+            ),
         )
 
     def _plan(self) -> None:
@@ -199,7 +208,7 @@ class Session:
         cell, scenes, panels = self._cell, self._scenes, self._panels
         if cell is None or scenes is None or panels is None or not self._plans.is_idle:
             return
-        self._close_motion()
+        self._motion.close()
         self._graph.clear()
         self._robot.clear()
         cell.view.show_others([])
@@ -237,50 +246,26 @@ class Session:
         cell = self._cell
         if cell is None or job["request"]["group"] != cell.group.name:
             return
-        self._close_motion()
         self._show_motion(cell, job)
+        self._plans.tell_of(job)
 
     def _show_motion(self, cell: Cell, job: Mapping[str, Any]) -> None:
-        cell.view.mark_pairs([], {})
-        motion = load_motion(cell.api, cell.scene.id, cell.group, job, cell.view.moving)
-        with self._plan_tab:
-            self._motion_folder = self._client.gui.add_folder("Motion")
-        with self._motion_folder:
-            self._motion = MotionPanel(self._client.gui, cell, motion, self._tell)
-        self._robot.offer(can_execute=True)
+        self._motion.show(cell, job)
+        if self._panels is not None:
+            self._panels.plans.choose(job["id"])
 
     def _execute(self) -> None:
-        cell, motion = self._cell, self._motion
-        if cell is None or motion is None:
-            return
-        motion.close()
-        cell.view.show_ghost(None)
-        try:
-            self._robot.execute(cell, motion.motion.plan)
-        except ApiError as fault:
-            place = place_of(evidence_of(fault)) if fault.code == "not_certified" else None
-            if place is not None:
-                motion.show_place(*place)
-                self._robot.say_refused(fault.problem.detail)
-            else:
-                self._tell(fault)
-        except httpx.HTTPError as fault:
-            self._tell(fault)
+        self._motion.execute()
 
-    def _close_motion(self) -> None:
-        if self._motion is not None:
-            self._motion.close()
-        self._motion = None
-        if self._motion_folder is not None:
-            self._motion_folder.remove()
-        self._motion_folder = None
+    def _name_of(self, plan: str) -> str:
+        return "the motion" if self._panels is None else self._panels.plans.name_of(plan)
 
     def _forget(self) -> None:
         """Take away what belongs to the scene before."""
-        self._close_motion()
         self._graph.clear()
         self._best.end()
         if self._panels is not None:
+            self._motion.close()
             self._panels.close()
             self._panels = None
             self._plans.clear()

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-_GRAY, _GREEN, _RED, _BLUE = "#64748b", "#2a9d8f", "#e63946", "#1d6fb8"
-_COLORS = {"plain": _GRAY, "good": _GREEN, "bad": _RED, "busy": _BLUE}
+_GRAY, _GREEN, _RED, _BLUE, _AMBER = "#64748b", "#1f7a70", "#d62839", "#1d6fb8", "#b45309"
+COLORS = {"plain": _GRAY, "good": _GREEN, "bad": _RED, "busy": _BLUE, "warn": _AMBER}
 # Of buttons that nothing hangs on: red, green, blue.
 SOFT = (226, 232, 240)
 _BOX = "padding:0 0.75em 0.4em;font-size:0.8125em;line-height:1.45;overflow-wrap:anywhere"
@@ -14,9 +14,29 @@ _MAX_TEXT = 600
 
 
 def told(text: str, kind: str = "plain") -> str:
-    """Return a line in the colour of its kind: plain, good, bad or busy."""
-    style = f"{_BOX};color:{_COLORS[kind]}"
-    return f'<div style="{style}" data-kind="{kind}">{escape(text[:_MAX_TEXT])}</div>'
+    """Return a line in the colour of its kind: plain, good, bad, busy or warn."""
+    return lines(escape(text[:_MAX_TEXT]), kind)
+
+
+def lines(html: str, kind: str) -> str:
+    """Return HTML of one's own in the colour of its kind; what a server says in it is escaped."""
+    return f'<div style="{_BOX};color:{COLORS[kind]}" data-kind="{kind}">{html}</div>'
+
+
+def folded(head: str, rest: str) -> str:
+    """Return a heading that opens a text when it is clicked, small and gray."""
+    return (
+        f'<details style="color:{_GRAY};font-size:0.9em"><summary style="cursor:pointer">'
+        f"{escape(head)}</summary>{escape(rest[:_MAX_TEXT])}</details>"
+    )
+
+
+def millimetres(length: float) -> str:
+    """Return a length [m] in millimetres, with digits enough to tell a small one from none."""
+    value = 1000 * length
+    if abs(value) >= 1 or value == 0:
+        return f"{value:.1f} mm"
+    return "below 0.001 mm" if 0 < value < 1e-3 else f"{float(f'{value:.2g}'):.5g} mm"
 
 
 def spot(color: tuple[float, float, float]) -> str:
@@ -31,14 +51,6 @@ def spot(color: tuple[float, float, float]) -> str:
 def boxed(html: str) -> str:
     """Return HTML of one's own, with nothing of a server in it that is not escaped."""
     return f'<div style="{_BOX}">{html}</div>'
-
-
-def failure(code: str, detail: str) -> str:
-    """Return why something failed: its code and the words."""
-    return (
-        f'<div style="{_BOX};color:{_RED}" data-kind="bad"><b>{escape(code)}</b><br>'
-        f"{escape(detail[:_MAX_TEXT])}</div>"
-    )
 
 
 def pages(server: str, plan: str, names: Mapping[str, str]) -> str:
@@ -57,30 +69,15 @@ def pages(server: str, plan: str, names: Mapping[str, str]) -> str:
     return boxed(links)
 
 
-def verdict(certificate: Mapping[str, Any], duration: float) -> str:
-    """Return what is proven of a motion, in one line."""
-    proven = bool(certificate["proven"])
-    head = "Proven" if proven else "Not proven"
-    gap = certificate["min_clearance"]
-    apart = "nothing to hit" if gap is None else f"{1000 * gap:.1f} mm clear"
-    pair = "" if gap is None else " of " + " and ".join(map(short, certificate["pair"]))
-    color = _GREEN if proven else _RED
-    return (
-        f'<div style="{_BOX}" data-kind="{"good" if proven else "bad"}">'
-        f'<b style="color:{color};font-size:1.1em">{head}</b> · {duration:.2f} s · '
-        f'{escape(apart)}<span style="color:{_GRAY}">{escape(pair)}</span></div>'
-    )
-
-
 def pairs(found: Sequence[Mapping[str, Any]]) -> str:
     """Return which pairs collide, the deepest first."""
     deepest = sorted(found, key=lambda pair: -pair["depth"])[:4]
     rows = "".join(
-        f"<br>{escape(short(a))} – {escape(short(b))}: {1000 * pair['depth']:.1f} mm"  # noqa: RUF001
+        f"<br>{escape(short(a))} – {escape(short(b))}: {millimetres(pair['depth'])}"  # noqa: RUF001
         for pair in deepest
         for a, b in [pair["bodies"]]
     )
-    return f'<div style="{_BOX};color:{_RED}" data-kind="bad"><b>Collides</b>{rows}</div>'
+    return lines(f"<b>Collides</b>{rows}", "bad")
 
 
 def short(name: str) -> str:

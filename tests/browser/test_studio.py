@@ -45,10 +45,10 @@ def test_a_check_leads_to_its_time_and_curves_follow(studio):
 @only_campaign("half a minute without a graphics card")
 @pytest.mark.campaign
 def test_another_way_to_reach_the_goal_is_planned_to(studio, studio_server):
-    ways = studio.options("Way")
+    ways = studio.options("Arm pose")
     assert len(ways) > 1
     assert "wrist" in ways[0]
-    studio.choose("Way", ways[1])
+    studio.choose("Arm pose", ways[1])
     studio.click("Plan")
     studio.wait_for("Proven")
     plans = httpx.get(f"{studio_server.url}/v1/plans", **PLAIN).json()["items"]
@@ -60,7 +60,7 @@ def test_another_way_to_reach_the_goal_is_planned_to(studio, studio_server):
 def test_a_motion_is_paused_goes_on_and_is_stopped(studio, studio_server):
     studio.click("Plan")
     studio.wait_for("Proven")
-    studio.set("Speed", 0.1)
+    studio.set("Speed [x plan]", 0.1)
     studio.click("Execute")
     studio.wait_for("executing")
     studio.click("Pause")
@@ -125,7 +125,7 @@ def test_a_scene_is_edited_undone_and_saved(studio, studio_server):
     studio.click("box")
     studio.wait_for("revision 2: add box_1")
     studio.set("Side z [m]", 0.3)
-    studio.wait_for("revision 3")
+    studio.wait_for("revision 3: resize box_1")
     with studio.page.expect_download() as download:
         studio.click("Save as YAML")
     saved = yaml.safe_load(download.value.path().read_text())
@@ -135,6 +135,6 @@ def test_a_scene_is_edited_undone_and_saved(studio, studio_server):
     studio.click("Delete")
     studio.wait_for("revision 4: remove box_1")
     studio.click("Undo")
-    studio.wait_for("revision 5: add box_1")
+    studio.wait_for("revision 5: undo: remove box_1")
     assert newest()["document"] == saved
     assert studio_server.client.add_scene(yaml.safe_dump(saved)).name == "ur5e_pickup"

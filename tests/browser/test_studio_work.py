@@ -66,7 +66,7 @@ def test_the_tool_is_dragged_to_a_goal(browser, studio_server):
         page.wait_for("free")
         before = page.settled_picture()
         page.choose("Goal", "drag the tool")
-        page.wait_for("to reach it")
+        page.wait_for(re.compile("arm poses? reach"))
         after = page.settled_picture()
         # its arrow along x is pink, and reaches furthest
         is_arrow = differs(after, before) & (after[..., 0] - after[..., 1] > 100)
@@ -166,14 +166,14 @@ def test_a_failed_plan_is_red_where_it_fails_and_has_a_picture(studio, browser, 
 def test_a_motion_is_made_slower_while_it_goes_on(studio, studio_server):
     studio.click("Plan")
     studio.wait_for("Proven")
-    studio.set("Speed", 0.2)
+    studio.set("Speed [x plan]", 0.2)
     studio.click("Execute")
     studio.wait_for("executing")
-    studio.set("Speed", 0.1)
+    studio.set("Speed [x plan]", 0.1)
     until(
         lambda: newest(studio_server, "executions")["status"]["path_velocity"] == pytest.approx(0.1)
     )
-    studio.set("Speed", 3)
+    studio.set("Speed [x plan]", 3)
     studio.wait_for("arrived")
     assert newest(studio_server, "executions")["state"] == "succeeded"
 

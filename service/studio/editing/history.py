@@ -46,18 +46,18 @@ def replacement(document: Document, name: str, changed: Mapping[str, Any]) -> li
     Args:
         document: Of the scene.
         name: Of the object.
-        changed: The object as it shall be.
+        changed: The object as it shall be, under its name or another one.
 
     Raises:
         ValueError: Frames hang on it, which would be lost, or pairs have margins of their own.
     """
     if lost := _lost_with(document, name):
-        message = f"{', '.join(lost)} would be lost with {name}: change its size in the file"
+        message = f"{', '.join(lost)} would be lost with {name}: change it in the file"
         raise ValueError(message)
     return [
         {"op": "remove", "object": name},
         {"op": "add", "object": dict(changed)},
-        *_allowed_again(document, name),
+        *_allowed_again(document, name, changed["name"]),
     ]
 
 
@@ -68,7 +68,8 @@ def inverse(document: Document, operations: list[Operation]) -> list[Operation]:
 
     Args:
         document: Of the scene before them.
-        operations: To be taken back, each of an object that no other one of them concerns.
+        operations: To be taken back, each of an object that no other one of them concerns, but
+            for one that is added in place of another.
     """
     found = list[Operation]()
     for operation in reversed(operations):
@@ -89,6 +90,9 @@ def _lost_with(document: Document, name: str) -> list[str]:
     return frames + ["a margin"] * bool(margins)
 
 
-def _allowed_again(document: Document, name: str) -> list[Operation]:
+def _allowed_again(document: Document, name: str, now: str | None = None) -> list[Operation]:
     pairs = document.get("allowed_collisions", [])
-    return [{"op": "allow", "pair": pair} for pair in pairs if name in pair]
+    kept = [
+        [now or part if part == name else part for part in pair] for pair in pairs if name in pair
+    ]
+    return [{"op": "allow", "pair": pair} for pair in kept]

@@ -16,7 +16,7 @@ from service.studio.forms.fields import (
     Optional,
 )
 from service.studio.forms.inputs import Input, single
-from service.studio.forms.words import spoken
+from service.studio.forms.words import label_of, spoken
 
 type Words = Mapping[str, Sequence[str]]
 
@@ -98,7 +98,7 @@ class OptionalInput(Input):
     def __init__(self, drawing: Drawing, field: Optional, parent: str) -> None:
         """Show the switch; the rest only while it is on."""
         self._drawing, self._field, self._parent = drawing, field, parent
-        label, is_on = spoken(field.name), field.default is not None
+        label, is_on = label_of(field), field.default is not None
         self._switch = drawing.gui.add_checkbox(label, is_on, hint=field.text)
         self._folder = drawing.gui.add_folder(None)
         self._inner: Input | None = None

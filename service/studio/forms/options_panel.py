@@ -19,6 +19,7 @@ _ELSEWHERE = frozenset({"scene", "group", "goal", "start", "revision"})
 # A newcomer waits so long for a plan rather than to be told to ask for more time [s].
 PLANNING_TIME = 10.0
 _AT_FIRST: dict[str, Any] = {"search": {"allowed_planning_time": PLANNING_TIME}}
+_WHERE = "Distance to keep: Margin. Planner and its time: Search. Speed and limits: Retime."
 
 
 class OptionsPanel:
@@ -82,13 +83,17 @@ class OptionsPanel:
     def _fill(self, fields: Group) -> None:
         gui = self._gui
         self._told = gui.add_html(texts.told("all by default"))
-        reset = gui.add_button("Back to the defaults", icon=viser.Icon.RESTORE, color=texts.SOFT)
+        where = gui.add_html(texts.told(_WHERE))
+        self._reset = reset = gui.add_button(
+            "Back to the defaults", icon=viser.Icon.RESTORE, color=texts.SOFT, disabled=True
+        )
         form = Drawing(gui, self._words, self._look).input(fields, is_unfolded=True)
-        self._parts = [self._told, reset, form]
+        self._parts = [self._told, where, reset, form]
         form.fill(_AT_FIRST)
         reset.on_click(lambda _: form.fill(_AT_FIRST))
         self._planning_time = _planning_time(fields)
         self._form = form
+        self._look()  # what was filled in meanwhile
 
     def _look(self) -> None:
         """Say what is otherwise than by default."""
@@ -102,6 +107,7 @@ class OptionsPanel:
         changed = ", ".join(_names(value))
         told = "all by default" if value == _AT_FIRST else f"otherwise than by default: {changed}"
         self._told.content = texts.told(told)
+        self._reset.disabled = value == _AT_FIRST
 
 
 def _planning_time(fields: Group) -> float:

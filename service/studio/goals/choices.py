@@ -6,6 +6,7 @@ import numpy as np
 import viser
 
 from service.studio.cell import Cell
+from service.studio.texts import millimetres
 
 BY_SLIDERS, BY_TOOL, BY_FORM = "joint sliders", "drag the tool", "any goal, in full"
 FRAME, CONFIGURATION = "frame ", "configuration "
@@ -51,12 +52,12 @@ def pose_goal(gizmo: viser.TransformControlsHandle) -> dict[str, Any]:
 
 def praise(best: dict[str, Any], count: int) -> str:
     """Return how many configurations reach a goal, and how far the best is from everything."""
-    ways = "1 way" if count == 1 else f"{count} ways"
+    poses = "1 arm pose reaches it" if count == 1 else f"{count} arm poses reach it"
     gap = best["clearance"]
-    return f"{ways} to reach it" + ("" if gap is None else f" · {1000 * gap:.1f} mm clear there")
+    return poses + ("" if gap is None else f" · {millimetres(gap)} clear there")
 
 
 def free(verdict: dict[str, Any]) -> str:
     """Return how far a free configuration is from everything."""
     gap = verdict["distance"]
-    return "free" if gap is None else f"free · {1000 * gap:.1f} mm clear there"
+    return "free" if gap is None else f"free · {millimetres(gap)} clear there"

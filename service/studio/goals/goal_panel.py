@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import httpx
 import numpy as np
 import viser
 
@@ -29,6 +30,7 @@ from service.studio.goals.goal_form import SOLVED, GoalForm
 from service.studio.goals.solutions import Solutions
 from service.studio.newest import Newest
 from service.studio.numbers import Array
+from service.studio.plans.failure_words import failed
 
 # Of a slider of a joint without limits [rad or m].
 _UNLIMITED = 2 * math.pi
@@ -47,6 +49,7 @@ class GoalPanel:
         gui: viser.GuiApi,
         cell: Cell,
         words: Words,
+        on_change: Callable[[], None],
         on_fault: Callable[[Exception], None],
     ) -> None:
         """Show the goals of a cell, and choose the first one.
@@ -55,10 +58,11 @@ class GoalPanel:
             gui: Where it is shown, in the container that is open.
             cell: The scene.
             words: That may be chosen for texts of a goal in full.
+            on_change: Called when the person at the browser asks for another goal.
             on_fault: Is told what goes wrong.
         """
-        self._gui, self._cell, self._words = gui, cell, words
-        self._newest = Newest(on_fault)
+        self._gui, self._cell, self._words, self._on_change = gui, cell, words, on_change
+        self._newest, self._on_fault = Newest(on_fault), on_fault
         self._positions = cell.positions
         self._goals = goals_of(cell)
         self._choice = gui.add_dropdown("Goal", tuple(self._goals), hint="Where it shall go")
@@ -67,7 +71,11 @@ class GoalPanel:
         self._told = gui.add_html(texts.told("…"))
         self._solutions: Solutions | None = None
         self._way: Any = gui.add_dropdown(
-            "Way", ("",), visible=False, hint="Configurations that reach the goal, nearest first"
+            "Arm pose",
+            ("",),
+            visible=False,
+            hint="Configurations that reach the goal, nearest first: how far they are from "
+            "everything, and on which side (+ or -) each part of the arm bends",
         )
         self._nearest: Array | None = None
         self._use_nearest = gui.add_button("Take the nearest", color=texts.SOFT, visible=False)
@@ -76,7 +84,7 @@ class GoalPanel:
         with self._folder:
             self._add_sliders(gui)
         self._gizmo = self._add_gizmo()
-        self._choice.on_update(lambda event: self._choose() if event.client else None)
+        self._choice.on_update(lambda event: self._choose_anew() if event.client else None)
         self._way.on_update(lambda event: self._choose_way() if event.client else None)
         self._use_nearest.on_click(lambda _: self._take_nearest())
         self._choose()
@@ -111,6 +119,15 @@ class GoalPanel:
         ):
             part.remove()
 
+    def _choose_anew(self) -> None:
+        try:
+            if self._choice.value == BY_TOOL:
+                self._move_gizmo(self._cell.positions)
+        except (ApiError, httpx.HTTPError) as fault:
+            self._on_fault(fault)
+        self._on_change()
+        self._choose()
+
     def _choose(self) -> None:
         if self._gizmo is not None:
             self._gizmo.visible = self._choice.value == BY_TOOL
@@ -144,9 +161,14 @@ class GoalPanel:
         if self._form is None:
             with self._place:
                 first = goal_to_begin_with(self._cell)
-                drawing = Drawing(self._gui, self._words, self.look_again)
+                drawing = Drawing(self._gui, self._words, self._fill_in)
                 self._form = GoalForm(drawing, self._cell.api.document, first)
         return self._form
+
+    def _fill_in(self) -> None:
+        if self._form is not None:  # it fills itself in first
+            self._on_change()
+            self._newest.ask(self._show)
 
     def _show_form(self) -> None:
         """Show what the goal in full comes to, as far as it is known before a plan."""
@@ -158,7 +180,7 @@ class GoalPanel:
                 self._cell.view.show_ghost(None)
                 self._told.content = texts.told("a plan finds out what it comes to")
         except ApiError as fault:  # while it is filled in, it is no goal now and then
-            self._told.content = texts.failure(fault.problem.code, fault.problem.detail)
+            self._told.content = failed(fault.problem.code, fault.problem.detail)
         except FormError as fault:
             self._told.content = texts.told(str(fault), "bad")
 
@@ -178,9 +200,9 @@ class GoalPanel:
             self._show_way()
             return
         self._forget_ways()
-        failed = found["failure"]
-        self._told.content = texts.failure(failed["code"], failed["detail"])
-        nearest = failed["evidence"].get("nearest") or {}
+        fault = found["failure"]
+        self._told.content = failed(fault["code"], fault["detail"], fault["evidence"])
+        nearest = (fault["evidence"] or {}).get("nearest") or {}
         if "positions" in nearest:
             self._nearest = np.array(nearest["positions"])
             self._use_nearest.visible = True
@@ -198,6 +220,7 @@ class GoalPanel:
         cell.view.show_others([cell.poses(positions) for positions in others])
 
     def _choose_way(self) -> None:
+        self._on_change()
         self._newest.ask(self._show_way)
 
     def _forget_ways(self) -> None:
@@ -206,10 +229,16 @@ class GoalPanel:
         self._cell.view.show_others([])
 
     def _take_nearest(self) -> None:
-        """Make the nearest configuration that is free the goal."""
-        if self._nearest is not None:
-            self._set_sliders(self._nearest)
+        """Make the nearest configuration that is free the goal; a dragged tool goes there."""
+        if self._nearest is None:
+            return
+        self._set_sliders(self._nearest)
+        if self._choice.value != BY_TOOL:
             self._slide()
+            return
+        self._move_gizmo(self._nearest)
+        self._on_change()
+        self._newest.ask(self._show)
 
     def _judge(self, positions: Array) -> None:
         """Show the ghost at some positions, red with its pairs where it collides."""
@@ -243,6 +272,7 @@ class GoalPanel:
             self._place.visible = False
             if self._gizmo is not None:
                 self._gizmo.visible = False
+        self._on_change()
         self._newest.ask(self._show)
 
     def _set_sliders(self, positions: Array) -> None:
@@ -254,15 +284,21 @@ class GoalPanel:
         cell = self._cell
         if not cell.group.tool_frames:
             return None
-        tool = cell.group.tool_frames[0]
-        pose = cell.api.poses(cell.scene.id, cell.group.name, cell.positions, [tool])[tool][0]
         gizmo = cell.client.scene.add_transform_controls(
-            _GIZMO,
-            scale=_GIZMO_SIZE,
-            position=tuple(pose[:3]),
-            wxyz=tuple(pose[3:]),
-            depth_test=False,
-            visible=False,
+            _GIZMO, scale=_GIZMO_SIZE, depth_test=False, visible=False
         )
-        gizmo.on_update(lambda _: self._newest.ask(self._show))
+        gizmo.on_update(lambda _: self._drag())
         return gizmo
+
+    def _move_gizmo(self, positions: Array) -> None:
+        """Put the handle to the tool of the group at some positions."""
+        cell, gizmo = self._cell, self._gizmo
+        if gizmo is None:
+            return
+        tool = cell.group.tool_frames[0]
+        pose = cell.api.poses(cell.scene.id, cell.group.name, positions, [tool])[tool][0]
+        gizmo.position, gizmo.wxyz = tuple(pose[:3]), tuple(pose[3:])
+
+    def _drag(self) -> None:
+        self._on_change()
+        self._newest.ask(self._show)

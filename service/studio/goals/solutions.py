@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from service.studio.numbers import Array
+from service.studio.texts import millimetres
 
 _SIGNS = {1: "+", -1: "−", 0: "0"}  # noqa: RUF001
 
@@ -47,9 +48,8 @@ class Solutions:
 
 
 def _words(rank: int, configuration: Mapping[str, Any]) -> str:
-    gap, room = configuration["clearance"], configuration.get("limit_margin")
-    branch = configuration.get("branch") or {}
-    parts = [" ".join(f"{name} {_SIGNS[int(sign)]}" for name, sign in branch.items())]
-    parts.append("" if gap is None else f"{1000 * gap:.0f} mm clear")
-    parts.append("" if room is None else f"{room:.2f} to limits")
+    gap, branch = configuration["clearance"], configuration.get("branch") or {}
+    # Short, for the page cuts what does not fit.
+    parts = ["" if gap is None else millimetres(gap)]
+    parts.append(" ".join(f"{name}{_SIGNS[int(sign)]}" for name, sign in branch.items()))
     return f"{rank}. {' · '.join(part for part in parts if part)}"

@@ -1,7 +1,7 @@
 """Motion: a planned motion as keyframes that can be drawn at any time."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ class Motion:
         tool: p_WT of the tool [m], shape (n, 3); None without one.
         certificate: As the API has it.
         series: Its rates, efforts and limits.
+        job: The plan, with its request and its result.
     """
 
     plan: str
@@ -35,6 +36,7 @@ class Motion:
     tool: Array | None
     certificate: Mapping[str, Any]
     series: Series
+    job: Mapping[str, Any] = field(default_factory=dict[str, Any])
 
     @property
     def duration(self) -> float:
@@ -77,6 +79,7 @@ def load_motion(
         tool=tool,
         certificate=job["result"]["certificate"],
         series=api.series(job["id"]),
+        job=job,
     )
 
 

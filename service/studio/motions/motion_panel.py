@@ -1,13 +1,11 @@
 """MotionPanel: a planned motion: play, time slider, proof, curves, the tool's trace."""
 
-import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import viser
 
-from service.studio import texts
 from service.studio.cell import Cell
 from service.studio.motions.checks import words_of
 from service.studio.motions.motion import Motion
@@ -15,6 +13,7 @@ from service.studio.motions.nearest_mark import NearestMark
 from service.studio.motions.nearness import Nearness
 from service.studio.motions.player import Player
 from service.studio.motions.plot import Plot
+from service.studio.motions.proof_badge import ProofBadge
 from service.studio.motions.proof_panel import ProofPanel
 from service.studio.motions.series import Curves
 from service.studio.motions.trace import (
@@ -24,6 +23,7 @@ from service.studio.motions.trace import (
     legend,
     limit_colors,
 )
+from service.studio.newest import Newest
 from service.studio.numbers import Array
 
 # Instants at which the clearance is looked at, for the trace, its curve and the nearest points.
@@ -37,7 +37,12 @@ class MotionPanel:
     """A motion, shown by the ghost."""
 
     def __init__(
-        self, gui: viser.GuiApi, cell: Cell, motion: Motion, on_fault: Callable[[Exception], None]
+        self,
+        gui: viser.GuiApi,
+        cell: Cell,
+        motion: Motion,
+        on_verdict: Callable[[], None],
+        on_fault: Callable[[Exception], None],
     ) -> None:
         """Show a motion, and play it once.
 
@@ -45,17 +50,22 @@ class MotionPanel:
             gui: Where it is shown, in the container that is open.
             cell: The scene.
             motion: Planned in it.
+            on_verdict: Called once it was proven, or refuted, in a newer revision of the scene.
             on_fault: Is told what goes wrong.
         """
         self.motion = motion
-        self._cell, self._on_fault = cell, on_fault
+        self._cell, self._looks = cell, Newest(on_fault)
+        self._is_shown = True
         self._nearness: Nearness | None = None
+        self._trace: viser.SceneNodeHandle | None = None
         self._mark = NearestMark(cell.client.scene)
         self._num_pictures = 0
         self._player = Player(motion.duration, self._follow)
-        gui.add_html(texts.verdict(motion.certificate, motion.duration))
+        self.badge = ProofBadge(gui, cell, motion.job, on_verdict, on_fault)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
-        self._slider = gui.add_slider("Time [s]", 0.0, round(motion.duration, 3), 0.001, 0.0)
+        last = round(motion.duration, 3)
+        ends = ((0.0, "0"), (last, f"{last:.2f}"))  # short, for the page cuts the last one
+        self._slider = gui.add_slider("Time [s]", 0.0, last, 0.001, 0.0, marks=ends)
         self._play.on_click(lambda _: self.toggle())
         self._slider.on_update(lambda event: self._seek() if event.client else None)
         ProofPanel(gui, motion.certificate["checks"], self._go_to)
@@ -68,7 +78,7 @@ class MotionPanel:
         self._kind.on_update(lambda _: self._plot.draw(*self._curves()))
         self._color.on_update(lambda _: self._draw_trace())
         self._draw_trace()
-        threading.Thread(target=self._look, daemon=True).start()
+        self._looks.ask(self._look)
         self.toggle()
 
     def toggle(self) -> None:
@@ -89,12 +99,36 @@ class MotionPanel:
         """
         self._slider.value = time
         self._seek()
+        nearest = None if self._nearness is None else self._nearness.at(time)
+        if nearest is not None and {*pair["bodies"]} - {*nearest.bodies}:
+            self._mark.hide()  # one pair is named, not two
         self._cell.view.mark_pairs([pair], self.motion.at(time))
 
-    def close(self) -> None:
-        """Stop to play, and take away what marks a place in the motion."""
+    def leave(self) -> None:
+        """Stop to play, go back to the start, and mark nothing: the ghost is elsewhere."""
         self._player.stop()
+        self._is_shown = False
         self._mark.hide()
+        self._slider.value = 0.0
+        self._plot.move_cursor(0.0)
+
+    def look_again(self) -> None:
+        """Measure the motion in the scene as it is now, and say what is proven of it there."""
+        self.leave()
+        self._nearness = None
+        self.badge.look_again()
+        self._looks.ask(self._look)
+
+    def close(self) -> None:
+        """Stop to play, and take away what is drawn of the motion."""
+        self._player.stop()
+        self._is_shown = False
+        self._looks.close()
+        self.badge.close()
+        self._mark.hide()
+        if self._trace is not None:
+            self._trace.remove()
+            self._trace = None
 
     def _end(self) -> None:
         self._play.label, self._play.icon = "Play", viser.Icon.PLAYER_PLAY
@@ -114,6 +148,7 @@ class MotionPanel:
         self._show(self._slider.value)
 
     def _show(self, time: float) -> None:
+        self._is_shown = True
         self._cell.view.show_ghost(self.motion.at(time))
         self._mark.show(None if self._nearness is None else self._nearness.at(time))
 
@@ -131,13 +166,10 @@ class MotionPanel:
         """Look at the clearance along the motion, and colour the trace by it."""
         cell, motion = self._cell, self.motion
         rows = np.unique(np.linspace(0, len(motion.times) - 1, _NUM_LOOKS).astype(int))
-        try:
-            verdicts = cell.api.check(cell.scene.id, cell.group.name, motion.positions[rows])
-        except Exception as fault:  # noqa: BLE001  (told to the person at the browser)
-            self._on_fault(fault)
-            return
+        verdicts = cell.api.check(cell.scene.id, cell.group.name, motion.positions[rows])
         self._nearness = Nearness(motion.times[rows], verdicts)
-        self._mark.show(self._nearness.at(self._slider.value))
+        if self._is_shown:
+            self._mark.show(self._nearness.at(self._slider.value))
         self._draw_trace()
         if self._kind.value == _CLEARANCE:
             self._plot.draw(*self._curves())
@@ -156,7 +188,7 @@ class MotionPanel:
                 far if found is None else np.interp(self.motion.times, found.times, found.clearance)
             )
             colors = clearance_colors(gap)
-        self._cell.view.draw_trace("plan", tool, colors)
+        self._trace = self._cell.view.draw_trace("plan", tool, colors)
 
     def _curves(self) -> tuple[Array, Curves]:
         series, kind = self.motion.series, self._kind.value

@@ -7,7 +7,7 @@ import viser
 
 from service.studio.motions.nearness import NearestPair
 from service.studio.motions.trace import clearance_colors
-from service.studio.texts import short
+from service.studio.texts import millimetres, short
 
 _THICKNESS = 0.005
 # Farther apart nothing is marked [m].
@@ -32,14 +32,17 @@ class NearestMark:
         if pair is None or pair.distance > _FAR:
             self.hide()
             return
-        text = f"{1000 * pair.distance:.1f} mm {'–'.join(map(short, pair.bodies))}"  # noqa: RUF001
+        text = f"{millimetres(pair.distance)} {'–'.join(map(short, pair.bodies))}"  # noqa: RUF001
         middle = tuple(pair.points.mean(axis=0))
         color = clearance_colors(np.array([pair.distance]))[0].astype(np.uint8)
         self._segment = self._scene.add_line_segments(
             "/nearest/segment", pair.points[None], color, thickness=_THICKNESS
         )
         if self._label is None:
-            self._label = self._scene.add_label("/nearest/label", text, position=middle)
+            # Up and to the left: names of frames stand down and to the right of theirs.
+            self._label = self._scene.add_label(
+                "/nearest/label", text, position=middle, anchor="bottom-right"
+            )
         else:
             self._label.text, self._label.position = text, middle
 

@@ -18,6 +18,7 @@ class Player:
             on_time: Called with each time that is to be shown, from the thread.
         """
         self._duration, self._on_time = duration, on_time
+        self._thread: threading.Thread | None = None
         self._stop = threading.Event()
         self._stop.set()
 
@@ -35,11 +36,14 @@ class Player:
         """
         self._stop.clear()
         begin = 0.0 if time >= self._duration - 1.0 / _RATE else time
-        threading.Thread(target=self._run, args=(begin, on_end), daemon=True).start()
+        self._thread = threading.Thread(target=self._run, args=(begin, on_end), daemon=True)
+        self._thread.start()
 
     def stop(self) -> None:
-        """Play no more."""
+        """Play no more, once the picture that is shown is there."""
         self._stop.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join()
 
     def _run(self, time: float, on_end: Callable[[], None]) -> None:
         while not self._stop.wait(1.0 / _RATE) and time < self._duration:

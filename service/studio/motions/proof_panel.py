@@ -44,7 +44,7 @@ class ProofPanel:
         @row.on_click
         def _(_: Any) -> None:
             self._told.content = texts.told(
-                f"{check['name']} {words.hint}", "plain" if check["passed"] else "bad"
+                f"{words.name}: {words.hint}", "plain" if check["passed"] else "bad"
             )
             on_choose(check)
 

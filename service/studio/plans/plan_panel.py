@@ -2,12 +2,14 @@
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from html import escape
 from typing import Any
 
 import viser
 
 from service.studio import texts
 from service.studio.cell import Cell
+from service.studio.plans.failure_words import failed
 from service.studio.plans.path_so_far import PathSoFar
 from service.studio.plans.relaxations import Relaxation
 
@@ -21,7 +23,16 @@ _STAGES = {
     "certify": "proving it",
     "explain": "finding out why it fails",
 }
-
+# Parts of the time that are no stages of their own.
+_PARTS = {
+    **_STAGES,
+    "setup": "preparing the planner",
+    "solve": "running the planner",
+    "shortcut": "shortening the path",
+    "samples": "sampling the motion",
+}
+# Dark enough for white words.
+_GREEN = (15, 118, 110)
 
 # Pages of a plan that stand for themselves, and can be sent on.
 _PAGES = {"replay.html": "replay", "report.html": "report"}
@@ -34,6 +45,8 @@ class PlanPanel:
     def __init__(
         self,
         gui: viser.GuiApi,
+        bar: viser.GuiFolderHandle,
+        said: viser.GuiFolderHandle,
         on_plan: Callable[[], None],
         pages: Callable[[], str | None],
         best: PathSoFar,
@@ -41,17 +54,22 @@ class PlanPanel:
         """Show the button.
 
         Args:
-            gui: Where it is shown, in the container that is open.
+            gui: Of one browser.
+            bar: Where the button stands, and stays.
+            said: Where it is said how far the plan is.
             on_plan: Called when it is pressed.
             pages: Returns the URL of the server's pages; None if a browser does not get them.
             best: Draws the best path while there is none that is proven.
         """
         self._gui, self._pages, self._best = gui, pages, best
-        self._button = gui.add_button("Plan", icon=viser.Icon.ROUTE, color="teal")
-        self._bar = gui.add_progress_bar(0.0, animated=True, visible=False)
-        self._told = gui.add_html(texts.told(""), visible=False)
-        self._instead = gui.add_folder("Ask instead", visible=False)
-        self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
+        with bar:
+            self._button = gui.add_button("Plan", icon=viser.Icon.ROUTE, color=_GREEN)
+            # In the place of the other one, which is there whenever this one is not.
+            self._cancel = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
+        with said:
+            self._bar = gui.add_progress_bar(0.0, animated=True, visible=False)
+            self._told = gui.add_html(texts.told(""), visible=False)
+            self._instead = gui.add_folder("Ask instead", visible=False)
         self._offered: list[viser.GuiButtonHandle] = []
         self._button.on_click(lambda _: on_plan())
         self._running: tuple[Cell, str] | None = None
@@ -115,18 +133,20 @@ class PlanPanel:
         self._told.visible = False
         self.offer((), lambda _: None)
 
-    def _ended(self, job: dict[str, Any]) -> dict[str, Any]:
+    def tell_of(self, job: Mapping[str, Any]) -> None:
+        """Say what came of a plan, with links to its pages."""
         if job["state"] == "succeeded":
-            seconds = job["timings"].get("total", 0.0)
-            stages = {n: 1000 * t for n, t in job["timings"].items() if n != "total"}
-            longest = sorted(stages, key=lambda name: -stages[name])[:3]
-            several = ", ".join(f"{name} {stages[name]:.0f}" for name in longest)
-            told, pages = texts.told(f"planned in {1000 * seconds:.0f} ms: {several}"), _PAGES
+            told, pages = _times(job["timings"]), _PAGES
         else:
-            failed = job["failure"] or {"code": job["state"], "detail": ""}
-            told, pages = texts.failure(failed["code"], failed["detail"]), _PAGES_OF_FAILURE
+            failure = job["failure"] or {}
+            code, detail = failure.get("code", job["state"]), failure.get("detail", "")
+            told = failed(code, detail, failure.get("evidence"))
+            pages = _PAGES_OF_FAILURE
         server = self._pages()
         self._tell(told if server is None else told + texts.pages(server, job["id"], pages))
+
+    def _ended(self, job: dict[str, Any]) -> dict[str, Any]:
+        self.tell_of(job)
         return job
 
     def _follow(self, data: Mapping[str, Any]) -> None:
@@ -145,6 +165,18 @@ class PlanPanel:
         self._told.content, self._told.visible = content, True
 
     def _show(self, *, is_planning: bool) -> None:
-        self._button.disabled = is_planning
+        self._button.visible = not is_planning
         self._bar.visible = self._cancel.visible = is_planning
         self._bar.value = 0.0
+
+
+def _times(timings: Mapping[str, float]) -> str:
+    """Return how long a plan took, the longest parts by name; what they are is a hint."""
+    parts = {name: 1000 * time for name, time in timings.items() if name != "total"}
+    longest = sorted(parts, key=lambda name: -parts[name])[:3]
+    several = ", ".join(
+        f'<span title="{escape(_PARTS.get(name, name))}" style="cursor:help;'
+        f'text-decoration:underline dotted">{escape(name)} {parts[name]:.0f}</span>'
+        for name in longest
+    )
+    return texts.lines(f"planned in {1000 * timings.get('total', 0.0):.0f} ms: {several}", "plain")

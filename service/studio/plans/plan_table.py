@@ -44,16 +44,31 @@ class PlanRow:
 
     @property
     def cells(self) -> list[str]:
-        """Duration, clearance, length of the tool's way, and whether it is proven."""
+        """Duration, clearance, and the length of the tool's path."""
         result = self.job["result"]
-        certificate = result["certificate"]
-        gap = certificate["min_clearance"]
+        gap = result["certificate"]["min_clearance"]
         return [
             f"{result['trajectory']['duration']:.2f} s",
-            "" if gap is None else f"{1000 * gap:.1f} mm",
+            "" if gap is None else texts.millimetres(gap),
             f"{sum(part['length'] for part in result['parts']):.2f} m",
-            "proven" if certificate["proven"] else "not proven",
         ]
+
+    @property
+    def revision(self) -> int:
+        """Of the scene that it was planned in."""
+        return int(self.job["request"]["revision"])
+
+    def proof(self, newest: int) -> str:
+        """Return where it is proven, as HTML.
+
+        Args:
+            newest: Revision that the scene has now.
+        """
+        if not self.job["result"]["certificate"]["proven"]:
+            return "not proven"
+        if self.revision == newest:
+            return f"proven in {newest}"
+        return f'<span style="color:{texts.COLORS["warn"]}">proven in {self.revision}</span>'
 
 
 class PlanTable:
@@ -77,6 +92,8 @@ class PlanTable:
         self._cell, self._on_choose = cell, on_choose
         self._newest = Newest(on_fault)
         self._rows: dict[str, PlanRow] = {}
+        self._shown: list[str] = []
+        self._plan: str | None = None
         self._traces: dict[str, viser.SceneNodeHandle] = {}
         self._folder = gui.add_folder("Plans of this scene")
         with self._folder:
@@ -90,6 +107,22 @@ class PlanTable:
     def renew(self) -> None:
         """Look for plans that came."""
         self._newest.ask(self._look)
+
+    def look_again(self) -> None:
+        """Say which proofs are of the scene as it is now."""
+        rows = [self._rows[name] for name in self._shown]
+        if rows:
+            self._table.content = table_of(rows, self._cell.scene.revision)
+
+    def choose(self, plan: str | None) -> None:
+        """Say that a plan is looked at: its id."""
+        self._plan = plan
+        self._show_choice()
+
+    def name_of(self, plan: str) -> str:
+        """Return what a plan is called."""
+        row = self._rows.get(plan)
+        return "the motion" if row is None else f"plan {row.number}"
 
     def close(self) -> None:
         """Take the table and its paths away."""
@@ -110,10 +143,10 @@ class PlanTable:
                 color = _COLORS[(number - 1) % len(_COLORS)]
                 self._rows[name] = row = PlanRow(job, number, color)
                 self._draw(name, row)
-        shown = [self._rows[name] for name in names]
-        self._table.content = table_of(shown)
-        self._chosen.options = (_NONE, *(f"plan {row.number}" for row in shown))
-        self._chosen.value = _NONE
+        self._shown = names
+        self.look_again()
+        self._chosen.options = (_NONE, *map(self.name_of, names))
+        self._show_choice()
         self._chosen.visible = True
         self._show_paths()
 
@@ -134,6 +167,12 @@ class PlanTable:
         tool = group.tool_frames[0]
         return cell.api.poses(cell.scene.id, name, positions[rows], [tool])[tool][:, :3]
 
+    def _show_choice(self) -> None:
+        plan = self._plan
+        self._chosen.value = (
+            self.name_of(plan) if plan is not None and plan in self._shown else _NONE
+        )
+
     def _show_paths(self) -> None:
         for trace in self._traces.values():
             trace.visible = bool(self._paths.value)
@@ -145,13 +184,21 @@ class PlanTable:
                 self._on_choose(row.job)
 
 
-def table_of(rows: list[PlanRow]) -> str:
-    """Return plans as an HTML table, newest first."""
-    head = "".join(f"<th>{name}</th>" for name in ("", "time", "clear", "way", ""))
+def table_of(rows: list[PlanRow], newest: int) -> str:
+    """Return plans as an HTML table, newest first.
+
+    Args:
+        rows: The plans.
+        newest: Revision that the scene has now.
+    """
+    names = ("", "time", "clear", "tool path", "revision")
+    head = "".join(f"<th>{name}</th>" for name in names)
     body = "".join(
         f"<tr><td>{texts.spot(row.color)}{row.number}</td>"
         + "".join(f'<td style="text-align:right">{cell}</td>' for cell in row.cells)
-        + "</tr>"
+        + f'<td style="text-align:right">{row.proof(newest)}</td></tr>'
         for row in rows
     )
-    return texts.boxed(f'<table style="width:100%"><tr>{head}</tr>{body}</table>')
+    told = f"The scene is at revision {newest}. To compare plans, look at one after the other."
+    table = f'<table style="width:100%"><tr>{head}</tr>{body}</table>'
+    return texts.boxed(f'{table}<span style="color:{texts.COLORS["plain"]}">{told}</span>')

@@ -25,7 +25,7 @@ class LiveRobots:
         self,
         cell: Cell,
         api: Api,
-        on_edit: Callable[[], None],
+        on_edit: Callable[[int], None],
         on_presence: Callable[[bool], None],
     ) -> None:
         """Begin to follow.
@@ -33,7 +33,7 @@ class LiveRobots:
         Args:
             cell: The scene.
             api: A connection of its own, which is closed at the end.
-            on_edit: Called when the scene has another revision than the one that is drawn.
+            on_edit: Called with the scene's revision when that is not the one that is drawn.
             on_presence: Called with whether the server answers, when that has changed.
         """
         self._cell, self._api, self._on_edit = cell, api, on_edit
@@ -72,7 +72,7 @@ class LiveRobots:
 
     def _follow(self, state: Mapping[str, Any]) -> None:
         if state["revision"] != self._cell.scene.revision:
-            self._on_edit()
+            self._on_edit(int(state["revision"]))
         for robot in state["robots"]:
             if self._shown.get(robot["robot"]) != robot["positions"]:
                 self._shown[robot["robot"]] = robot["positions"]

@@ -12,6 +12,8 @@ from service.studio.motions.nearness import Nearness
 from service.studio.motions.plot import with_cursor
 from service.studio.motions.series import Bounds, Series, SeriesAnswer
 from service.studio.motions.trace import BY_LIMIT, clearance_colors, legend, limit_colors
+from service.studio.motions.verdict import Proof, verdict_of
+from service.studio.plans.failure_words import failed
 
 
 def series(**utilisation):
@@ -75,11 +77,12 @@ def test_a_touch_is_red_what_is_far_is_green_and_nothing_to_hit_too():
 def test_what_a_server_says_is_no_markup():
     evil = "<img src=x onerror=alert(1)>"
     certificate = {"proven": True, "min_clearance": 0.1, "pair": [evil, evil]}
+    proof = Proof(certificate, 1.0, revision=1, has_margin=False)
     pair = {"bodies": [evil, evil], "depth": 0.1}
-    said = [texts.told(evil), texts.failure(evil, evil), texts.pairs([pair])]
+    said = [texts.told(evil), failed(evil, evil), texts.pairs([pair])]
     for text in (
         *said,
-        texts.verdict(certificate, 1.0),
+        verdict_of(proof, 1),
         legend(series(**{evil: [1.0, 1.0, 1.0]}), BY_LIMIT),
     ):
         assert "<img" not in text
@@ -131,4 +134,4 @@ def test_a_check_says_how_much_when_and_which_curve_shows_it():
     assert "wrist" in words.hint
     near = {"name": "clearance", "value": -0.002, "bound": 0.0, "unit": "m", "passed": False}
     words = words_of({**near, "where": "arm::hand-can", "time": 1.0})
-    assert (words.name, words.value) == ("failed: clearance", "-2.0 mm at 1.00 s")
+    assert (words.name, words.value) == ("✗ failed: clearance", "-2.0 mm at 1.00 s")
