@@ -29,7 +29,7 @@ def test_every_solution_reaches_and_is_free_in_limits_and_distinct(engine: str, 
     limits = world.limits(group)
     q = free_configuration(world, rng)
     target = world.frame_pose("arm::tcp", world.embed(group, q))
-    found = ask(world, "arm", at(target), IkOptions(max_trials=25), seed)
+    found = ask(world, "arm", at(target), IkOptions(max_trials=100), seed)
     assert len(found.positions)
     for row in found.positions:
         reached = world.frame_pose("arm::tcp", world.embed(group, row))
