@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import viser
@@ -11,7 +12,7 @@ from service.studio.cell import Cell
 from service.studio.forms.fields import Group
 from service.studio.forms.form import Drawing, Words
 from service.studio.forms.schema import fields_of
-from service.studio.forms.words import spoken
+from service.studio.forms.words import FormError, spoken
 
 _REQUEST = "PlanRequest"
 # Shown elsewhere: the scene that is looked at, its robot, where it is and where it shall go.
@@ -89,11 +90,13 @@ class OptionsPanel:
         )
         form = Drawing(gui, self._words, self._look).input(fields, is_unfolded=True)
         self._parts = [self._told, where, reset, form]
-        form.fill(_AT_FIRST)
+        with suppress(FormError):  # half written: it stays as it is
+            # Fields were there one by one, for as long as it took: what was filled in stays.
+            form.fill(_with_first(form.value()))
         reset.on_click(lambda _: form.fill(_AT_FIRST))
         self._planning_time = _planning_time(fields)
         self._form = form
-        self._look()  # what was filled in meanwhile
+        self._look()
 
     def _look(self) -> None:
         """Say what is otherwise than by default."""
@@ -108,6 +111,11 @@ class OptionsPanel:
         told = "all by default" if value == _AT_FIRST else f"otherwise than by default: {changed}"
         self._told.content = texts.told(told)
         self._reset.disabled = value == _AT_FIRST
+
+
+def _with_first(value: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options with what is asked at first, where they do not say otherwise."""
+    return {**value, "search": {**_AT_FIRST["search"], **value.get("search", {})}}
 
 
 def _planning_time(fields: Group) -> float:

@@ -1,5 +1,7 @@
 """Forms made from the OpenAPI document: complete, and what is filled in is what is asked."""
 
+from types import SimpleNamespace
+
 import pytest
 import viser
 from hypothesis import HealthCheck, example, given, settings
@@ -7,8 +9,10 @@ from hypothesis import strategies as st
 
 from service.studio.forms.fields import Choice, Flag, Group, Number, OneOf, Optional, Written
 from service.studio.forms.form import Drawing
+from service.studio.forms.options_panel import PLANNING_TIME, OptionsPanel
 from service.studio.forms.schema import field_of, fields_of
 from service.studio.forms.words import FormError, read
+from tests.service.servers import until
 from tests.service.studio.schema_values import (
     DOCUMENT,
     alternatives,
@@ -121,6 +125,28 @@ def test_options_that_are_filled_in_are_asked(gui, value):
     form.fill({})
     assert form.value() == {}
     form.remove()
+
+
+def test_what_is_filled_in_while_the_options_are_drawn_stays(gui, monkeypatch):
+    """A document takes seconds to be made and drawn, and a person does not wait."""
+    draw = Drawing.input
+
+    def draw_and_fill(self, field, *parent, **where):
+        form = draw(self, field, *parent, **where)
+        if isinstance(field, Group) and "seed" in {inner.name for inner in field.fields}:
+            form.fill({"seed": 7, "search": {"planner": "RRTstar"}})
+        return form
+
+    monkeypatch.setattr(Drawing, "input", draw_and_fill)
+    cell, faults = SimpleNamespace(api=SimpleNamespace(document=DOCUMENT)), []
+    place = gui.add_tab_group().add_tab("Options")
+    panel = OptionsPanel(gui, place, cell, {}, faults.append)
+    until(lambda: faults or "seed" in panel.options())
+    found = panel.options()
+    assert faults == []
+    assert (found["seed"], found["search"]["planner"]) == (7, "RRTstar")
+    assert found["search"]["allowed_planning_time"] == PLANNING_TIME
+    panel.close()
 
 
 @REPEATED
