@@ -230,13 +230,14 @@ class GoalPanel:
 
     def _take_nearest(self) -> None:
         """Make the nearest configuration that is free the goal; a dragged tool goes there."""
-        if self._nearest is None:
+        nearest = self._nearest  # what is asked meanwhile may take it away
+        if nearest is None:
             return
-        self._set_sliders(self._nearest)
+        self._set_sliders(nearest)
         if self._choice.value != BY_TOOL:
             self._slide()
             return
-        self._move_gizmo(self._nearest)
+        self._move_gizmo(nearest)
         self._on_change()
         self._newest.ask(self._show)
 

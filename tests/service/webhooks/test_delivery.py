@@ -196,6 +196,8 @@ def test_a_job_whose_message_fails_holds_up_no_other_job(engine, jobs, webhooks,
             await to_thread.run_sync(target.wait_for, 1)
             second = await to_thread.run_sync(finish, jobs)
             await to_thread.run_sync(target.wait_for, 2)
+            # It is noted as told once the target's answer has come.
+            await until_so(lambda: left(engine) == 1)
             return first, second
 
     told = asyncio.run(story())
