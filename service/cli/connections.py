@@ -169,7 +169,7 @@ class _BoundedSocket(WSProtocol):
     bounds: Connections
 
     @override
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+    def connection_made(self, transport: asyncio.Transport) -> None:
         super().connection_made(transport)
         self.bounds.add(self)
         self.bounds.mark(self, silent=False)

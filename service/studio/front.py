@@ -8,9 +8,10 @@ import asyncio
 import contextlib
 import logging
 import re
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterable, Awaitable, Callable
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -138,8 +139,8 @@ async def _to_studio(browser: WebSocket, send: Callable[[bytes], Awaitable[None]
             await send(await browser.receive_bytes())
 
 
-async def _to_browser(browser: WebSocket, studio: object) -> None:
-    async for message in studio:  # type: ignore[attr-defined]
+async def _to_browser(browser: WebSocket, studio: AsyncIterable[Any]) -> None:
+    async for message in studio:
         await browser.send_bytes(message)
 
 

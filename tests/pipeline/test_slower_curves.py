@@ -1,6 +1,7 @@
 """Curves along the path that are certainly slower than the refined one are timed when needed."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -67,9 +68,9 @@ def test_order_is_that_of_curves_that_are_all_timed(
     monkeypatch.setattr(candidate_motions, "refine", lambda *_: (refined, report))
     timed: list[JointSpline] = []
 
-    def counted(spline: JointSpline, *rest: object) -> object:
+    def counted(spline: JointSpline, *rest: Any) -> Any:
         timed.append(spline)
-        return retime(spline, *rest)  # type: ignore[arg-type]
+        return retime(spline, *rest)
 
     monkeypatch.setattr(candidate_timing, "retime", counted)
     found_on(tmp_path, method, taken=1)
