@@ -10,7 +10,7 @@ on their distance, and the best n attains it (Boyd and Vandenberghe, "Convex Opt
 section 8.2.2). So any direction n, whatever its source, gives a proven bound.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -112,7 +112,7 @@ def collision_shapes(
     inspector, standing = model.scene_graph.model_inspector(), model.static_objects
     pairs = collision_pairs_of(model)
     first = pairs.num_drake_shapes
-    picked = [row for row, i in enumerate(pairs.ids) if chosen is None or i in chosen]
+    picked = _rows(pairs.ids, first, standing.row_of, chosen)
     ids = [pairs.ids[row] for row in picked]
     shapes: list[Any] = []
     poses: list[Any] = []
@@ -141,6 +141,19 @@ def collision_shapes(
         radii=np.array([radius for _, radius in spheres], dtype=np.float64),
         is_half_space=np.array([isinstance(shape, HalfSpace) for shape in shapes], dtype=bool),
     )
+
+
+def _rows(
+    ids: Sequence[GeometryId],
+    num_drake_shapes: int,
+    row_of_static: Mapping[GeometryId, int],
+    chosen: Collection[GeometryId] | None,
+) -> list[int]:
+    """Return the rows of the chosen shapes: there may be thousands that are not looked through."""
+    if chosen is None:
+        return list(range(len(ids)))
+    rows = [row for row, i in enumerate(ids[:num_drake_shapes]) if i in chosen]
+    return rows + sorted(num_drake_shapes + row_of_static[i] for i in chosen if i in row_of_static)
 
 
 def _summands(shape: Any) -> _Summands:  # noqa: PLR0911  (one case per shape)

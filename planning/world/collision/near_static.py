@@ -46,11 +46,13 @@ _shared: WeakKeyDictionary[StaticObjects, _QueryContext] = WeakKeyDictionary()
 class NearStatic:
     """Context of a model with the objects that are registered in it; one thread."""
 
-    def __init__(self, model: DrakeModel, context: Context | None = None) -> None:
+    def __init__(self, model: DrakeModel, context: Context | _QueryContext | None = None) -> None:
         """Make a context, with the shapes of Drake's model, or use a given one of it."""
         self._model = model
         self._last_gaps: tuple[bytes, tuple[Array, Array]] | None = None
-        self._context = _QueryContext(context or make_query_context(model))
+        if not isinstance(context, _QueryContext):
+            context = _QueryContext(context or make_query_context(model))
+        self._context = context
 
     @classmethod
     def shared(cls, model: DrakeModel) -> "NearStatic":
@@ -62,9 +64,7 @@ class NearStatic:
         context = _shared.get(model.static_objects)
         if context is None:
             context = _shared[model.static_objects] = _QueryContext(make_query_context(model))
-        near_static = cls(model, context.root)
-        near_static._context = context
-        return near_static
+        return cls(model, context)
 
     @property
     def plant_context(self) -> Any:

@@ -48,8 +48,9 @@ def load_world(
             Drake's either way.
         previous: A loaded world to reuse, such as that of the scene before an edit: common parts
             are not loaded again but shared, so both belong to one thread.
-        all_in_drake: Whether Drake's model has the objects that are fixed to the world too, for
-            those who ask Drake alone; else they are kept outside of it, with the same results.
+        all_in_drake: Whether Drake's model has the objects that are fixed to the world too, but for
+            half spaces, for those who ask Drake alone; else they are kept outside of it, with the
+            same results.
 
     Raises:
         SceneInvalid: A name in the scene is wrong; evidence has its `path`.

@@ -24,8 +24,9 @@ from planning.world.loading.drake_shapes import drake_shape
 def static_object_names(scene: Scene) -> frozenset[str]:
     """Return the names of the objects that stay out of Drake's model.
 
-    They are all that are fixed to the world: moving one must not rebuild the model. Half spaces,
-    which are unbounded, are in Drake's model: there are few.
+    They are all that are fixed to the world: moving one must not rebuild the model. Half spaces
+    are not among them, as they have no bounds: Drake's model has them as bodies without collision
+    geometry (`DrakeModel.half_spaces`).
     """
     return frozenset(
         thing.name

@@ -43,7 +43,8 @@ class Simulation:
     The plant has gravity, damping and dry friction of the joints where descriptions state them, and
     effort limits. Not promised: the dynamics of motors or gears; contacts are Drake's compliant
     point contacts. In scenes of more than 48 objects that are fixed to the world, contacts with
-    these are detected but exert no force.
+    these are detected but exert no force. A half space exerts force within 500 m of its origin and
+    down to a depth of 10 m.
     """
 
     def __init__(
