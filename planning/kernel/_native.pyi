@@ -159,6 +159,19 @@ class Chain:
         kernel: str = "",
     ) -> tuple[_Verdicts, _Doubles, _Integers]: ...
 
+class InverseDynamics:
+    def __init__(
+        self,
+        scene: Scene,
+        positions: _Integers,
+        velocities: _Integers,
+        state: _Doubles,
+        inertias: _Doubles,
+        rotors: _Doubles,
+        gravity: _Doubles,
+    ) -> None: ...
+    def efforts(self, q: _Doubles, v: _Doubles, vdot: _Doubles) -> _Doubles: ...
+
 class DistanceQuery:
     def __init__(
         self, scene: Scene, positions: _Integers, velocities: _Integers, state: _Doubles

@@ -100,6 +100,22 @@ def chain() -> Any:
     return module.Chain(*(value for value, _ in group(floats=True).values()), 2, IDENTITY)
 
 
+def masses() -> dict[str, tuple[Any, int]]:
+    """Return masses of four links, motors, and gravity."""
+    inertias = np.concatenate([np.ones((4, 1)), np.zeros((4, 3)), np.tile(IDENTITY[:9], (4, 1))], 1)
+    return {
+        "inertias": (inertias, EXACT),
+        "rotors": (np.full(NV, 0.1), EXACT),
+        "gravity": (np.array([0.0, 0.0, -9.81]), EXACT),
+    }
+
+
+def dynamics() -> Any:
+    module: Any = native()
+    given = (value for value, _ in (group(floats=True) | masses()).values())
+    return module.InverseDynamics(*given)
+
+
 def trees() -> Any:
     module: Any = native()
     q = np.zeros(4)
@@ -253,6 +269,11 @@ def calls() -> dict[str, Call]:
             targets=(IDENTITY[None], ROWS), lower=(np.full(11, -9.0), EXACT),
             upper=(np.full(11, 9.0), EXACT), tolerance=(tolerance(), OBJECT), enough=(9, ANY),
             max_iterations=(20, ANY), kernel=("base", OBJECT),
+        ),
+        "InverseDynamics": call(module.InverseDynamics, **group(floats=True), **masses()),
+        "InverseDynamics.efforts": call(
+            dynamics().efforts, q=(with_ball, SIZING), v=(np.ones((len(with_ball), 10)), EXACT),
+            vdot=(np.ones((len(with_ball), 10)), EXACT),
         ),
         "DistanceQuery": call(module.DistanceQuery, **group(floats=True)),
         "DistanceQuery.within": call(

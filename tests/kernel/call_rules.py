@@ -12,7 +12,8 @@ FINITE = {
     "X_PF", "X_LG", "X_LT", "axis", "size", "vertices", "planes", "outer", "inner", "bound",
     "state", "thresholds", "box", "breaks", "bases", "coefficients", "margins", "reach", "least",
     "price", "c", "s", "v", "a", "j", "h", "durations", "parameters", "limits", "positions",
-    "q_diagonal", "lower", "upper", "values", "start", "goals", "waypoints",
+    "q_diagonal", "lower", "upper", "values", "start", "goals", "waypoints", "inertias", "rotors",
+    "gravity", "vdot",
 }  # fmt: skip
 
 

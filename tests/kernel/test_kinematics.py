@@ -49,10 +49,10 @@ def with_mimics(robot: Robot, rng: np.random.Generator) -> Robot:
     return replace(robot, model=replace(model, couplings=tuple(couplings)), group=group)
 
 
-def made_up(seed: int) -> tuple[Robot, str, np.ndarray]:
+def made_up(seed: int, mass: float = np.nan) -> tuple[Robot, str, np.ndarray]:
     """Return a random robot, a frame of it, and configurations."""
     rng = np.random.default_rng(seed)
-    robot = with_frames(random_robot(rng, int(rng.integers(1, 9)), 0))
+    robot = with_frames(random_robot(rng, int(rng.integers(1, 9)), 0, mass))
     if rng.random() < 0.5:
         robot = with_mimics(robot, rng)
     manifold = Manifold(robot.group.joints)

@@ -122,15 +122,12 @@ class LoadLinearization:
         )
         ratios = self.ratios[self.is_selected]
         max_change = _MAX_CHANGE_FACTOR * np.abs(values).sum(axis=1) / self.bound
-        parts: list[PenaltyRows] = []
-        for sign in self.signs:
-            lower_bounds = sign * ratios / self.bound - 1
-            can_bind = lower_bounds > -max_change
-            row_values = -sign * values[can_bind] / self.bound
-            parts.append(
-                PenaltyRows(columns[can_bind], row_values, lower_bounds[can_bind], self.penalty)
-            )
-        return PenaltyRows.stacked(parts)
+        # Both bounds of a row follow each other: rows of the same columns are one block.
+        signs = np.array(self.signs)
+        lower_bounds = signs * ratios[:, None] / self.bound - 1
+        rows, chosen = np.nonzero(lower_bounds > -max_change[:, None])
+        row_values = -signs[chosen, None] * values[rows] / self.bound
+        return PenaltyRows(columns[rows], row_values, lower_bounds[rows, chosen], self.penalty)
 
 
 def _normals(vectors: Float64[np.ndarray, "m balls dims"]) -> Float64[np.ndarray, "m balls k dims"]:

@@ -64,15 +64,6 @@ class PenaltyRows:
         lower_bounds = np.stack([current / high - 1, current / low - 1], axis=-1)
         return cls(repeated_columns, pairs.reshape(-1, entries), lower_bounds.ravel(), penalty)
 
-    @classmethod
-    def stacked(cls, parts: "list[PenaltyRows]") -> "PenaltyRows":
-        """Return the rows of several parts of equal penalty."""
-        columns, values, lower_bounds = (
-            np.concatenate(arrays)
-            for arrays in zip(*((p.columns, p.values, p.lower_bounds) for p in parts), strict=True)
-        )
-        return cls(columns, values, lower_bounds, parts[0].penalty)
-
     def selected(self, which: Any) -> "PenaltyRows":
         """Return the selected rows."""
         return PenaltyRows(

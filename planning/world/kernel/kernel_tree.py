@@ -25,14 +25,10 @@ def kernel_chain(
     None if there is no kernel, the model does not use it, or it has a joint of a kind that the
     kernel does not have: Drake alone computes then.
     """
-    if not model.uses_kernel:
+    module, known = native(), tree_scene(model)
+    if module is None or known is None:
         return None
-    if model.diagram not in _cache:
-        _cache[model.diagram] = _tree(model)
-    module, cached = native(), _cache[model.diagram]
-    if module is None or cached is None:
-        return None
-    scene, tree = cached
+    scene, tree = known
     tool = model.frame(frame)
     link, x_lb = tree.bodies[int(tool.body)]
     return module.Chain(
@@ -43,6 +39,19 @@ def kernel_chain(
         link,
         flat_transform(x_lb.multiply(tool.pose_in_body)),
     )
+
+
+def tree_scene(model: DrakeModel) -> tuple[Any, LinkTree] | None:
+    """Return the kernel's Scene with the tree alone, and the tree, cached by model.
+
+    None if there is no kernel, the model does not use it, or it has a joint of a kind that the
+    kernel does not have.
+    """
+    if not model.uses_kernel:
+        return None
+    if model.diagram not in _cache:
+        _cache[model.diagram] = _tree(model)
+    return _cache[model.diagram]
 
 
 def add_tree(scene: Any, model: DrakeModel, tree: LinkTree) -> None:

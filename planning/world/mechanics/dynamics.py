@@ -1,4 +1,4 @@
-"""Inverse dynamics: joint torques and forces of a motion, with payload, by Drake."""
+"""Inverse dynamics: joint torques and forces of a motion, with payload, by the kernel or Drake."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +13,7 @@ from planning.domain.robot.joints import JointGroup
 from planning.domain.robot.payload import Payload
 from planning.errors import ProblemInvalid
 from planning.world.drake_model import DrakeModel
+from planning.world.kernel.kernel_dynamics import kernel_dynamics
 from planning.world.world import World
 
 
@@ -37,7 +38,7 @@ class PathEfforts:
 
 
 class GroupDynamics:
-    """Inverse dynamics of a group by Drake, in a context of its own.
+    """Inverse dynamics of a group by the native kernel, else by Drake in a context of its own.
 
     All other joints stay as in the scene. The effort of a follower adds to that of its leader, by
     the transpose of the coupling (virtual work). Not included: dry friction, contact.
@@ -63,6 +64,7 @@ class GroupDynamics:
         if payload is not None:
             validate_payload(world, group, payload)
             _add_payload(self._model, self._context, payload)
+        self._native = kernel_dynamics(self._model, group, world.state, self._context)
 
     def efforts(
         self,
@@ -77,6 +79,12 @@ class GroupDynamics:
             v: Drake's velocities [rad/s or m/s].
             vdot: Drake's accelerations [rad/s^2 or m/s^2].
         """
+        return self._undamped(q, v, vdot) + self.damping * v
+
+    def _undamped(self, q: Array, v: Array, vdot: Array) -> Array:
+        if self._native is not None:
+            found: Array = self._native.efforts(*map(np.ascontiguousarray, (q, v, vdot)))
+            return found
         found = np.empty((len(v), self._plant.num_velocities()))
         full_v, full_vdot = self._full_rates(v), self._full_rates(vdot)
         for i, full in enumerate(self._world.embed(self._group, q)):
@@ -84,7 +92,7 @@ class GroupDynamics:
             self._plant.SetVelocities(self._context, full_v[i])
             self._plant.CalcForceElementsContribution(self._context, self._forces)
             found[i] = self._inverse_dynamics(full_vdot[i])
-        return self._group_efforts(found) + self.damping * v
+        return self._group_efforts(found)
 
     def path_efforts(
         self,
@@ -99,18 +107,10 @@ class GroupDynamics:
             rate: r' as Drake's velocity.
             curvature: r'' as Drake's acceleration.
         """
-        found = np.empty((3, len(rate), self._plant.num_velocities()))
-        zero = np.zeros(self._plant.num_velocities())
-        full_rate, full_curvature = self._full_rates(rate), self._full_rates(curvature)
-        for i, full in enumerate(self._world.embed(self._group, q)):
-            self._plant.SetPositions(self._context, full)
-            self._plant.SetVelocities(self._context, zero)
-            self._plant.CalcForceElementsContribution(self._context, self._forces)
-            found[2, i] = self._inverse_dynamics(zero)
-            found[0, i] = self._inverse_dynamics(full_rate[i])
-            self._plant.SetVelocities(self._context, full_rate[i])
-            found[1, i] = self._inverse_dynamics(full_curvature[i])
-        inertial, centrifugal, static = (self._group_efforts(part) for part in found)
+        zeros = np.zeros_like(rate)
+        static = self._undamped(q, zeros, zeros)
+        inertial = self._undamped(q, zeros, rate)
+        centrifugal = self._undamped(q, rate, curvature)
         return PathEfforts(inertial - static, centrifugal - static, static)
 
     def _inverse_dynamics(self, vdot: Array) -> Array:

@@ -1,13 +1,15 @@
 """The native solver and Clarabel answer alike, and as one would by hand."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning.refine.model.penalty_qp import PenaltyQp, PenaltyRows, ProductRows
+from planning.kernel.native import native
+from planning.refine.model.penalty_qp import _NO_PRODUCTS, PenaltyQp, PenaltyRows, ProductRows
 from tests.profiles import num_cases
 
 NATIVELY = pytest.mark.parametrize("natively", [True, False])
@@ -114,6 +116,35 @@ def test_rows_of_products_are_those_with_all_their_entries(seed: int, num_rows: 
         assert products.expanded.violations(x)[k] == pytest.approx(violation)
     assert compact.cost(x) == expanded.cost(x)
     np.testing.assert_allclose(compact.solve(), expanded.solve(), atol=1e-6)
+
+
+@pytest.mark.skipif(native() is None, reason="the native kernel is not built")
+@settings(max_examples=num_cases(20))
+@given(seed=st.integers(0, 2**32 - 1), num_rows=st.integers(1, 20), num_slopes=st.integers(3, 9))
+def test_blocks_of_many_columns_take_the_same_steps(seed: int, num_rows: int, num_slopes: int):
+    """As rows of products, of which the kernel never has the entries."""
+    rng = np.random.default_rng(seed)
+    first = np.sort(rng.choice(8, 4, replace=False)) * num_slopes
+    weights, count = rng.normal(size=4), 8 * num_slopes + 1
+    slopes, least = rng.normal(size=(num_rows, num_slopes)), rng.normal(size=num_rows)
+    columns = (first[:, None] + np.arange(num_slopes)).ravel()
+    # In any order, and one column apart from the others.
+    order = rng.permutation(len(columns) + 1)
+    entries = np.append(columns, count - 1)[order]
+    values = np.concatenate(
+        [(weights[:, None] * slopes[:, None]).reshape(num_rows, -1), np.zeros((num_rows, 1))], 1
+    )[:, order]
+    module: Any = native()
+    variables = rng.normal(size=count), np.full(count, 0.1), np.full(count, -2.0), np.ones(count)
+    price, no_rows = np.full(num_rows, 0.7), (np.zeros(1, np.int64), np.zeros(0, np.int64))
+    dense = np.arange(num_rows + 1) * len(entries), np.tile(entries, num_rows), values.ravel()
+    products = np.tile(first, (num_rows, 1)), np.tile(weights, (num_rows, 1)), slopes
+    for steps in (1, 3, 6):
+        answers = [
+            module.solve_penalty_qp(variables, *given, least, price, 0.0, steps)[0]
+            for given in ((dense, _NO_PRODUCTS), ((*no_rows, np.zeros(0)), products))
+        ]
+        np.testing.assert_allclose(*answers, rtol=0, atol=1e-9)
 
 
 @settings(max_examples=num_cases(6))

@@ -15,4 +15,5 @@ NB_MODULE(_native, m) {
   wayproof::bind_curve(m);
   wayproof::bind_timing(m);
   wayproof::bind_search(m);
+  wayproof::bind_dynamics(m);
 }

@@ -9,6 +9,9 @@
 namespace wayproof {
 namespace {
 
+// Blocks of more columns are computed as dense ones.
+constexpr int widest_sparse = 8;
+
 // Rows [rows][width] times x.
 WAYPROOF_MULTIVERSION
 void rows_times(const double* values, int rows, int width, const double* x, double* y) {
@@ -44,9 +47,18 @@ RowBlocks::RowBlocks(const PenaltyQp& program)
     if (blocks_.empty() || !same(blocks_.back().begin, k))
       blocks_.push_back({k, 0, static_cast<int>(p_.starts[k + 1] - p_.starts[k])});
     ++blocks_.back().rows;
-    widest_ = std::max(widest_, blocks_.back().width);
   }
-  local_.resize(widest_), square_.resize(static_cast<std::size_t>(widest_) * widest_);
+  int widest = 0;
+  for (Block& b : blocks_) {
+    if (b.width > widest_sparse) {
+      b.dense = static_cast<int>(dense_.size());
+      dense_.emplace_back(columns_of(b), values_of(b), static_cast<std::size_t>(b.rows),
+                          static_cast<std::size_t>(b.width));
+    } else {
+      widest = std::max(widest, b.width);
+    }
+  }
+  local_.resize(widest), square_.resize(static_cast<std::size_t>(widest) * widest);
 }
 
 Skyline RowBlocks::normal_matrix() const {
@@ -65,6 +77,10 @@ Skyline RowBlocks::normal_matrix() const {
 void RowBlocks::times(const std::vector<double>& x, std::vector<double>& y) {
   y.resize(p_.least.size());
   for (const Block& b : blocks_) {
+    if (b.dense >= 0) {
+      dense_[b.dense].times(x.data(), &y[b.begin]);
+      continue;
+    }
     const std::int64_t* columns = columns_of(b);
     for (int i = 0; i < b.width; ++i) local_[i] = x[columns[i]];
     rows_times(values_of(b), b.rows, b.width, local_.data(), &y[b.begin]);
@@ -74,6 +90,10 @@ void RowBlocks::times(const std::vector<double>& x, std::vector<double>& y) {
 
 void RowBlocks::add_transposed(const std::vector<double>& y, double scale, std::vector<double>& x) {
   for (const Block& b : blocks_) {
+    if (b.dense >= 0) {
+      dense_[b.dense].add_transposed(&y[b.begin], scale, x.data());
+      continue;
+    }
     std::fill_n(local_.begin(), b.width, 0.0);
     add_rows(values_of(b), b.rows, b.width, &y[b.begin], local_.data());
     const std::int64_t* columns = columns_of(b);
@@ -84,6 +104,10 @@ void RowBlocks::add_transposed(const std::vector<double>& y, double scale, std::
 
 void RowBlocks::add_squares(const std::vector<double>& weight, Skyline& matrix) {
   for (const Block& b : blocks_) {
+    if (b.dense >= 0) {
+      dense_[b.dense].add_squares(&weight[b.begin], matrix);
+      continue;
+    }
     std::fill_n(square_.begin(), static_cast<std::size_t>(b.width) * b.width, 0.0);
     add_row_squares(values_of(b), b.rows, b.width, &weight[b.begin], square_.data());
     const std::int64_t* columns = columns_of(b);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "qp/dense_block.hpp"
 #include "qp/penalty_qp.hpp"
 #include "qp/skyline.hpp"
 
@@ -29,6 +30,7 @@ class RowBlocks {
   struct Block {
     std::size_t begin;
     int rows, width;
+    int dense = -1;  // among the dense ones; -1: it is none
   };
 
   const std::int64_t* columns_of(const Block& b) const { return p_.columns.data() + p_.starts[b.begin]; }
@@ -37,7 +39,7 @@ class RowBlocks {
 
   const PenaltyQp& p_;
   std::vector<Block> blocks_;
-  int widest_ = 0;
+  std::vector<DenseBlock> dense_;
   std::vector<double> local_, square_;
   std::size_t num_sparse_;
   ProductBlocks products_;
