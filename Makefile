@@ -107,12 +107,13 @@ golden: setup
 	@$(PYTHON) -m tests.golden build/golden/drake.json --drake-only
 
 # What clients see, recorded anew where a change of it is meant: the OpenAPI document, the client's
-# modules that are made of it, and answers.
+# modules that are made of it, answers, and those of them that are examples of errors.
 record: setup
 	@$(PYTHON) -m tests.golden.openapi
 	@$(PYTHON) -m client.generator
 	@$(PYTHON) -m tests.golden.failures
 	@$(PYTHON) -W ignore -m tests.golden.service
+	@$(PYTHON) -W ignore -m tests.golden.error_examples
 	@$(PYTHON) -W ignore -m tests.golden.service.database --answers
 
 # Thousands of random cases from a fresh seed, which is printed.
@@ -225,7 +226,8 @@ chaos: setup
 soak: setup
 	@$(PYTHON) benchmarks/soak.py --robots $(ROBOTS) --seed $(SEED)
 
-# Those of the guide: motions drawn by ourselves, and pages of a server in a headless Chromium.
+# Those of the guide: motions drawn by ourselves, and pages of a server in a headless Chromium. The last one also records
+# examples of errors for which something has to go wrong.
 pictures: setup
 	@$(PYTHON) benchmarks/seed_pictures.py
 	@$(PYTHON) benchmarks/scene_pictures.py

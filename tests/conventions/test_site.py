@@ -7,17 +7,14 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from PIL import Image
 
-from benchmarks.error_pictures import CLOSED, REQUESTS
-from docs.site.error_pages import PICTURES, error_pages, texts
+from docs.site.error_pages import error_pages, texts
 from docs.site.hook import on_page_markdown
 from docs.site.http_pages import http_pages
 from docs.site.schema_tables import SchemaTables
 from docs.site.source_pages import source_pages
 from planning import __all__ as public_names
-from planning.errors import StageFailure
-from service.api.failures.table import EVIDENCE, failure_errors
+from service.api.failures.table import EVIDENCE
 from service.settings import Settings
 
 ROOT = Path(__file__).parents[2]
@@ -38,24 +35,6 @@ def test_every_error_code_has_a_page_with_a_cause_and_a_fix(pages: dict[str, str
         assert re.search(r"\*\*Usual cause\.\*\* [`A-Z].*\.\n", page)
         assert re.search(r"\*\*Fix\.\*\* .*\.\n", page)
         assert f"]({code}.md)" in pages["reference/errors/index.md"]
-
-
-def test_failures_with_a_place_have_a_small_picture(pages: dict[str, str]) -> None:
-    placed = {
-        error.code
-        for error in failure_errors()
-        if issubclass(error, StageFailure) and error.stage in {"goals", "search", "certify"}
-    }
-    files = {file.stem: file for file in PICTURES.iterdir()}
-    assert set(files) == placed
-    assert placed == {*REQUESTS, *CLOSED}
-    for code, file in files.items():
-        assert f"](../../images/errors/{file.name})" in pages[f"reference/errors/{code}.md"]
-        with Image.open(file) as picture:
-            assert picture.size == (960, 600)
-            assert len(set(picture.convert("L").resize((48, 30)).tobytes())) > 30  # not blank
-        assert file.stat().st_size < 60_000
-    assert sum(file.stat().st_size for file in files.values()) < 1_000_000
 
 
 def test_fixes_name_settings_and_commands_that_there_are(pages: dict[str, str]) -> None:

@@ -856,10 +856,16 @@ class DeadlineEvidence(Answer):
     """In the stage `search`, graph that the planner explored, if the request wants it."""
     max_trials: int | None = None
     """In the stage `goals`, number of samples to be tried."""
+    num_edges: int | None = None
+    """In the stage `search`, number of motions that the planner kept; null where it does not
+    tell."""
     num_goals: int | None = None
     """In the stage `search`, number of goal configurations."""
     num_states_checked: int | None = None
     """In the stage `search`, number of configurations checked for collision."""
+    num_vertices: int | None = None
+    """In the stage `search`, number of configurations that the planner kept; null where it does
+    not tell."""
     planner: str | None = None
     """In the stage `search`, name of the planner in OMPL; of several, all names."""
     waited: float | None = None

@@ -87,6 +87,13 @@ class DeadlineEvidence(TypedDict):
     """In the stage `search`, number of goal configurations"""
     num_states_checked: NotRequired[int]
     """In the stage `search`, number of configurations checked for collision"""
+    num_vertices: NotRequired[int | None]
+    """In the stage `search`, number of configurations that the planner kept; null where it does
+    not tell
+    """
+    num_edges: NotRequired[int | None]
+    """In the stage `search`, number of motions that the planner kept; null where it does not tell
+    """
     goal_distance: NotRequired[float | None]
     """In the stage `search`, distance from the nearest configuration to a goal, as a length in
     joint space [rad or m]

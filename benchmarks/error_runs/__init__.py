@@ -1,0 +1,1 @@
+"""Failures that are made to happen on private servers: for pictures and examples of the guide."""
