@@ -244,8 +244,13 @@ class Session:
 
     def _look_at_plan(self, job: Mapping[str, Any]) -> None:
         """Show a plan of the table as the motion that can be carried out."""
-        cell = self._cell
-        if cell is None or job["request"]["group"] != cell.group.name:
+        cell, panels = self._cell, self._panels
+        if cell is None or panels is None:
+            return
+        group = job["request"]["group"]
+        if group != cell.group.name:
+            panels.plans.choose(self._motion.plan)
+            self._tell(ValueError(f"The plan is of {group}: choose it as the robot first."))
             return
         self._show_motion(cell, job)
         self._plans.tell_of(job)

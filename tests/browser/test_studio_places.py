@@ -18,12 +18,17 @@ EMPTYINGS = [("Delete",), ("Delete", "-"), ("Delete", "."), ("Delete", "3", "Bac
 
 
 def places(studio):
-    """Where the buttons are that are there [pixels], by whose place each takes."""
+    """How far below the first field the buttons are [pixels], by whose place each takes.
+
+    To click what is further below, the panel is scrolled.
+    """
     found = {}
+    top = studio.page.get_by_role("combobox", name="Scene", exact=True).last.bounding_box()["y"]
     for name in ("Plan", "Cancel", "Execute", "Pause", "Resume", "Stop"):
         button = studio.page.get_by_role("button", name=name, exact=True)
         if button.count():
-            found[IN_PLACE_OF.get(name, name)] = button.last.bounding_box()
+            box = button.last.bounding_box()
+            found[IN_PLACE_OF.get(name, name)] = round(box["y"] - top), round(box["height"])
     return found
 
 

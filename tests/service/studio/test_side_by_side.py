@@ -137,3 +137,31 @@ def curves(person):
     containers = [*person.browser.gui._container_handle_from_uuid.values()]
     children = [child for folder in containers for child in [*folder._children.values()]]
     return [child for child in children if hasattr(child, "series") and hasattr(child, "data")]
+
+
+def test_a_plan_of_another_robot_moves_beside(real_server):
+    with studio(real_server.url) as person:
+        person.server = real_server
+        person.set("Scene", "two_arms")
+        until(lambda: "both" in person.field("Robot").options)
+        person.reads("reach it|clear there")
+        person.click("Plan")
+        person.reads("^Proven")
+        person.set("Robot", "both")
+        until(
+            lambda: any(name.startswith("configuration") for name in person.field("Goal").options)
+        )
+        goals = [name for name in person.field("Goal").options if name.startswith("configuration")]
+        person.set("Goal", goals[0])
+        person.reads("^free")
+        person.click("Plan")
+        until(lambda: person.field("Look at").value == "plan 2")
+        first, _ = plans(person)
+        tick(person, "plan 1")
+        until(lambda: ghost(person, first))
+        until(lambda: person.field("Time [s]").value >= person.field("Time [s]").max - 1e-3)
+        assert is_at(person, first, -1)
+        assert person.notices == []
+        person.set("Look at", "plan 1")  # it is of the robot that was chosen before
+        assert person.field("Look at").value == "plan 2"
+        assert "is of left" in person.notices[0]
