@@ -76,6 +76,8 @@ class SideBySide:
             time: From the start of all of them.
             looked_at: The plan that has a ghost already.
         """
+        if not self._frames and not self._shown:
+            return  # of one motion alone nothing is told
         with self._lock, self._cell.client.atomic():
             others = self._others(looked_at)
             self._hide({*self._shown} - {frames.plan for frames in others})
@@ -88,6 +90,8 @@ class SideBySide:
 
     def hide(self) -> None:
         """Take the ghosts away, until they are shown again."""
+        if not self._shown:
+            return
         with self._lock, self._cell.client.atomic():
             self._hide({*self._shown})
 
